@@ -7,11 +7,6 @@ setup(
         package_dir={"": "src"},
         # As in pyproject.toml, which the setuptools of ROS Noetic does not read.
         entry_points={
-            "gpr20_analysis.exports": [
-                "group-csv = gpr20_foreign_formats.group_csv:EXPORT",
-                "merged-hdf5 = gpr20_foreign_formats.merged_hdf5:EXPORT",
-                "original-json = gpr20_foreign_formats.original_json:EXPORT",
-            ],
             "gpr20_analysis.imports": [
                 "dt1 = gpr20_foreign_formats.dt1:IMPORT",
                 "dzt = gpr20_foreign_formats.dzt:IMPORT",
@@ -20,16 +15,10 @@ setup(
                 "touchstone = gpr20_foreign_formats.touchstone:IMPORT",
                 "group-csv = gpr20_foreign_formats.group_csv:IMPORT",
                 "merged-hdf5 = gpr20_foreign_formats.merged_hdf5:IMPORT",
+                "migrated-hdf5 = gpr20_foreign_formats.migrated_hdf5:IMPORT",
                 "gprmax = gpr20_foreign_formats.gprmax:IMPORT",
                 "arrays = gpr20_foreign_formats.arrays:IMPORT",
                 "original-json = gpr20_foreign_formats.original_json:IMPORT",
-            ],
-            "gpr20_analysis.image_formats": [
-                "h5 = gpr20_foreign_formats.migrated_hdf5:FORMAT",
-            ],
-            "gpr20_analysis.imaging_methods": [
-                "kirchhoff = gpr20_foreign_formats.kirchhoff:KIRCHHOFF",
-                "kirchhoff-2d = gpr20_foreign_formats.kirchhoff:KIRCHHOFF_2D",
             ],
         },
     )

@@ -12,6 +12,7 @@ from gpr20_analysis.errors import ExportError
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import storable
 
 BESIDE = ".gpr20-"
 """Prefix of the temporary folder, beside the output, in which it is written."""
@@ -50,8 +51,9 @@ def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
     except OSError as error:
         raise ExportError(_refusal(path, error)) from error
     try:
-        yield beside / path.name
-        put(beside / path.name, path, beside / "replaced")
+        place = beside / storable(path.name)  # some libraries write no other names
+        yield place
+        put(place, path, beside / "replaced")
     except OSError as error:
         raise ExportError(_refusal(path, error)) from error
     finally:

@@ -7,9 +7,10 @@ import json
 import re
 from dataclasses import dataclass, field, replace
 from math import isfinite
+from pathlib import PurePath
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
-from gpr20_common.terminal_text import printable
+from gpr20_common.terminal_text import printable, storable
 
 # Between sentences in a row, such as two reasons for one refusal.
 BETWEEN_SENTENCES = "; "
@@ -284,7 +285,9 @@ def _deciding(reported: Tuple[int, Fault]) -> Tuple[bool, bool, bool, int, int]:
 
 
 def _value(value: Any) -> Value:
-    if isinstance(value, (str, int, float, Message)):
+    if isinstance(value, (str, PurePath)):
+        return storable(value)
+    if isinstance(value, (int, float, Message)):
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import sys
 import unicodedata
 from pathlib import PurePath
@@ -12,6 +13,7 @@ _REFUSED_CATEGORIES = frozenset({"Cc", "Cs", "Zl", "Zp"})
 # They reverse the order in which the text after them is shown.
 _DIRECTIONS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
 # Python's characters for the bytes of a file's name that are no text.
+_NO_TEXT = re.compile("[\ud800-\udfff]")
 _FIRST_BYTE, _LAST_BYTE, _BYTE = "\udc80", "\udcff", 0xDC00
 
 
@@ -28,6 +30,11 @@ def printable(text: Union[str, PurePath]) -> str:
     What is not shown is written as in Python: an escape as `\x1b`, a line break as `\n`.
     """
     return "".join(map(_written, str(text)))
+
+
+def storable(text: Union[str, PurePath]) -> str:
+    r"""Return a text as UTF-8 can hold it: bytes of a file's name that are no text as `\xff`."""
+    return _NO_TEXT.sub(lambda found: _written(found.group()), str(text))
 
 
 def say(*lines: Union[str, PurePath], file: Optional[TextIO] = None, flush: bool = False) -> None:

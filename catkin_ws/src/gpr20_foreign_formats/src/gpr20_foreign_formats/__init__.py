@@ -1,3 +1,3 @@
-"""Files of other radars and programs, and the imaging methods of the GPR-20 group."""
+"""Files of other radars and programs."""
 
 __version__ = "0.2.0"

@@ -10,20 +10,20 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
+from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import HIGHEST_M, on_grid
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.processing.antenna_delay import LONGEST_DELAY_S
-from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.processing.to_frequency import EVEN, SPECTRUM, Spectrum
-from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
+from gpr20_analysis.processing.to_frequency import EVEN
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
+from gpr20_analysis.work import Progress
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats import gprmax, merged_hdf5
 from gpr20_foreign_formats.arrays_file import READERS, arrays_in
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_foreign_formats.header import refusal
+from gpr20_foreign_formats.traces import unknown_zero
 
 S21, A_SCANS, FREQUENCY, TIME, HEIGHT = "s21", "a_scans", "frequency_hz", "time_s", "height_m"
 LAST = {S21: FREQUENCY, A_SCANS: TIME}
@@ -35,7 +35,7 @@ LIMITS: Dict[str, Tuple[float, float]] = {
     FREQUENCY: (1e6, 1e12),
     TIME: (-1e-4, 1e-4),
     HEIGHT: (0.0, HIGHEST_M),
-    DELAY: (-LONGEST_DELAY_S, LONGEST_DELAY_S),
+    DELAY: (-1e-5, 1e-5),
     "x_m": (-1e7, 1e7),
     "y_m": (-1e7, 1e7),
     "rotation_deg": (-360.0, 360.0),
@@ -66,7 +66,7 @@ class _Arrays:
             beside=_beside(self.path).name,
             names=", ".join(self.names)[:400],
         )
-        return UnreadableFileError(text, fault=faults.INPUT)
+        return refusal(text)
 
     def array(self, key: str, name: str, types: str, allowed: Message) -> np.ndarray:
         if name not in self.names:
@@ -157,15 +157,6 @@ class _Arrays:
             raise self.refused(kind, _text(shape), allowed)
         return found[0]
 
-    def spectrum(self, time_s: np.ndarray, frequency_hz: np.ndarray) -> str:
-        """Return the attribute for the frequencies to which A-scans are to be transformed."""
-        sweep = FrequencyGrid.of(xr.Dataset(coords={dataset.FREQUENCY: frequency_hz}))
-        highest_hz = 0.5 / (time_s[1] - time_s[0])
-        if not frequency_hz[-1] < highest_hz:
-            allowed = Message("below {highest_hz:g}, for these times", highest_hz=highest_hz)
-            raise self.refused(FREQUENCY, f"{frequency_hz[-1]:g}", allowed)
-        return Spectrum(sweep, Window.NONE).to_json()
-
 
 def _text(shape: Sequence[int]) -> str:
     return " x ".join(map(str, shape)) or "1"
@@ -194,10 +185,8 @@ def _opened(path: Path) -> _Arrays:
     return file
 
 
-def read_arrays(path: Path, options: ImportOptions, _: Progress = no_progress) -> xr.Dataset:
+def read_arrays(path: Path, options: ImportOptions, _: Progress) -> xr.Dataset:
     """Read spectra or A-scans; NAME.axes.yaml beside the file names its arrays, and adds axes.
-
-    The height in the options replaces that of the file, and the band its frequencies of A-scans.
 
     Raises:
         UnreadableFileError: The file is damaged, or an axis is missing, wrong or ambiguous.
@@ -205,6 +194,9 @@ def read_arrays(path: Path, options: ImportOptions, _: Progress = no_progress) -
     file = _opened(path)
     kind, values = file.values()
     last = LAST[kind]
+    if kind == A_SCANS and FREQUENCY in file.given:
+        band = Message("left out; --band says at which frequencies spectra are taken")
+        raise file.refused(FREQUENCY, file.given[FREQUENCY], band)
     axes = {key: np.ravel(file.numbers(key, ASSUMED.get(key))) for key in PLACES}
     axes[last] = file.axis(last)
     order = file.order(kind, values.shape, axes)
@@ -216,25 +208,24 @@ def read_arrays(path: Path, options: ImportOptions, _: Progress = no_progress) -
         allowed = Message("one value, or one for each trace: {shape}", shape=_text(shape))
         raise file.refused(HEIGHT, _text(given_m.shape), allowed)
     height_m = np.broadcast_to(given_m if options.height_m is None else options.height_m, shape)
-    assumed = [
+    notes = [
         Message("{file} has no {key}: {value:g} is assumed", file=path.name, key=key, value=value)
         for key, value in ASSUMED.items()
         if not file.has(key)
     ]
+    attributes = {ANTENNA_DELAY: float(file.numbers(DELAY))} if file.has(DELAY) else {}
+    if kind == A_SCANS and not attributes:
+        notes.append(unknown_zero(path.name))
     survey = on_grid(
-        path.name,
+        printable(path.name),
         _positions(axes, order, np.indices(shape).reshape(len(shape), count)),
         values.reshape(count, -1),
         height_m.ravel().tolist(),
         axes.get(FREQUENCY),
-        assumed,
+        notes,
         simulated=file.given.get(SIMULATED),
         delay_s=axes.get(TIME),
     )
-    attributes: Dict[str, Any] = {ANTENNA_DELAY: float(file.numbers(DELAY, 0.0))}
-    if kind == A_SCANS and (options.band or file.has(FREQUENCY)):
-        frequency_hz = options.band.frequency_hz if options.band else file.axis(FREQUENCY)
-        attributes[SPECTRUM] = file.spectrum(axes[TIME], frequency_hz)
     return survey.assign_attrs(attributes)
 
 

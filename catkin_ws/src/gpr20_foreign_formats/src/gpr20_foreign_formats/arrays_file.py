@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import struct
 import zlib
 from pathlib import Path
@@ -12,9 +11,10 @@ from typing import Any, Callable, Dict, Tuple
 import h5py
 import numpy as np
 
-from gpr20_analysis import lazy
+from gpr20_analysis import work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
+from gpr20_foreign_formats.header import other_kind
 from gpr20_survey.files.regular_file import open_regular
 
 ONLY = "array"
@@ -24,6 +24,7 @@ COPIES = 3.0  # of an array: as stored, in double precision, and in another orde
 PAIRS = [np.dtype([("real", one), ("imag", one)]) for one in ("f4", "f8")]
 # The format of MATLAB 5 to 7.2, as MathWorks' "MAT-File Format" describes it.
 MATLAB_HEADER, MATRIX, COMPRESSED = 128, 14, 15
+MAGIC = {".npy": [b"\x93NUMPY"], ".npz": [b"PK\x03\x04"], ".mat": [b"IM", b"MI"]}
 MATLAB_TYPES = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8"}
 MATLAB_TYPES.update({12: "i8", 13: "u8"})
 NUMERIC_CLASSES = range(6, 16)
@@ -41,10 +42,14 @@ def arrays_in(path: Path, wanted: str = "") -> Arrays:
         TooLargeError: The array does not fit into the memory.
         OSError: The file cannot be opened.
     """
-    os.close(open_regular(path, follow_link=True))
+    with open(open_regular(path, follow_link=True), "rb") as stream:
+        start = stream.read(MATLAB_HEADER)
+    is_hdf5 = h5py.is_hdf5(str(path))
+    if not is_hdf5 and not any(one in start for one in MAGIC.get(path.suffix, ())):
+        raise other_kind(path.name, path.suffix)
     try:
         # From version 7.3 on, MATLAB writes HDF5.
-        return (_hdf5 if h5py.is_hdf5(str(path)) else READERS[path.suffix])(path, wanted)
+        return (_hdf5 if is_hdf5 else READERS[path.suffix])(path, wanted)
     except AnalysisError:
         raise
     # On damaged files zipfile, struct, numpy and HDF5 raise exceptions of many kinds.
@@ -62,7 +67,7 @@ def arrays_in(path: Path, wanted: str = "") -> Arrays:
 
 def _require_room(path: Path, *sizes: int) -> None:
     # With Python's integers, which do not overflow.
-    lazy.require_bytes(
+    work.require_bytes(
         COPIES * math.prod(map(int, sizes)), Message("reading {file}", file=path.name)
     )
 

@@ -11,54 +11,76 @@ from typing import Dict
 
 import numpy as np
 
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import content_of, sibling, text_header, trace_count
+from gpr20_foreign_formats.header import (
+    Header,
+    content_of,
+    partner,
+    stale_count,
+    text_header,
+    trace_count,
+    unread_beside,
+)
 from gpr20_foreign_formats.traces import Traces, format_of
 
 HEADER_FLOATS = 32  # with the comment
-POSITION, SAMPLES, ZERO_FLAG = 1, 2, 21  # places in the header of a trace; 21 is item 22
-TYPES: Dict[int, str] = {2: "<i2", 4: "<f4"}
-METRES = {"M": 1.0, "METRES": 1.0, "METERS": 1.0, "FT": 0.3048, "FEET": 0.3048}
+# Places in the header of a trace, by the manual's items, which count from 1.
+POSITION, SAMPLES, BYTES, ADJUSTMENT, ZERO_FLAG = 1, 2, 5, 20, 21
+METRES: Dict[str, float] = {"M": 1.0, "METRES": 1.0, "METERS": 1.0, "FT": 0.3048, "FEET": 0.3048}
 LONGEST_NS = 1e6
+MODE, LINE = "SURVEY MODE", "REFLECTION"
 
 
 def read_dt1(path: Path, _: ImportOptions) -> Traces:
-    """Read a line; TIMEZERO AT POINT is counted from 0, so it may be off by a sample.
+    """Read a line; TIMEZERO AT POINT counts from 1, and is 0 or missing if nobody has set it.
 
     Raises:
-        UnreadableFileError: A file is missing, a header is wrong, or the file was cut off.
+        UnreadableFileError: A file is missing, a header is wrong, the file was cut off, or the
+            antennas were not moved together.
     """
-    data, header = sibling(path, ".dt1"), text_header(sibling(path, ".hd"), "=")
-    count = header.count("NUMBER OF TRACES", 1, 1 << 24)
+    data = partner(path, ".dt1")
+    header = text_header(partner(path, ".hd"), "=", "DT1 (HD)", "NUMBER OF PTS/TRC")
+    if header.entries.get(MODE, LINE).upper() != LINE:
+        together = Message("Reflection, antennas that move together along a line")
+        raise header.refused(MODE, together)
     samples = header.count("NUMBER OF PTS/TRC", 2, 1 << 16)
-    step_s = 1e-9 * header.number("TOTAL TIME WINDOW", 1e-3, LONGEST_NS) / samples
+    window_ns = header.number("TOTAL TIME WINDOW", 1e-3, LONGEST_NS)
     unit = str(header.entries.get("POSITION UNITS")).upper()
     if unit not in METRES:
         raise header.refused("POSITION UNITS", Message("m or ft"))
-    content = content_of(data)
-    # The samples have 2 or 4 bytes; the number in the traces is 0 in old files.
-    width = 4 if len(content) == 4 * count * (HEADER_FLOATS + samples) else 2
-    layout = np.dtype([("header", "<f4", HEADER_FLOATS), ("values", TYPES[width], samples)])
+    content, said = content_of(data), header.number("NUMBER OF TRACES", 0, np.inf, 0)
+    # The number of bytes in the traces is 0 in old files.
+    stated = np.frombuffer(content[: 4 * HEADER_FLOATS].ljust(4 * HEADER_FLOATS, b"\0"), "<f4")
+    is_long = len(content) == 4 * said * (HEADER_FLOATS + samples) or stated[BYTES] == 4.0
+    kind = "<f4" if is_long else "<i2"
+    layout = np.dtype([("header", "<f4", HEADER_FLOATS), ("values", kind, samples)])
     found = trace_count(data, len(content), layout.itemsize)
     traces = np.frombuffer(content, layout)
-    for key, values in (
-        ("NUMBER OF TRACES", np.array([found])),
-        ("NUMBER OF PTS/TRC", traces["header"][:, SAMPLES]),
+    own = traces["header"].T
+    for key, entry, expected in (
+        ("NUMBER OF PTS/TRC", own[SAMPLES], samples),
+        ("TIMEZERO ADJUSTMENT", own[ADJUSTMENT], 0),
     ):
-        other = values[values != header.number(key, 0, np.inf)]
+        other = entry[entry != expected]
         if other.size:
-            as_in = {"count": float(other[0]), "file": data.name}
-            raise header.refused(key, Message("{count:g}, as in {file}", **as_in))
+            in_traces = Header(data.name, {key: f"{other[0]:g}"})
+            raise in_traces.refused(key, Message("{expected} in each trace", expected=expected))
     scans = traces["values"].astype(np.float64)
-    scans[traces["header"][:, ZERO_FLAG] == 1.0] = np.nan  # zero data: not measured
+    scans[own[ZERO_FLAG] == 1.0] = np.nan  # zero data: not measured
+    step_s = 1e-9 * window_ns / samples
+    point = header.number("TIMEZERO AT POINT", 0.0, samples, 0.0)
     return Traces(
         data,
         scans,
         step_s=step_s,
-        zero_s=step_s * header.number("TIMEZERO AT POINT", 0.0, samples, 0.0),
-        x_m=traces["header"][:, POSITION].astype(np.float64) * METRES[unit],
+        zero_s=step_s * max(point - 1.0, 0.0) if point else None,
+        x_m=own[POSITION].astype(np.float64) * METRES[unit],
         separation_m=METRES[unit] * header.number("ANTENNA SEPARATION", 0.0, 1e3, 0.0) or None,
+        notes=[
+            *stale_count(header, "NUMBER OF TRACES", found),
+            *unread_beside(data, ".gps", ".gp2", ".top"),
+        ],
     )
 
 

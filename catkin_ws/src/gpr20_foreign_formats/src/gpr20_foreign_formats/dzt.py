@@ -7,44 +7,52 @@ from __future__ import annotations
 
 import struct
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, content_of, siblings, trace_count
+from gpr20_foreign_formats.header import (
+    Header,
+    content_of,
+    other_kind,
+    trace_count,
+    unread_beside,
+)
 from gpr20_foreign_formats.traces import Traces, format_of
 
 HEADER_BYTES = 1024
 FIELDS: Dict[str, Tuple[int, str]] = {
     **{"rh_tag": (0, "<H"), "rh_data": (2, "<H"), "rh_nsamp": (4, "<H"), "rh_bits": (6, "<H")},
     **{"rhf_spm": (14, "<f"), "rhf_position": (22, "<f"), "rhf_range": (26, "<f")},
-    **{"rh_nchan": (52, "<H"), "rhf_epsr": (54, "<f")},
+    **{"rh_rgain": (40, "<H"), "rh_nchan": (52, "<H"), "rhf_epsr": (54, "<f")},
 }
+OF_ALL_CHANNELS = ("rh_nsamp", "rh_bits", "rh_nchan", "rhf_spm")
 ANTENNA = slice(98, 112)
 TYPES: Dict[int, str] = {8: "u1", 16: "<u2", 32: "<i4"}
+OTHER_TAG = 0x0700  # of some instruments; all others end in 0xFF
 MARKS = 2
 """Samples at the start of each trace that hold marks instead of the field."""
-MOST_CHANNELS = 16
+MOST_CHANNELS, MOST_GAINS = 16, 64
 LONGEST_NS, MOST_PER_M, HIGHEST_PERMITTIVITY = 1e5, 1e5, 1e3
 
 
 def read_dzt(path: Path, options: ImportOptions) -> Traces:
-    """Read one channel of a file, as shares of its full scale.
+    """Read one channel of a file, as shares of its full scale, by the channel's own header.
 
     Time zero is the negative of rhf_position, the time of the first sample; the spacing is
     1 / rhf_spm, which is 0 if traces were taken by time, negative if the line goes back.
 
     Raises:
         AnalysisError: There are several channels and none was chosen.
-        UnreadableFileError: The header is wrong, or the file was cut off.
+        UnreadableFileError: A header is wrong, or the file was cut off.
     """
     content = content_of(path)
-    header = _header(path, content)
-    bits, samples = header.entries["rh_bits"], header.count("rh_nsamp", MARKS + 1, (1 << 16) - 1)
-    channels = header.count("rh_nchan", 1, MOST_CHANNELS)
+    first = _header(path, content, 0)
+    samples = first.count("rh_nsamp", MARKS + 1, (1 << 16) - 1)
+    channels = first.count("rh_nchan", 1, MOST_CHANNELS)
     channel = 1 if options.channel is None and channels == 1 else options.channel
     if channel is None or not 1 <= channel <= channels:
         raise AnalysisError(
@@ -54,55 +62,80 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
                 channels=channels,
             )
         )
-    blocks = header.count("rh_data", 1, (1 << 16) - 1)
+    blocks = first.count("rh_data", 1, (1 << 16) - 1)
     # Larger values have another meaning.
-    offset = HEADER_BYTES * (blocks if blocks < HEADER_BYTES else channels)
+    blocks = blocks if blocks < HEADER_BYTES else channels
+    first.number("rh_data", channel if blocks < channel else 1, np.inf)
+    own = first if channel == 1 else _header(path, content, HEADER_BYTES * (channel - 1))
+    for key in OF_ALL_CHANNELS:
+        expected = first.entries[key]
+        if own.entries[key] != expected:
+            as_first = Message("{expected:g}, as of the first channel", expected=expected)
+            raise own.refused(key, as_first)
+    bits, offset = first.entries["rh_bits"], HEADER_BYTES * blocks
     count = trace_count(path, len(content) - offset, channels * samples * bits // 8)
     stored = np.frombuffer(content, TYPES[bits], count * channels * samples, offset)
-    own: np.ndarray = stored.reshape(count, channels, samples)[:, channel - 1, :]
+    chosen: np.ndarray = stored.reshape(count, channels, samples)[:, channel - 1, :]
     # Only 32-bit samples are signed.
-    values = own / 2.0 ** (bits - 1) - (0.0 if bits == 32 else 1.0)
+    values = chosen / 2.0 ** (bits - 1) - (0.0 if bits == 32 else 1.0)
     values[:, :MARKS] = values[:, MARKS : MARKS + 1]
-    position_s = 1e-9 * header.number("rhf_position", -LONGEST_NS, LONGEST_NS)
-    per_m = header.number("rhf_spm", -MOST_PER_M, MOST_PER_M)
-    note = Message(
-        "GSSI antenna {antenna}, permittivity {permittivity:g} in the header, which is not used; "
-        "the first {marks} samples of each trace hold marks and are replaced by the next",
-        antenna=content[HEADER_BYTES * (channel - 1) :][ANTENNA].split(b"\0")[0].decode("latin-1"),
-        permittivity=header.entries["rhf_epsr"],
-        marks=MARKS,
-    )
-    ignored = [
-        Message("{file} is not read: positions and marks in it are not used", file=one.name)
-        for one in siblings(path, ".dzx", ".dzg")
-    ]
+    position_s = 1e-9 * own.number("rhf_position", -LONGEST_NS, LONGEST_NS)
+    per_m = own.number("rhf_spm", -MOST_PER_M, MOST_PER_M)
     return Traces(
         path,
         values,
-        step_s=1e-9 * header.number("rhf_range", 1e-3, LONGEST_NS) / samples,
+        step_s=1e-9 * own.number("rhf_range", 1e-3, LONGEST_NS) / samples,
         start_s=max(position_s, 0.0),
         zero_s=max(-position_s, 0.0) if position_s else None,
         x_m=np.arange(count) / per_m if per_m else None,
-        notes=[note, *ignored],
+        notes=[
+            *_notes(own, content[HEADER_BYTES * (channel - 1) : offset]),
+            *unread_beside(path, ".dzx", ".dzg", ".dza"),
+        ],
     )
 
 
-def _header(path: Path, content: bytes) -> Header:
-    if len(content) < HEADER_BYTES:
-        raise UnreadableFileError(
-            Message("{file} is shorter than its header must be", file=path.name)
-        )
-    header = Header(
-        path.name,
-        {key: struct.unpack_from(kind, content, at)[0] for key, (at, kind) in FIELDS.items()},
-    )
-    if header.entries["rh_tag"] & 0xFF != 0xFF:
-        raise header.refused("rh_tag", Message("255, as in DZT files"))
-    if header.entries["rh_bits"] not in TYPES:
-        raise header.refused("rh_bits", Message("one of {codes}", codes=", ".join(map(str, TYPES))))
-    if header.entries["rhf_epsr"] != 0.0:  # which means that nobody set it
+def _header(path: Path, content: bytes, start: int) -> Header:
+    """Return the header of a channel, which begins at this byte."""
+    if len(content) < start + HEADER_BYTES:
+        raise other_kind(path.name, "DZT")
+    entries: Dict[str, Any] = {
+        key: struct.unpack_from(kind, content, start + at)[0] for key, (at, kind) in FIELDS.items()
+    }
+    header = Header(path.name, entries)
+    if entries["rh_tag"] & 0xFF != 0xFF and entries["rh_tag"] != OTHER_TAG:
+        raise other_kind(path.name, "DZT", f"rh_tag {entries['rh_tag']:#06x} at byte {start}")
+    if entries["rh_bits"] not in TYPES:
+        raise other_kind(path.name, "DZT", f"rh_bits {entries['rh_bits']} at byte {start}")
+    if entries["rhf_epsr"] != 0.0:  # which means that nobody set it
         header.number("rhf_epsr", 1.0, HIGHEST_PERMITTIVITY)
     return header
+
+
+def _notes(header: Header, block: bytes) -> List[Message]:
+    """Return what the header of a channel, whose bytes come first, says that is not used."""
+    antenna = Message(
+        "GSSI antenna {antenna}, permittivity {permittivity:g} in the header, which is not used; "
+        "the first {marks} samples of each trace hold marks and are replaced by the next",
+        antenna=block[ANTENNA].split(b"\0")[0].decode("latin-1"),
+        permittivity=header.entries["rhf_epsr"],
+        marks=MARKS,
+    )
+    # A count of points, then gains in dB at even times.
+    start = header.entries["rh_rgain"]
+    count = int.from_bytes(block[start : start + 2], "little")
+    if not start or not 1 < count <= MOST_GAINS or start + 2 + 4 * count > len(block):
+        return [antenna]
+    gains_db = np.frombuffer(block, "<f4", count, start + 2)
+    if not np.isfinite(gains_db).all() or not np.ptp(gains_db):
+        return [antenna]
+    gain = Message(
+        "the header has a gain over time of {first_db:g} to {last_db:g} dB; if the instrument "
+        "applied it, it is still in the samples, so levels of later echoes are too high",
+        first_db=gains_db[0],
+        last_db=gains_db[-1],
+    )
+    return [antenna, gain]
 
 
 IMPORT = format_of(read_dzt, ".dzt", takes="channel")

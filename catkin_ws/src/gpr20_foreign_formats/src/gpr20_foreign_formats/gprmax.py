@@ -1,33 +1,45 @@
-"""The output of gprMax: one simulated A-scan per file, .out or, from version 4, .h5."""
+"""The output of gprMax: one simulated A-scan per file, or the file that merges many.
+
+Files are .out or, from version 4, .h5. The merged file of `outputfiles_merge` holds fields (time,
+trace) and no source; from version 4 it keeps the places of the traces, before that none.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
-import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
+from gpr20_analysis import dataset, work
+from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.format import Band, ImportFormat, ImportOptions
+from gpr20_analysis.formats.imports import Band, ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
-from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.survey_attributes import ANTENNA_SEPARATION
-from gpr20_analysis.sentences import sentences_of, with_sentence, with_sentences
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_analysis.sentences import with_notes, with_sentence
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.gprmax_merged import MERGED, ROTATION_DEG, merged_fields, time_step_s
+from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
-from gpr20_foreign_formats.header import no_files
-from gpr20_survey.files.regular_file import check_regular
+from gpr20_foreign_formats.header import (
+    BYTES_PER_SAMPLE,
+    Header,
+    hdf5_with,
+    no_files,
+    opened_hdf5,
+    refusal,
+)
+from gpr20_foreign_formats.traces import needs_spacing
 
 PATTERNS = ("*.out", "*.h5")
-EXCITATION = "srcs/src1/excitation"
-OFFSET = "TimeSampleOffset"
+ROTATION_DEG = {"Ex": 0.0, "Ey": 90.0, "Ez": 90.0}
+SAME_M = 1e-6
+RECEIVER, SOURCE, EXCITATION = "rxs/rx1", "srcs/src1", "srcs/src1/excitation"
+PLACES = "trace_metadata"
 DIVIDED = Message(
     "simulated by gprMax; the spectra are the received field divided by the source signal, so "
     "delays are correct, but amplitudes are in V/m per unit of the source instead of S21"
@@ -35,55 +47,52 @@ DIVIDED = Message(
 WITH_SOURCE = Message(
     "the spectra contain the spectrum of the source, so every delay includes that of the source"
 )
+NO_PLACES = Message(
+    "the merged file holds no places: positions begin at 0, and are those of the receiver"
+)
+FLAT = Message(
+    "a model of two dimensions: its y is read as height, and the field along z as that across the "
+    "line, at 90 degrees"
+)
 
 
 @dataclass(frozen=True)
 class _Trace:
-    name: str
-    position: Tuple[float, float, float]
-    """Rotation [deg], y and x [mm]."""
+    """An A-scan: its file, field, and the places of receiver and source (x, y, z) [m].
+
+    A flat model has one cell along z; its y points upwards.
+    """
+
+    file: str
+    component: str
+    is_flat: bool
     field: Signal
+    receiver_m: np.ndarray
+    source_m: Optional[np.ndarray]
     source: Optional[Signal]
-    is_merged: bool = False
 
 
-def read_gprmax(
-    path: Path,
-    band: Band,
-    height_m: Optional[float],
-    source: Optional[str] = None,
-    progress: Progress = no_progress,
-    spacing_m: Optional[float] = None,
-) -> xr.Dataset:
+def read_gprmax(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
     """Read the A-scans of a folder or of one file and compute their spectra.
 
-    The position of a sample is halfway between source and receiver. Ex is 0 degrees and Ey 90
-    degrees. The component along the source is used, which files of version 4 name; for version 3
-    it is the strongest component. A file that gprMax's outputfiles_merge has made holds neither
-    places nor source: its positions begin at 0, and its component is the strongest.
-
-    Args:
-        path: Folder of .out or .h5 files, or one of them.
-        band: Frequencies of the spectra.
-        height_m: Height of the antennas above the ground [m]; None if unknown.
-        source: The signal that the spectra are divided by, see `source_of`; None: the source
-            signal in the files, which version 4 writes.
-        progress: Shows the progress.
-        spacing_m: Distance between the traces of a merged file, along X [m]; None: its steps of
-            the receiver.
+    The place of a sample is halfway between source and receiver. Ex is 0 degrees and Ey 90 degrees.
+    The component along the source is used, which single files of version 4 name; in others it is
+    the strongest.
 
     Raises:
         AnalysisError: There is no such file, or the source is unknown.
-        UnreadableFileError: A file is damaged, or its time step or source does not cover the band.
+        UnreadableFileError: A file is damaged, its antennas do not move together, or its time step
+            or source does not cover the band.
     """
     paths = [path] if path.is_file() else sorted(_files(path))
     if not paths:
         raise no_files(path, ", ".join(PATTERNS))
-    given = source_of(source) if source is not None else None
-    traces = [one for file in progress(paths, len(paths)) for one in _read(file, spacing_m)]
+    given = source_of(options.source) if options.source is not None else None
+    undivided, band = options.source == NONE, options.band or Band()
+    traces = [one for file in progress(paths, len(paths)) for one in _read(file, options.spacing_m)]
     slowest_s = max(trace.field.step_s for trace in traces)
     if band.stop_hz >= 0.5 / slowest_s:
-        raise UnreadableFileError(
+        raise refusal(
             Message(
                 "{file} has a time step of {step_s:g} s, which covers frequencies up to "
                 "{highest_hz:g} Hz; give a --band that ends below that, not at {stop_hz:g} Hz",
@@ -91,23 +100,30 @@ def read_gprmax(
                 step_s=slowest_s,
                 highest_hz=0.5 / slowest_s,
                 stop_hz=band.stop_hz,
-            ),
-            fault=NOT_ALLOWED,
+            )
         )
-    spectra = [_spectrum(trace, given, source == NONE, band.frequency_hz) for trace in traces]
+    height_m = np.nan if options.height_m is None else options.height_m
     data = on_grid(
-        path.name,
-        np.array([trace.position for trace in traces]),
-        spectra,
-        [np.nan if height_m is None else height_m] * len(traces),
+        printable(path.name),
+        _positions(traces),
+        [_spectrum(trace, given, undivided, band.frequency_hz) for trace in traces],
+        [height_m] * len(traces),
         band.frequency_hz,
-        [MERGED] if any(trace.is_merged for trace in traces) else [],
+        [],
         simulated=True,
     )
-    if source == NONE:
+    separation_m = options.separation_m
+    if separation_m is None:
+        separation_m = _separation_m(path.name, traces)
+    if separation_m is not None:
+        data = data.assign_attrs({ANTENNA_SEPARATION: separation_m})
+    notes = [] if undivided else [DIVIDED]
+    notes += [FLAT] if traces[0].is_flat else []
+    notes += [NO_PLACES] if traces[0].source_m is None else []
+    data = data.assign_attrs(with_notes(data, notes))
+    if undivided:
         return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, WITH_SOURCE))
-    notes = [DIVIDED, *sentences_of(data, "notes")]
-    return data.assign_attrs(with_sentences(data.attrs, notes=notes))
+    return data
 
 
 def _files(folder: Path) -> List[Path]:
@@ -124,143 +140,172 @@ def _spectrum(
     if source is None:
         raise AnalysisError(
             Message(
-                "{file} does not contain the source signal (gprMax version 4 writes it), so the "
-                "delays are unknown; give --source, such as ricker:1.5e9 or a file of times and "
-                "values, or --source {none} for spectra that can be displayed but not imaged",
-                file=trace.name,
+                "{file} does not contain the source signal (single files of gprMax 4 do), so the "
+                "delays are unknown; give --source, such as ricker:1.5e9, or --source {none} for "
+                "spectra that can be displayed but not imaged",
+                file=trace.file,
                 none=NONE,
-            ),
-            fault=NOT_ALLOWED,
+            )
         )
-    return spectrum / check_strength(source, frequency_hz, trace.name)
+    return spectrum / check_strength(source, frequency_hz, trace.file)
+
+
+def _positions(traces: Sequence[_Trace]) -> np.ndarray:
+    """Return rotation [deg], y and x [mm] of each trace."""
+    others_m = [one.receiver_m if one.source_m is None else one.source_m for one in traces]
+    places_m = (np.array([one.receiver_m for one in traces]) + others_m) / 2.0
+    places_m[[one.is_flat for one in traces], 1] = 0.0
+    rotations_deg = [ROTATION_DEG[one.component] for one in traces]
+    places_mm = np.round(places_m[:, 1::-1] * dataset.MM_PER_M, 6)
+    return np.column_stack([rotations_deg, places_mm])
+
+
+def _separation_m(file: str, traces: Sequence[_Trace]) -> Optional[float]:
+    """Return the distance between the antennas [m]; None if it is not recorded."""
+    apart = [one.receiver_m - one.source_m for one in traces if one.source_m is not None]
+    if len(apart) < len(traces):
+        return None
+    apart_m = np.linalg.norm(np.array(apart)[:, : 1 if traces[0].is_flat else 2], axis=1)
+    if np.ptp(apart_m) > SAME_M:
+        raise refusal(
+            Message(
+                "{file}: source and receiver are {least_m:g} to {most_m:g} m apart; images need "
+                "antennas that move together (equal #src_steps and #rx_steps)",
+                file=file,
+                least_m=apart_m.min(),
+                most_m=apart_m.max(),
+            )
+        )
+    return round(float(apart_m[0]), 9)
 
 
 def _read(path: Path, spacing_m: Optional[float]) -> List[_Trace]:
-    check_regular(path, follow_link=True)
-    try:
-        with h5py.File(str(path), "r") as file:
-            if "srcs" not in file:
-                merged = merged_fields(file, path, spacing_m)
-                return [_Trace(path.name, place, field, None, True) for place, field in merged]
-            if spacing_m is not None:
-                raise AnalysisError(
-                    Message("{file} records its place; leave out --spacing", file=path.name)
-                )
-            return [_trace(file, path.name)]
-    except AnalysisError:
-        raise
-    # On damaged files HDF5 and numpy raise exceptions of many kinds.
-    except Exception as error:
-        raise UnreadableFileError(
-            Message(
-                "{file} is damaged or is not an output of gprMax", file=path.name, details=error
-            )
-        ) from error
+    with opened_hdf5(path, "gprMax (HDF5)", RECEIVER) as file:
+        fields = _fields(file, path)
+        cells = file.attrs.get("nx_ny_nz")
+        # Merged files of version 3 do not count their cells.
+        only_ez = not any(np.any(fields[one]) for one in fields if one != "Ez")
+        is_flat = only_ez if cells is None else int(cells[2]) == 1
+        axis = file[SOURCE].attrs.get("Polarisation") if SOURCE in file else None
+        along = _component(path, fields, is_flat, "" if axis is None else f"E{axis}")
+        values = fields[along].T
+        receivers_m, sources_m = _places(file, path, len(values), spacing_m)
+        step_s = Header(path.name, file.attrs).number("dt", 1e-16, 1e-9)
+        offset_s = _offset_s(file[RECEIVER][along])
+        own = (path.name, along, is_flat)
+        source = _excitation(file, path)
+        return [
+            _Trace(*own, Signal(one, step_s, offset_s), receiver_m, source_m, source)
+            for one, receiver_m, source_m in zip(values, receivers_m, sources_m)
+        ]
 
 
-def _trace(file: Any, name: str) -> _Trace:
+def _fields(file: Any, path: Path) -> Dict[str, np.ndarray]:
+    """Return the electric fields of a file, each (time, trace)."""
     sources, receivers = (int(file.attrs.get(one, 1)) for one in ("nsrc", "nrx"))
-    if (sources, receivers) != (1, 1):
-        raise UnreadableFileError(
+    count = int(file.attrs["Iterations"])
+    stored = {one: file[RECEIVER][one] for one in ROTATION_DEG if one in file[RECEIVER]}
+    shapes = {field.shape for field in stored.values()}
+    shape: Tuple[int, ...] = shapes.pop() if len(shapes) == 1 else ()
+    fits = len(shape) == (1 if SOURCE in file else 2) and shape[0] == count and 0 not in shape
+    if not fits or (sources, receivers) != (1, 1):
+        raise refusal(
             Message(
-                "{file} has {sources} sources and {receivers} receivers; a sample needs one of "
-                "each, which move together from file to file (#src_steps, #rx_steps)",
-                file=name,
+                "{file} has {sources} sources, {receivers} receivers and fields of {shape} values; "
+                "it must have one of each, which move together from trace to trace, and {count} "
+                "values of each trace",
+                file=path.name,
                 sources=sources,
                 receivers=receivers,
-            ),
-            fault=faults.INPUT,
-        )
-    receiver, source = file["rxs/rx1"], file["srcs/src1"]
-    step_s, count = time_step_s(file, name), int(file.attrs["Iterations"])
-    fields = {one: receiver[one] for one in ROTATION_DEG if one in receiver}
-    for one, field in fields.items():
-        if field.shape != (count,) or not np.isfinite(field[()]).all():
-            raise UnreadableFileError(
-                Message(
-                    "{file}: {field} has the shape {shape} or NaN values; it must have {count} "
-                    "values (use the single files instead of the merged one)",
-                    file=name,
-                    field=one,
-                    shape=" x ".join(map(str, field.shape)),
-                    count=count,
-                ),
-                fault=faults.INPUT,
+                shape=" x ".join(map(str, shape)) or "-",
+                count=count,
             )
-    along = _component(file, fields, name)
-    middle_mm = (np.array(receiver.attrs["Position"]) + source.attrs["Position"]) / 2.0
-    middle_mm = np.round(middle_mm * dataset.MM_PER_M, 6)
-    return _Trace(
-        name,
-        (ROTATION_DEG[along], float(middle_mm[1]), float(middle_mm[0])),
-        Signal(np.asarray(fields[along][()], np.float64), step_s, _offset_s(fields[along])),
-        _excitation(file, step_s, name),
-    )
+        )
+    # With Python's integers, which do not overflow.
+    size = BYTES_PER_SAMPLE * len(stored) * math.prod(map(int, shape))
+    work.require_bytes(size, Message("reading {file}", file=path.name))
+    return {
+        one: np.asarray(field[()], np.float64).reshape(count, -1) for one, field in stored.items()
+    }
 
 
-def _component(file: Any, fields: Dict[str, Any], name: str) -> str:
-    """Return the component of the field along the source."""
-    axis = file["srcs/src1"].attrs.get("Polarisation")
-    if axis is not None:
-        along = f"E{axis}"
-    else:
-        strength = {one: float(np.abs(field[()]).max()) for one, field in fields.items()}
-        along = max(strength, key=lambda one: strength[one]) if strength else ""
-    if along not in fields or not np.any(fields[along][()]):
-        raise UnreadableFileError(
+def _component(path: Path, fields: Dict[str, np.ndarray], is_flat: bool, named: str) -> str:
+    """Return the component of the field along the source, which must be horizontal."""
+    strength = {one: float(np.abs(field).max()) for one, field in fields.items()}
+    strength.pop("Ey" if is_flat else "Ez", None)
+    along = named or max(strength, key=lambda one: strength[one], default="")
+    # By the sum, since NaN is no maximum; infinities are refused too.
+    if not (strength.get(along) and 0.0 < sum(strength.values()) < np.inf):
+        raise refusal(
             Message(
-                "{file}: the field along the source ({field}) is missing or zero; the source must "
-                "be polarized along x or y",
-                file=name,
-                field=along or "Ex, Ey",
-            ),
-            fault=faults.INPUT,
+                "{file}: the field along the source, {field}, is vertical, missing, zero or holds "
+                "NaN; the source must be polarized along {horizontal}",
+                file=path.name,
+                field=along or "-",
+                horizontal=Message("x or z, for y points upwards in a model of two dimensions")
+                if is_flat
+                else Message("x or y, for z points upwards"),
+            )
         )
     return along
 
 
-def _excitation(file: Any, step_s: float, name: str) -> Optional[Signal]:
+def _places(
+    file: Any, path: Path, count: int, spacing_m: Optional[float]
+) -> Tuple[np.ndarray, Sequence[Optional[np.ndarray]]]:
+    """Return the places of receiver and source of each trace [m]; those of unknown sources None."""
+    if SOURCE not in file and PLACES not in file:
+        steps_m = _steps_m(file, path) if spacing_m is None else np.array([spacing_m, 0.0, 0.0])
+        if count > 1 and not steps_m[:2].any():
+            raise needs_spacing(path, Message("the steps of the receiver are not recorded"))
+        return np.arange(count)[:, np.newaxis] * steps_m, [None] * count
+    if spacing_m is not None:
+        raise AnalysisError(
+            Message("{file} records its place; leave out --spacing", file=path.name)
+        )
+    if SOURCE in file:
+        places = [np.array([file[one].attrs["Position"]]) for one in (RECEIVER, SOURCE)]
+    else:
+        places = [file[f"{PLACES}/{one}/Position"][()] for one in (RECEIVER, SOURCE)]
+    if any(one.shape != (count, 3) or not np.isfinite(one).all() for one in places):
+        three = Message("three numbers for each of {count} traces", count=count)
+        shapes = " / ".join(str(one.shape) for one in places)
+        raise Header(path.name, {"Position": shapes}).refused("Position", three)
+    return places[0], places[1]
+
+
+def _steps_m(file: Any, path: Path) -> np.ndarray:
+    """Return the step of the receiver, and of the source, from trace to trace [m]."""
+    receiver, source, cell_m = (
+        np.asarray(file.attrs.get(one, np.zeros(3)), np.float64)
+        for one in ("rxsteps", "srcsteps", "dx_dy_dz")
+    )
+    if not np.array_equal(receiver, source):
+        together = Message("{steps}, as #rx_steps: images need both", steps=str(receiver))
+        raise Header(path.name, {"#src_steps": str(source)}).refused("#src_steps", together)
+    return receiver * cell_m
+
+
+def _excitation(file: Any, path: Path) -> Optional[Signal]:
     if EXCITATION not in file:
         return None
     excitation = file[EXCITATION]
     values = np.asarray(excitation["samples"][()], np.float64)
     if values.ndim != 1 or not np.isfinite(values).all():
-        raise UnreadableFileError(
-            Message("{file}: its source must be a row of numbers", file=name), fault=faults.INPUT
-        )
-    interval_s = float(excitation.attrs.get("SampleInterval", step_s))
+        raise refusal(Message("{file}: its source must be a row of numbers", file=path.name))
+    interval_s = Header(path.name, excitation.attrs).number("SampleInterval", 1e-16, 1e-9)
     return Signal(values, interval_s, _offset_s(excitation))
 
 
 def _offset_s(recorded: Any) -> float:
-    return float(recorded.attrs.get(OFFSET, 0.0))
-
-
-def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
-    data = read_gprmax(
-        path, options.band or Band(), options.height_m, options.source, progress, options.spacing_m
-    )
-    if options.separation_m is None:
-        return data
-    return data.assign_attrs({ANTENNA_SEPARATION: options.separation_m})
+    return float(recorded.attrs.get("TimeSampleOffset", 0.0))
 
 
 def _whole(path: Path) -> Optional[Path]:
     files = _files(path) if path.is_dir() else [path]
-    return path if files and _is_gprmax(files[0]) else None
-
-
-def _is_gprmax(path: Path) -> bool:
-    if path.suffix not in (".h5", ".hdf5", ".out") or not path.is_file():
-        return False
-    try:
-        with h5py.File(str(path), "r") as file:
-            return "rxs" in file
-    # On damaged files HDF5 raises exceptions of many kinds; it is then none of gprMax.
-    except Exception:
-        return False
+    return path if files and hdf5_with(files[0], "rxs") else None
 
 
 IMPORT = ImportFormat(
-    _imported, _whole, ("band", "height_m", "source", "spacing_m", "separation_m")
+    read_gprmax, _whole, ("band", "height_m", "source", "spacing_m", "separation_m")
 )

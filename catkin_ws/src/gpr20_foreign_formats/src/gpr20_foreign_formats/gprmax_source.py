@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Callable, Dict, Union
+from typing import Callable, Dict, Optional
 
 import numpy as np
 
-from gpr20_analysis import faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_analysis.errors import AnalysisError
 from gpr20_common.message import Message
+from gpr20_foreign_formats.header import refusal
 
 NONE = "none"
 WEAKEST_DB = -60.0
 """Where the source is weaker than this, relative to its maximum in the band, only noise is left."""
-STEPS_PER_PERIOD = 64
-PERIODS = 8.0
+STEPS_PER_PERIOD, PERIODS = 64, 8
 
 
 @dataclass(frozen=True)
@@ -42,65 +39,56 @@ class Signal:
         return spectrum
 
 
-def _gaussian(time_s: np.ndarray, frequency_hz: float) -> np.ndarray:
-    return np.exp(-2.0 * (np.pi * frequency_hz * (time_s - 1.0 / frequency_hz)) ** 2)
+def _gaussian(periods: np.ndarray) -> np.ndarray:
+    return np.exp(-2.0 * (np.pi * (periods - 1.0)) ** 2)
 
 
-def _gaussian_dot(time_s: np.ndarray, frequency_hz: float) -> np.ndarray:
-    late_s = time_s - 1.0 / frequency_hz
-    return -4.0 * (np.pi * frequency_hz) ** 2 * late_s * _gaussian(time_s, frequency_hz)
+def _gaussian_dot(periods: np.ndarray) -> np.ndarray:
+    return -4.0 * np.pi**2 * (periods - 1.0) * _gaussian(periods)
 
 
-def _gaussian_dot_norm(time_s: np.ndarray, frequency_hz: float) -> np.ndarray:
-    largest = 2.0 * np.pi * frequency_hz * np.exp(-0.5)
-    return _gaussian_dot(time_s, frequency_hz) / largest
-
-
-def _ricker(time_s: np.ndarray, frequency_hz: float) -> np.ndarray:
-    turns = (np.pi * frequency_hz * (time_s - np.sqrt(2.0) / frequency_hz)) ** 2
+def _ricker(periods: np.ndarray) -> np.ndarray:
+    turns = (np.pi * (periods - np.sqrt(2.0))) ** 2
     return (1.0 - 2.0 * turns) * np.exp(-turns)
 
 
 WAVEFORMS: Dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
-    "gaussian": _gaussian,
-    "gaussiandot": _gaussian_dot,
-    "gaussiandotnorm": _gaussian_dot_norm,
-    "ricker": _ricker,
+    "gaussian": lambda time_s, hz: _gaussian(time_s * hz),
+    "gaussiandot": lambda time_s, hz: hz * _gaussian_dot(time_s * hz),
+    "gaussiandotnorm": lambda time_s, hz: _gaussian_dot(time_s * hz) * np.exp(0.5) / (2 * np.pi),
+    "ricker": lambda time_s, hz: _ricker(time_s * hz),
 }
-"""Waveforms of gprMax by name, as its manual defines them (#waveform)."""
+"""Waveforms of gprMax by name, over time [s] and centre frequency, as its manual has them."""
 
 
-def source_of(text: str) -> Union[Signal, None]:
+def source_of(text: str) -> Optional[Signal]:
     """Return the source signal that a user gives; None for `none`: spectra are not divided.
 
     Args:
-        text: `none`, a waveform such as `ricker:1.5e9` (centre frequency in Hz), or a text file
-            with a time [s] and a value on each line.
+        text: `none`, or a waveform such as `ricker:1.5e9` (centre frequency in Hz).
 
     Raises:
         AnalysisError: It is none of these.
-        UnreadableFileError: The file has another content.
     """
     if text == NONE:
         return None
-    name, colon, number = text.partition(":")
-    if not colon or name not in WAVEFORMS:
-        return _from_file(Path(text))
+    name, _, number = text.partition(":")
     try:
         frequency_hz = float(number)
     except ValueError:
         frequency_hz = np.nan
-    if not 1e6 <= frequency_hz <= 1e12:
+    if name not in WAVEFORMS or not 1e6 <= frequency_hz <= 1e12:
         raise AnalysisError(
             Message(
-                "--source {text} has no frequency between 1e6 and 1e12 Hz; write it as "
-                "{waveform}:1.5e9",
+                "--source {text} is neither {none} nor one of {waveforms} with a frequency from "
+                "1e6 to 1e12 Hz, such as ricker:1.5e9",
                 text=text,
-                waveform=name,
+                none=NONE,
+                waveforms=", ".join(WAVEFORMS),
             )
         )
     step_s = 1.0 / frequency_hz / STEPS_PER_PERIOD
-    time_s = np.arange(int(PERIODS * STEPS_PER_PERIOD)) * step_s
+    time_s = np.arange(PERIODS * STEPS_PER_PERIOD) * step_s
     return Signal(WAVEFORMS[name](time_s, frequency_hz), step_s)
 
 
@@ -112,15 +100,11 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
     """
     spectrum = source.spectrum(frequency_hz)
     strength = np.abs(spectrum)
-    largest = float(strength.max())
-    strong = strength > largest * 10.0 ** (WEAKEST_DB / 20.0)
-    if not (largest > 0.0 and strong.all()):
-        if not largest > 0.0:
-            raise UnreadableFileError(
-                Message("{file}: the source is zero; use --source", file=name), fault=faults.INPUT
-            )
-        usable_hz = frequency_hz[strong]
-        raise UnreadableFileError(
+    strong = strength > strength.max() * 10.0 ** (WEAKEST_DB / 20.0)
+    if not strong.any():
+        raise refusal(Message("{file}: the source is zero; use --source", file=name))
+    if not strong.all():
+        raise refusal(
             Message(
                 "the source of {file} is too weak at some frequencies of {start_hz:g} to "
                 "{stop_hz:g} Hz: more than {weakest_db:g} dB below its maximum; use --band "
@@ -129,52 +113,8 @@ def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.nd
                 start_hz=frequency_hz[0],
                 stop_hz=frequency_hz[-1],
                 weakest_db=-WEAKEST_DB,
-                first_hz=usable_hz[0],
-                last_hz=usable_hz[-1],
-            ),
-            fault=NOT_ALLOWED,
-        )
-    return spectrum
-
-
-def _from_file(path: Path) -> Signal:
-    if not path.is_file():
-        raise AnalysisError(
-            Message(
-                "--source {text} is neither a file nor {none} nor one of {waveforms} with a "
-                "frequency, such as ricker:1.5e9",
-                text=path,
-                none=NONE,
-                waveforms=", ".join(WAVEFORMS),
+                first_hz=frequency_hz[strong][0],
+                last_hz=frequency_hz[strong][-1],
             )
         )
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-        # A first line that begins with a letter is a header.
-        first = 1 if lines and lines[0][:1].isalpha() else 0
-        table = np.array([line.replace(",", " ").split() for line in lines[first:] if line.strip()])
-        table = table.astype(np.float64).reshape(len(table), -1)
-    except ValueError as error:
-        raise UnreadableFileError(
-            Message("{file} must contain times and values", file=path.name, details=error),
-            fault=faults.INPUT,
-        ) from error
-    if table.shape[0] < 2 or table.shape[1] != 2 or not np.isfinite(table).all():
-        raise UnreadableFileError(
-            Message(
-                "{file} has {lines} lines of {columns} numbers; a source signal needs two or more "
-                "lines, each with a time [s] and a value",
-                file=path.name,
-                lines=table.shape[0],
-                columns=table.shape[1],
-            ),
-            fault=faults.INPUT,
-        )
-    steps_s = np.diff(table[:, 0])
-    step_s = float(steps_s.mean())
-    if not (step_s > 0.0 and np.allclose(steps_s, step_s, rtol=1e-2, atol=0.0)):
-        raise UnreadableFileError(
-            Message("the times in {file} must be evenly spaced and ascending", file=path.name),
-            fault=faults.INPUT,
-        )
-    return Signal(table[:, 1], step_s, float(table[0, 0]))
+    return spectrum

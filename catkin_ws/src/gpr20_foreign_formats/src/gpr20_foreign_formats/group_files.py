@@ -1,43 +1,41 @@
-"""What the group's formats share: letters of rotations, which files are read, what no VNA measures.
+"""What the group's formats share: which files are read, and a survey from their samples.
 
 A value that cannot be right is refused by its file; what may be right is a decision in the log.
 """
 
 from __future__ import annotations
 
-import math
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Dict, List, Pattern, Tuple
+from typing import Dict, List, Optional, Pattern, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.formats.common import on_grid
+from gpr20_analysis.processing.display import DISPLAY_ONLY
+from gpr20_analysis.sentences import with_decisions, with_notes, with_sentence
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, no_files
+from gpr20_common.terminal_text import printable
+from gpr20_foreign_formats.header import Header, no_files, refusal
 from gpr20_survey.files.file_sums import regular_files
 
 DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
-TOLERANCE_DEG = 1.0  # half a motor step
-DECIDED = Message(
+LETTERS_DECIDED = Message(
     "the letters X and Y are rotations of 0 and 90 deg; the files do not name the direction of the "
     "rotation"
 )
-"""What the importers of these files decide."""
 PHASE_DECIDED = Message(
     "the phase of a later echo falls faster with frequency, as a VNA measures it; no sign was "
     "changed"
 )
-"""What the importers of spectra decide."""
-
 NAMED = 3
 LOWEST_STOP_HZ, HIGHEST_HZ = 1e7, 1e12
 """A sweep in GHz, MHz or kHz that is read as Hz ends below the first."""
-MOST_POINTS = 100_000
-MOST_S21, PASSIVE_S21 = 1e6, 1.0
-"""What no instrument measures, and what antennas without an amplifier do not exceed."""
+MOST_POINTS, FARTHEST_MM = 100_000, 10_000.0
+MOST_S21, PASSIVE_S21, HEIGHTS_M = 1e6, 1.0, (0.01, 1.0)
+"""What no instrument measures, antennas without an amplifier do not exceed, and is usual."""
 ALIKE = Message("files that look like samples, but would not be read")
 OTHERS = Message("other files of the folder, which were not read")
 ZERO = Message("samples of only 0, which count as missing, for nothing was measured")
@@ -50,32 +48,65 @@ LARGE = Message(
 HEIGHT = Message(
     "samples with a height outside of 10 to 1000 mm, perhaps in another unit; they were kept"
 )
-HEIGHTS_M = (0.01, 1.0)
-FARTHEST_MM = 10_000.0
+COPIED = Message(
+    "samples whose imaginary part is a copy of the real part, as an old version of the storage "
+    "wrote it, so they cannot be imaged"
+)
 
 
-def letters(survey: xr.Dataset) -> Dict[str, int]:
-    """Return the index of the polarization of each letter, X or Y.
+@dataclass
+class Samples:
+    """What files of the group hold.
+
+    Attributes:
+        names: Of the files of the samples, or of their places.
+        positions: Rotation [deg], y and x [mm] (sample, 3).
+        scans: Complex numbers (sample, point); those of only 0 become NaN.
+        heights_m: Heights of the antennas [m]; NaN: not known.
+        frequency_hz: Frequencies of the points [Hz], or None.
+        delay_s: Times of the points [s], or None.
+        times: When the samples were measured; None: not known.
+        notes: What a user should know.
+        decisions: What was decided where the files say nothing.
+    """
+
+    names: Sequence[str]
+    positions: np.ndarray
+    scans: np.ndarray
+    heights_m: np.ndarray
+    frequency_hz: Optional[np.ndarray] = None
+    delay_s: Optional[np.ndarray] = None
+    times: Optional[List[np.datetime64]] = None
+    notes: List[Message] = field(default_factory=list)
+    decisions: List[Message] = field(default_factory=list)
+
+
+def survey_of(path: Path, found: Samples) -> xr.Dataset:
+    """Return the Dataset of samples, with what is doubtful of them in the log.
 
     Raises:
-        ExportError: A rotation has no letter.
+        UnreadableFileError: No instrument measures such numbers, all are 0, or two have one place.
     """
-    found: Dict[str, int] = {}
-    for index, rotation_deg in enumerate(survey[dataset.POLARIZATION].values):
-        letter = next(
-            (one for one, own in DEGREES.items() if abs(rotation_deg - own) <= TOLERANCE_DEG), None
-        )
-        if letter is None or letter in found:
-            raise ExportError(
-                Message(
-                    "the rotations of the antennas are {rotations} deg; this format supports only "
-                    "0 (X) and 90 (Y); select these with the step polarization",
-                    rotations=", ".join(f"{one:g}" for one in survey[dataset.POLARIZATION].values),
-                ),
-                fault=faults.INPUT,
-            )
-        found[letter] = index
-    return found
+    doubtful = _doubtful(found)
+    if found.frequency_hz is not None:
+        found.decisions.append(PHASE_DECIDED)
+    data = on_grid(
+        printable(path.name),
+        found.positions,
+        found.scans,
+        found.heights_m.tolist(),
+        found.frequency_hz,
+        found.notes,
+        delay_s=found.delay_s,
+        times=found.times,
+    )
+    data = with_decisions(data, *doubtful, *found.decisions)
+    copied = (found.scans.real == found.scans.imag).all(axis=1)
+    if not copied.any():
+        return data
+    reason = _listed(COPIED, [found.names[one] for one in np.flatnonzero(copied)])
+    data = data.assign_attrs(with_notes(data, [Message("WARNING: {sentence}", sentence=reason)]))
+    return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, reason))
 
 
 def files_of_samples(
@@ -93,8 +124,7 @@ def files_of_samples(
         *beside: Names of files that are no samples, but are read too.
 
     Raises:
-        AnalysisError: There is none.
-        UnreadableFileError: There are others that look like samples, but would not be read.
+        UnreadableFileError: There is none, or others look like samples, but would not be read.
     """
     own = sorted(one for one in folder.iterdir() if rule.fullmatch(one.name))
     if not own:
@@ -105,23 +135,16 @@ def files_of_samples(
     ]
     alike = [one for one in others if ending in one.lower()]
     if alike:
-        raise UnreadableFileError(
+        raise refusal(
             Message(
                 "{folder}: {files}. Give them names such as {example} in this folder, or move them "
                 "away",
                 folder=folder.name,
-                files=listed(ALIKE, alike),
+                files=_listed(ALIKE, alike),
                 example=example,
-            ),
-            fault=faults.INPUT,
+            )
         )
-    return own, [listed(OTHERS, others)] if others else []
-
-
-def listed(what: Message, names: List[str]) -> Message:
-    """Return what files or samples are, with the first few of them."""
-    files = ", ".join(names[:NAMED]) + (", ..." if len(names) > NAMED else "")
-    return Message("{what}: {count}, {files}", what=what, count=len(names), files=files)
+    return own, [_listed(OTHERS, others)] if others else []
 
 
 def check_sweep(file: str, start_hz: float, stop_hz: float) -> None:
@@ -137,59 +160,33 @@ def check_sweep(file: str, start_hz: float, stop_hz: float) -> None:
     Header(file, ends).number(first, float(np.finfo(np.float64).tiny), stop_hz)
 
 
-class CheckedTraces:
-    """Looks at the traces of one import."""
+def _listed(what: Message, names: Sequence[str]) -> Message:
+    """Return what files or samples are, with the first few of them."""
+    files = ", ".join(names[:NAMED]) + (", ..." if len(names) > NAMED else "")
+    return Message("{what}: {count}, {files}", what=what, count=len(names), files=files)
 
-    def __init__(self) -> None:
-        self._names: Dict[bytes, str] = {}
-        self._good = False
-        self._zero: List[str] = []
-        self._same: List[str] = []
-        self._large: List[str] = []
-        self._height: List[str] = []
 
-    def take(self, name: str, values: np.ndarray, height_m: float = math.nan) -> np.ndarray:
-        """Return the complex numbers of a trace; NaN if they are all 0, so nothing was measured.
-
-        Args:
-            name: Of its file, or its place.
-            values: As they were read.
-            height_m: Height of the antennas [m]; NaN: not known.
-
-        Raises:
-            UnreadableFileError: No instrument measures such numbers.
-        """
-        if not (math.isnan(height_m) or HEIGHTS_M[0] <= height_m <= HEIGHTS_M[1]):
-            self._height.append(f"{name} ({height_m * 1e3:g} mm)")
-        largest = float(max(np.abs(values.real).max(), np.abs(values.imag).max()))
-        if largest > MOST_S21:
-            key = "|S21|"
-            allowed = Message("linear, at most 1 for antennas without an amplifier")
-            raise Header(name, {key: f"{largest:g}"}).refused(key, allowed)
-        if largest == 0.0:
-            self._zero.append(name)
-            return np.full_like(values, complex(np.nan, np.nan))
-        self._good = True
-        if largest > PASSIVE_S21:
-            self._large.append(f"{name} ({largest:g})")
-        if np.isfinite(largest):
-            first = self._names.setdefault(values.tobytes(), name)
-            if first != name:
-                self._same.append(f"{name} = {first}")
-        return values
-
-    def decisions(self) -> List[Message]:
-        """Return what is doubtful, for the log.
-
-        Raises:
-            UnreadableFileError: All traces are 0.
-        """
-        if self._zero and not self._good:
-            raise UnreadableFileError(listed(ZERO, self._zero), fault=faults.INPUT)
-        kinds = (
-            (ZERO, self._zero),
-            (SAME, self._same),
-            (LARGE, self._large),
-            (HEIGHT, self._height),
-        )
-        return [listed(what, names) for what, names in kinds if names]
+def _doubtful(found: Samples) -> List[Message]:
+    names, scans, heights_m = found.names, found.scans, found.heights_m
+    largest = np.maximum(np.abs(scans.real), np.abs(scans.imag)).max(axis=1)
+    for one in np.flatnonzero(largest > MOST_S21)[:1]:
+        allowed = Message("linear, at most 1 for antennas without an amplifier")
+        raise Header(names[one], {"|S21|": f"{largest[one]:g}"}).refused("|S21|", allowed)
+    zero = largest == 0.0
+    if zero.all():
+        raise refusal(_listed(ZERO, names))
+    same: List[str] = []
+    first: Dict[bytes, str] = {}
+    for one in np.flatnonzero(np.isfinite(largest) & ~zero):
+        known = first.setdefault(scans[one].tobytes(), names[one])
+        same += [f"{names[one]} = {known}"] if known != names[one] else []
+    scans[zero] = complex(np.nan, np.nan)
+    loud = np.flatnonzero(largest > PASSIVE_S21)
+    odd = np.flatnonzero((heights_m < HEIGHTS_M[0]) | (heights_m > HEIGHTS_M[1]))
+    kinds = (
+        (ZERO, [names[one] for one in np.flatnonzero(zero)]),
+        (SAME, same),
+        (LARGE, [f"{names[one]} ({largest[one]:g})" for one in loud]),
+        (HEIGHT, [f"{names[one]} ({heights_m[one] * 1e3:g} mm)" for one in odd]),
+    )
+    return [_listed(what, some) for what, some in kinds if some]

@@ -4,43 +4,35 @@ from __future__ import annotations
 
 import codecs
 import contextlib
-import json
-import math
 import re
+from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import List, Optional
 
 import numpy as np
 import orjson
-import pandas as pd
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.formats.common import HIGHEST_M, on_grid, usable_samples
-from gpr20_analysis.formats.format import ExportFormat, ImportFormat, ImportOptions, files_of
-from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts, is_simulated
-from gpr20_analysis.formats.sums_beside import checked_facts
-from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of, with_decisions
+from gpr20_analysis.formats.common import HIGHEST_M
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
     FARTHEST_MM,
     HIGHEST_HZ,
-    PHASE_DECIDED,
-    CheckedTraces,
+    Samples,
     check_sweep,
     files_of_samples,
-    listed,
+    survey_of,
 )
-from gpr20_foreign_formats.header import Header
-from gpr20_foreign_formats.lost_imaginary import with_imaginary_parts
+from gpr20_foreign_formats.header import Header, refusal
 from gpr20_survey.files.regular_file import read_regular
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME = "%Y%m%d%H%M%S"
-LISTED = 3
+FIRST_YEAR = 2020
 CONSTANT_M = 10.0
 """Height in every sample of a program that never asked its sensor, which ends at 0.8 m."""
 DECIDED = (
@@ -54,8 +46,9 @@ DECIDED = (
         "last number of the instrument's answer, so the last frequency may be missing"
     ),
 )
-YEARS = range(2020, 2106)
-TIMES_LEFT_OUT = Message("the times of all were left out, for some are not from 2020 on")
+TIMES_LEFT_OUT = Message(
+    "the times of all samples were left out, for some are not from {year} on", year=FIRST_YEAR
+)
 TIMES_DECIDED = Message("the times of the samples name no time zone and were read as UTC")
 HEIGHT_DECIDED = Message(
     "the height of every sample is {constant_m:g} m, a constant of the original control and no "
@@ -69,172 +62,91 @@ NAME = re.compile(r"X(-?\d+\.\d+)_Y(-?\d+\.\d+)_Z(-?\d+\.\d+)\.json", re.ASCII |
 EXAMPLE = "X000.00_Y000.00_Z000.00.json"
 
 
-def write_original(survey: xr.Dataset, folder: Path, progress: Progress = no_progress) -> int:
-    """Write one file per sample with data and return the number of files.
+@dataclass(frozen=True)
+class _Sample:
+    """What a file holds: x, y [mm] and rotation [deg]; rows of frequency [Hz], real, imaginary."""
+
+    file: str
+    place: List[float]
+    height_m: float
+    time: Optional[datetime]
+    survey_id: str
+    rows: np.ndarray
+
+
+def read_original(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
+    """Read a folder of such files.
 
     Raises:
-        OSError: A file exists or cannot be written.
+        UnreadableFileError: There is none, one is damaged, or contradicts another.
     """
-    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    frequencies = survey[dataset.FREQUENCY].values.tolist()
-    facts = {
-        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
-        for name in (dataset.HEIGHT, dataset.TIMESTAMP, "sample_id")
-    }
-    folder.mkdir(parents=True, exist_ok=True)
-    samples, doubts = usable_samples(survey), kept_doubts(sentences_of(survey, DOUBTS))
-    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
-        moment = facts[dataset.TIMESTAMP][place]
-        height_m = float(facts[dataset.HEIGHT][place])
-        values = np.asarray(s21[place]).tolist()
-        sample: Dict[str, Any] = {
-            "x_coord": x_mm,
-            "y_coord": y_mm,
-            "z_coord": z_deg,
-            "antennae_height": None if math.isnan(height_m) else height_m,
-            "timestamp": "" if np.isnat(moment) else pd.Timestamp(moment).strftime(TIME),
-            "survey_id": str(survey.attrs.get("survey_id", "")),
-            "sample_id": str(facts["sample_id"][place]),
-            "data": [
-                {"freq_value": one, "real_value": value.real, "imaginary_value": value.imag}
-                for one, value in zip(frequencies, values)
-            ],
-        }
-        if is_simulated(survey):
-            sample[SIMULATED_KEY] = True
-        if doubts:
-            sample[DOUBTS] = doubts
-        name = f"X{x_mm:06.2f}_Y{y_mm:06.2f}_Z{z_deg:06.2f}.json"
-        with (folder / name).open("x", encoding="ascii") as stream:
-            json.dump(sample, stream, allow_nan=False)
-    return len(samples)
-
-
-def holds_original(folder: Path) -> bool:
-    """Return whether a folder has files with names of the original project."""
-    return any(NAME.fullmatch(path.name) for path in folder.iterdir())
-
-
-def read_original(
-    folder: Path,
-    progress: Progress = no_progress,
-    facts: Optional[Facts] = None,
-    height_m: Optional[float] = None,
-) -> xr.Dataset:
-    """Read a folder of such files; a lost imaginary part is recovered.
-
-    Args:
-        folder: The folder.
-        progress: Shows the progress.
-        facts: What is known of the survey besides.
-        height_m: Height of the antennas, if the files do not say it [m].
-
-    Raises:
-        AnalysisError: There is none.
-        UnreadableFileError: One is damaged or contradicts another.
-    """
-    paths, decisions = files_of_samples(folder, NAME, ".json", EXAMPLE)
-    samples = [_read(path) for path in progress(paths, len(paths))]
-    frequency_hz = samples[0].pop("frequency_hz")
-    for path, sample in zip(paths[1:], samples[1:]):
-        if not np.array_equal(sample.pop("frequency_hz"), frequency_hz):
-            raise UnreadableFileError(
+    paths, decisions = files_of_samples(path, NAME, ".json", EXAMPLE)
+    samples = [_read(one) for one in progress(paths, len(paths))]
+    first = samples[0]
+    for one in samples:
+        same = np.array_equal(one.rows[:, 0], first.rows[:, 0])
+        if not same or one.survey_id != first.survey_id:
+            raise refusal(
                 Message(
-                    "{file} has other frequencies than {first}; put it into another folder",
-                    file=path.name,
-                    first=paths[0].name,
-                ),
-                fault=faults.INPUT,
+                    "{file} is of another survey than {first}, or has other frequencies; put those "
+                    "of each into a folder of its own",
+                    file=one.file,
+                    first=first.file,
+                )
             )
-    surveys = sorted({sample["survey_id"] for sample in samples})
-    if len(surveys) > 1:
-        raise UnreadableFileError(
-            Message(
-                "{folder} has samples of {count} surveys ({ids}); put those of each into a folder "
-                "of its own",
-                folder=folder.name,
-                count=len(surveys),
-                ids=", ".join(surveys[:LISTED]),
-            ),
-            fault=faults.INPUT,
-        )
-    traces = CheckedTraces()
-    spectra = [
-        traces.take(path.name, one["s21"], one["height_m"]) for path, one in zip(paths, samples)
-    ]
-    decisions += traces.decisions()
-    times = [sample["time"] for sample in samples]
-    wrong = [path.name for path, one in zip(paths, times) if one and one.year not in YEARS]
-    if wrong:
-        decisions.append(listed(TIMES_LEFT_OUT, wrong))
-        times = []
+    heights_m = np.array([one.height_m for one in samples])
     decisions += DECIDED
-    if any(times):
-        decisions.append(TIMES_DECIDED)
-    heights_m = np.array([sample["height_m"] for sample in samples])
     if (heights_m == CONSTANT_M).all():
-        heights_m[:] = math.nan
+        heights_m[:] = np.nan
         decisions.append(HEIGHT_DECIDED)
-    if height_m is not None and np.isnan(heights_m).any():
-        heights_m[np.isnan(heights_m)] = height_m
+    if options.height_m is not None and np.isnan(heights_m).any():
+        heights_m[np.isnan(heights_m)] = options.height_m
         given = Message(
-            "samples without a height have {height_m:g} m, as the user said", height_m=height_m
+            "samples without a height have {height_m:g} m, as the user said",
+            height_m=options.height_m,
         )
         decisions.append(given)
-    data = on_grid(
-        folder.name,
-        np.array([sample["position"] for sample in samples]),
-        spectra,
-        heights_m.tolist(),
-        frequency_hz,
-        [],
-        simulated=True if any(sample["simulated"] for sample in samples) else None,
-        facts=facts,
-        times=[np.datetime64(one or "NaT", "ns") for one in times] or None,
+    times = [one.time for one in samples]
+    too_early = any(one and one.year < FIRST_YEAR for one in times)
+    if any(times):
+        decisions.append(TIMES_LEFT_OUT if too_early else TIMES_DECIDED)
+    rows = np.array([one.rows for one in samples])
+    found = Samples(
+        [one.file for one in samples],
+        np.array([one.place[::-1] for one in samples]),
+        rows[:, :, 1] + 1j * rows[:, :, 2],
+        heights_m,
+        frequency_hz=first.rows[:, 0],
+        times=None if too_early else [np.datetime64(one or "NaT", "ns") for one in times],
+        decisions=decisions,
     )
-    if surveys[0]:
-        data = data.assign_attrs({"survey_id": surveys[0], **data.attrs})
-    return with_imaginary_parts(with_decisions(data, *decisions, PHASE_DECIDED))
+    survey = survey_of(path, found)
+    return survey.assign_attrs(survey_id=first.survey_id) if first.survey_id else survey
 
 
-def _read(path: Path) -> Dict[str, Any]:
+def _read(path: Path) -> _Sample:
     content = read_regular(path)
     try:
         sample = orjson.loads(content[3:] if content.startswith(codecs.BOM_UTF8) else content)
-    except orjson.JSONDecodeError as error:
+        if not isinstance(sample, dict):
+            raise ValueError("no object")
+    except ValueError as error:
         raise UnreadableFileError(
-            Message(
-                "{file} is not JSON in UTF-8: see line {line}, character {column}",
-                file=path.name,
-                line=error.lineno,
-                column=error.colno,
-            )
+            Message("{file} is not a JSON object in UTF-8", file=path.name, details=error)
         ) from error
-    if not isinstance(sample, dict):
-        raise UnreadableFileError(Message("{file} is not a valid sample", file=path.name))
     header = Header(path.name, sample, typed=True)
     place = [header.number(key, -FARTHEST_MM, FARTHEST_MM) for key in PLACE]
     for key, found, named in zip(PLACE, place, NAME.findall(path.name)[0]):
         if abs(found - float(named)) > ROUNDED_MM:
             allowed = Message("{named}, as the name of the file says", named=named)
             raise header.refused(key, allowed)
-    unknown = sample.get("antennae_height") is None and "antennae_height" in sample
-    for key, kind, allowed in (
-        ("survey_id", (str, type(None)), Message("a text")),
-        (SIMULATED_KEY, bool, Message("true or false")),
-    ):
-        if key in sample and not isinstance(sample[key], kind):
-            raise header.refused(key, allowed)
-    rows = _rows(header)
-    return {
-        "time": _time(header),
-        "survey_id": sample.get("survey_id") or "",
-        "position": place[::-1],
-        "height_m": math.nan if unknown else header.number("antennae_height", 0.0, HIGHEST_M),
-        "frequency_hz": rows[:, 0],
-        "simulated": sample.get(SIMULATED_KEY, False),
-        "s21": rows[:, 1] + 1j * rows[:, 2],
-    }
+    height_m = np.nan
+    if sample.get("antennae_height", 0) is not None:
+        height_m = header.number("antennae_height", 0.0, HIGHEST_M)
+    if not isinstance(sample.get("survey_id"), (str, type(None))):
+        raise header.refused("survey_id", Message("a text"))
+    survey_id = sample.get("survey_id") or ""
+    return _Sample(path.name, place, height_m, _time(header), survey_id, _rows(header))
 
 
 def _rows(header: Header) -> np.ndarray:
@@ -243,18 +155,17 @@ def _rows(header: Header) -> np.ndarray:
     if not isinstance(rows, list) or len(rows) < 2:
         raise header.refused("data", Message("a list of two rows or more"))
     found = [row.get(key) if isinstance(row, dict) else None for row in rows for key in VALUES]
-    if not {int, float}.issuperset(map(type, found)):
-        at = next(place for place, one in enumerate(found) if type(one) not in (int, float))
-        key = f"{VALUES[at % 3]} {at // 3 + 1}"
-        Header(header.file, {key: found[at]}, typed=True).number(key, -HIGHEST_HZ, HIGHEST_HZ)
+    for at, one in enumerate(found):
+        if type(one) not in (int, float):
+            key = f"{VALUES[at % 3]} {at // 3 + 1}"
+            Header(header.file, {key: one}, typed=True).number(key, -HIGHEST_HZ, HIGHEST_HZ)
     numbers = np.array(found, np.float64).reshape(-1, 3)
-    frequency_hz = numbers[:, 0]
-    falls = np.flatnonzero(np.diff(frequency_hz) <= 0.0)
+    falls = np.flatnonzero(np.diff(numbers[:, 0]) <= 0.0)
     if falls.size:
         key = f"{VALUES[0]} {falls[0] + 2}"
-        found_hz = {key: frequency_hz[falls[0] + 1]}
+        found_hz = {key: numbers[falls[0] + 1, 0]}
         raise Header(header.file, found_hz).refused(key, Message("above the one before"))
-    check_sweep(header.file, *frequency_hz[[0, -1]])
+    check_sweep(header.file, *numbers[[0, -1], 0])
     return numbers
 
 
@@ -268,16 +179,11 @@ def _time(header: Header) -> Optional[datetime]:
     raise header.refused("timestamp", Message("a text such as 20211015083000, or nothing"))
 
 
-def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
-    return read_original(path, progress, checked_facts(path), options.height_m)
-
-
 def _whole(path: Path) -> Optional[Path]:
     if path.is_dir():
-        return path if holds_original(path) else None
+        return path if any(NAME.fullmatch(one.name) for one in path.iterdir()) else None
     # One file is no survey; its folder is.
     return path.parent if NAME.fullmatch(path.name) and path.is_file() else None
 
 
-IMPORT = ImportFormat(_imported, _whole, ("height_m",))
-EXPORT = ExportFormat(files_of(write_original), holds=("X*_Y*_Z*.json",))
+IMPORT = ImportFormat(read_original, _whole, ("height_m",))

@@ -7,9 +7,16 @@ from typing import Dict
 
 import numpy as np
 
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import content_of, sibling, text_header, trace_count
+from gpr20_foreign_formats.header import (
+    content_of,
+    partner,
+    stale_count,
+    text_header,
+    trace_count,
+    unread_beside,
+)
 from gpr20_foreign_formats.traces import Traces, format_of
 
 BYTES: Dict[str, int] = {".rd3": 2, ".rd7": 4}
@@ -25,7 +32,8 @@ def read_rd3(path: Path, _: ImportOptions) -> Traces:
     Raises:
         UnreadableFileError: A file is missing, the header is wrong, or the file was cut off.
     """
-    data, header = sibling(path, *BYTES), text_header(sibling(path, ".rad"), ":")
+    data = partner(path, *BYTES)
+    header = text_header(partner(path, ".rad"), ":", "RD3 (RAD)", "SAMPLES")
     header.number("NUMBER_OF_CH", 1, 1, 1)  # several channels are interleaved
     samples = header.count("SAMPLES", 2, 1 << 16)
     frequency_hz = 1e6 * header.number("FREQUENCY", 1.0, 1e7)
@@ -33,17 +41,25 @@ def read_rd3(path: Path, _: ImportOptions) -> Traces:
     header.number("TIMEWINDOW", (1 - SAME) * window_ns, (1 + SAME) * window_ns, window_ns)
     content, width = content_of(data), BYTES[data.suffix.lower()]
     count = trace_count(data, len(content), samples * width)
-    if count != header.count("LAST TRACE", 1, 1 << 24):
-        as_in = {"count": count, "file": data.name}
-        raise header.refused("LAST TRACE", Message("{count:g}, as in {file}", **as_in))
     by_time = header.entries.get("TIME FLAG") == "1" and header.entries.get("DISTANCE FLAG") != "1"
-    spacing_m = 0.0 if by_time else header.number("DISTANCE INTERVAL", 0.0, 1e3, 0.0)
+    # A wheel that turns the other way counts backwards.
+    spacing_m = 0.0 if by_time else header.number("DISTANCE INTERVAL", -1e3, 1e3, 0.0)
+    notes = stale_count(header, "LAST TRACE", count)
+    if header.entries.get("SIGNAL POSITION"):
+        position = Message(
+            "SIGNAL POSITION {position} counts in a unit that {file} does not name, so it is not "
+            "used",
+            position=header.entries["SIGNAL POSITION"],
+            file=header.file,
+        )
+        notes.append(position)
     return Traces(
         data,
         np.frombuffer(content, f"<i{width}").reshape(count, samples) / 2.0 ** (8 * width - 1),
         step_s=1.0 / frequency_hz,
         x_m=np.arange(count) * spacing_m if spacing_m else None,
         separation_m=header.number("ANTENNA SEPARATION", 0.0, 1e3, 0.0) or None,
+        notes=[*notes, *unread_beside(data, ".cor", ".mrk", ".gps")],
     )
 
 

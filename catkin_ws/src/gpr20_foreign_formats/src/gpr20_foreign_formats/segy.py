@@ -1,4 +1,4 @@
-"""SEG-Y of revision 0 and 1: real A-scans, as `gpr20 export` and other programs write them.
+"""SEG-Y of revision 0 to 2: real A-scans, as `gpr20 export` and other programs write them.
 
 A header counts microseconds, but radar needs less, and no standard says what a program counts
 instead. Own files say that they mean picoseconds; of others it is assumed, with a note.
@@ -8,24 +8,26 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Dict, Tuple
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats import segy
-from gpr20_analysis.formats.format import ImportOptions
-from gpr20_analysis.formats.provenance import SIMULATED
-from gpr20_analysis.formats.sums_beside import checked_facts
+from gpr20_analysis.formats.facts import SIMULATED, facts_beside
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_analysis.processing.to_frequency import EVEN
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, content_of, trace_count
+from gpr20_foreign_formats.header import Header, content_of, other_kind, refusal
 from gpr20_foreign_formats.traces import Traces, format_of, needs_spacing
 
 TEXT_BYTES, START_BYTES, HEADER_BYTES = 3200, 3600, 240
 EBCDIC_C = b"\xc3"
 IBM_FLOAT = 1
-TYPES: Dict[int, str] = {IBM_FLOAT: "?u4", 2: "?i4", 3: "?i2", 5: "?f4", 8: "i1"}
+TYPES: Dict[int, str] = {
+    **{IBM_FLOAT: "?u4", 2: "?i4", 3: "?i2", 5: "?f4", 6: "?f8", 8: "i1", 9: "?i8"},
+    **{10: "?u4", 11: "?u2", 12: "?u8", 16: "u1"},
+}
 """Codes of the kinds of samples; IBM floats are read as they are stored."""
 # Places in the file and in the header of a trace, by the standard's bytes, which count from 1, and
 # types; ? stands for the order of the bytes.
@@ -34,8 +36,15 @@ BINARY: Dict[str, Tuple[int, str]] = {
     "number of samples": (3221, "?u2"),
     "format code": (3225, "?u2"),
     "measurement system": (3255, "?u2"),
-    "revision": (3501, "?u2"),
+    "revision": (3501, ">u2"),
     "extended headers": (3505, "?i2"),
+}
+OF_REVISION_2: Dict[str, Tuple[int, str]] = {
+    "extended number of samples": (3269, "?u4"),
+    "extended sample interval": (3273, "?f8"),
+    "additional trace headers": (3507, "?u2"),  # from 2.1 on; before it is four bytes long
+    "offset of the first trace": (3521, "?u8"),
+    "data trailers": (3529, "?i4"),
 }
 OF_TRACE: Dict[str, Tuple[int, str]] = {
     "code": (29, "?i2"),
@@ -50,8 +59,10 @@ OF_TRACE: Dict[str, Tuple[int, str]] = {
     "interval": (117, "?u2"),
     "cdp": (181, "2?i4"),
 }
+DEAD, NO_GROUND = (segy.DEAD, 3), range(4, 10)
+"""Codes of traces that are dead or dummies, and of those of a sweep or of time."""
 FEET, M_PER_FT = 2, 0.3048
-FIRST_REVISION, MOST_EXTENDED = (1, 0x0100, 0x0101), 1000
+FIRST_REVISION, SECOND_REVISION, MOST_EXTENDED = (1, 0x0100, 0x0101), (0x0200, 0x0201), 1000
 ROTATION = re.compile(r"ANTENNAS AT (-?\d+(?:\.\d+)?) DEG")
 FIRST = re.compile(r"THE FIRST AT (-?\d+) PS")
 
@@ -62,37 +73,37 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
     Places are halfway between source and receiver group, or those of the CDP if these are 0.
 
     Raises:
-        AnalysisError: The places are no lengths.
+        AnalysisError: The places are no lengths, or no line of constant separation.
         UnreadableFileError: The file is damaged, has another kind of samples, or was changed; or
             its times are not clear.
     """
-    facts, content = checked_facts(path), content_of(path)
-    if len(content) < START_BYTES:
-        raise UnreadableFileError(
-            Message("{file} is shorter than its header must be", file=path.name)
-        )
+    facts, content = facts_beside(path), content_of(path)
     text = content[:TEXT_BYTES].decode("cp500" if content[:1] == EBCDIC_C else "latin-1").upper()
     header, order = _binary_header(path, content)
-    traces = _traces(path, content, header, order)
+    notes: List[Message] = []
+    traces = _traces(path, content, header, order, notes)
     is_own = segy.UNIT_OF_TIME in text
-    interval = header.entries["sample interval"] or int(traces["interval"][0])
+    interval = float(header.entries["sample interval"] or traces["interval"][0])
+    # Only a fraction, which revision 2 allows, can count what the standard says.
+    unit_s, unit = (1e-6, "us") if 0.0 < interval < 1.0 else (1.0 / segy.PS_PER_S, "ps")
     _check_times(path, traces, interval, options)
-    found = Traces(path, _samples(traces, header), interval / segy.PS_PER_S)
-    found.values[traces["code"] == segy.DEAD] = np.nan
+    found = Traces(path, _samples(traces, header), interval * unit_s, notes=notes)
+    found.values[np.isin(traces["code"], DEAD)] = np.nan
     found.facts, found.was_moved = facts, segy.MOVED in text
     if options.interval_s is not None:
         found.step_s = options.interval_s
     elif not is_own:
         assumed = Message(
-            "{file} does not say what its sample interval of {interval} counts; picoseconds are "
+            "{file} does not say what its sample interval of {interval:g} counts; {unit} is "
             "assumed, a record of {duration_ns:g} ns; give --interval PS if that is wrong",
             file=path.name,
             interval=interval,
+            unit=unit,
             duration_ns=1e9 * found.step_s * found.values.shape[1],
         )
-        found.notes.append(assumed)
+        notes.append(assumed)
     if options.spacing_m is None:
-        _add_places(found, traces, header)
+        _add_places(found, traces, header, options)
     if is_own:
         rotation, first = ROTATION.search(text), FIRST.search(text)
         height_m = _scaled(traces["elevation"], traces["elevation_scalar"])
@@ -106,53 +117,103 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
 
 def _binary_header(path: Path, content: bytes) -> Tuple[Header, str]:
     """Return the binary header, and the order of the bytes in which its code is one."""
-    for order in "<>":
-        values = {
-            key: int(np.frombuffer(content, kind.replace("?", order), 1, place - 1)[0])
-            for key, (place, kind) in BINARY.items()
+    if len(content) < START_BYTES:
+        raise other_kind(path.name, "SEG-Y")
+
+    def read(fields: Dict[str, Tuple[int, str]], order: str) -> Dict[str, Any]:
+        return {
+            key: np.frombuffer(content, kind.replace("?", order), 1, place - 1)[0].item()
+            for key, (place, kind) in fields.items()
         }
-        header = Header(path.name, values)
-        if values["format code"] in TYPES:
-            return header, order
-    raise header.refused("format code", Message("one of {codes}", codes=", ".join(map(str, TYPES))))
+
+    for order in "><":
+        found = read(BINARY, order)
+        if found["format code"] not in TYPES:
+            continue
+        # Older files may have anything in these places.
+        is_second = found["revision"] in SECOND_REVISION
+        later = read(OF_REVISION_2, order) if is_second else dict.fromkeys(OF_REVISION_2, 0)
+        if found["revision"] == SECOND_REVISION[0]:
+            later.update(read({"additional trace headers": (3507, "?u4")}, order))
+        if found["revision"] not in (*FIRST_REVISION, *SECOND_REVISION):
+            found["extended headers"] = 0
+        found["sample interval"] = later["extended sample interval"] or found["sample interval"]
+        found["number of samples"] = (
+            later["extended number of samples"] or found["number of samples"]
+        )
+        return Header(path.name, {**found, **later}), order
+    raise other_kind(path.name, "SEG-Y", f"format code {found['format code']}")
 
 
-def _traces(path: Path, content: bytes, header: Header, order: str) -> np.ndarray:
-    """Return the headers and samples of the traces, as they are stored."""
-    kind = TYPES[header.entries["format code"]].replace("?", order)
-    samples = header.count("number of samples", 2, (1 << 16) - 1)
-    size = HEADER_BYTES + samples * np.dtype(kind).itemsize
-    fields = [*OF_TRACE.items(), ("samples", (HEADER_BYTES + 1, f"{samples}{kind}"))]
+def _traces(
+    path: Path, content: bytes, header: Header, order: str, notes: List[Message]
+) -> np.ndarray:
+    """Return the headers and samples of the traces, as they are stored.
+
+    Where the header and the traces count their samples differently, the file's size decides.
+    """
+    kind = np.dtype(TYPES[header.entries["format code"]].replace("?", order))
+    headers = HEADER_BYTES * (1 + header.count("additional trace headers", 0, MOST_EXTENDED))
+    extended = header.count("extended headers", 0, MOST_EXTENDED)
+    offset = int(header.entries["offset of the first trace"]) or START_BYTES + TEXT_BYTES * extended
+    trailers = header.count("data trailers", 0, MOST_EXTENDED)
+    size = len(content) - TEXT_BYTES * trailers - offset
+    said = header.number("number of samples", 0, 1 << 24)
+    place, own = OF_TRACE["count"]
+    starts = content[offset + place - 1 :][:2].ljust(2, b"\0")
+    in_trace = int(np.frombuffer(starts, own.replace("?", order))[0])
+    counts = [int(one) for one in dict.fromkeys((said, in_trace)) if one > 1]
+    fitting = [one for one in counts if size > 0 and size % (headers + one * kind.itemsize) == 0]
+    if not fitting:
+        raise UnreadableFileError(
+            Message(
+                "{file} has {size} bytes of traces, which are no whole traces of {counts} samples, "
+                "as its headers say: it was cut off, or a header is damaged",
+                file=path.name,
+                size=size,
+                counts=" / ".join(map(str, counts)) or "0",
+            )
+        )
+    fields = [*OF_TRACE.items(), ("samples", (headers + 1, f"{fitting[0]}{kind.str}"))]
     layout = np.dtype(
         {
             "names": [name for name, _ in fields],
             "formats": [one.replace("?", order) for _, (_, one) in fields],
-            "offsets": [place - 1 for _, (place, _) in fields],
-            "itemsize": size,
+            "offsets": [at - 1 for _, (at, _) in fields],
+            "itemsize": headers + fitting[0] * kind.itemsize,
         }
     )
-    # Older files may have anything in these places.
-    is_first = header.entries["revision"] in FIRST_REVISION
-    extended = header.count("extended headers", 0, MOST_EXTENDED) if is_first else 0
-    offset = START_BYTES + TEXT_BYTES * extended
-    traces = np.frombuffer(content, layout, trace_count(path, len(content) - offset, size), offset)
-    other = traces["count"][~np.isin(traces["count"], (0, samples))]
-    if other.size:
-        as_in = Message("{count:g}, as in {file}", count=float(other[0]), file=path.name)
-        raise header.refused("number of samples", as_in)
+    traces = np.frombuffer(content, layout, size // layout.itemsize, offset)
+    own_counts = np.unique(traces["count"][traces["count"] != 0])
+    if len(own_counts) > 1:
+        in_traces = Header(path.name, {"number of samples": f"{own_counts[0]}, {own_counts[1]}"})
+        raise in_traces.refused("number of samples", Message("the same in all traces"))
+    notes += [
+        Message(
+            "headers of {file} say {other} and {count} samples; by the file's size its traces have "
+            "{count}",
+            file=path.name,
+            other=other,
+            count=fitting[0],
+        )
+        for other in counts
+        if other != fitting[0]
+    ]
     return traces
 
 
-def _check_times(path: Path, traces: np.ndarray, interval: int, options: ImportOptions) -> None:
-    all_same = Message("{interval} in all headers, or give --interval PS", interval=interval)
+def _check_times(path: Path, traces: np.ndarray, interval: float, options: ImportOptions) -> None:
+    all_same = Message("{interval:g} in all headers, or give --interval PS", interval=interval)
     start = Message("0, or give --time-zero NS, counted from the first sample")
+    ground = Message("1, of a trace that shows the ground")
     for name, key, given, right, allowed in (
-        ("sample interval", "interval", options.interval_s, interval, all_same),
-        ("delay recording time", "delay", options.time_zero_s, 0, start),
+        ("sample interval", "interval", options.interval_s, (0, int(interval)), all_same),
+        ("delay recording time", "delay", options.time_zero_s, (0,), start),
+        ("trace identification code", "code", None, (), ground),
     ):
-        other = traces[key][~np.isin(traces[key], (0, right))]
-        if given is None and other.size:
-            raise Header(path.name, {name: int(other[0])}).refused(name, allowed)
+        wrong = np.isin(traces[key], NO_GROUND) if key == "code" else ~np.isin(traces[key], right)
+        if given is None and wrong.any():
+            raise Header(path.name, {name: int(traces[key][wrong][0])}).refused(name, allowed)
 
 
 def _samples(traces: np.ndarray, header: Header) -> np.ndarray:
@@ -172,7 +233,7 @@ def _scaled(values: np.ndarray, scalar: np.ndarray) -> np.ndarray:
     return scaled
 
 
-def _add_places(found: Traces, traces: np.ndarray, header: Header) -> None:
+def _add_places(found: Traces, traces: np.ndarray, header: Header, options: ImportOptions) -> None:
     if not np.isin(traces["units"], (0, segy.LENGTH_UNITS)).all():
         raise needs_spacing(found.path, Message("the places of the traces are angles"))
     unit_m = M_PER_FT if header.entries["measurement system"] == FEET else 1.0
@@ -185,8 +246,17 @@ def _add_places(found: Traces, traces: np.ndarray, header: Header) -> None:
         return
     found.x_m, found.y_m = (source + group) / 2.0
     apart_m = np.hypot(*(source - group))
-    if apart_m.all() and np.ptp(apart_m) < EVEN * apart_m.mean():
-        found.separation_m = float(apart_m.mean())
+    if np.ptp(apart_m) <= EVEN * apart_m.mean():
+        found.separation_m = float(apart_m.mean()) or None
+    elif options.separation_m is None:
+        text = Message(
+            "{file}: source and receiver are {least_m:g} to {most_m:g} m apart, so it is no line "
+            "of constant separation, which images need; give --separation if that is wrong",
+            file=found.path.name,
+            least_m=apart_m.min(),
+            most_m=apart_m.max(),
+        )
+        raise refusal(text)
 
 
 IMPORT = format_of(read_segy, ".sgy", ".segy", takes="interval_s")

@@ -9,16 +9,16 @@ from typing import Any, Dict, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
-from gpr20_analysis.errors import MissingLibraryError, UnreadableFileError, library_missing
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.formats.provenance import SIMULATED
-from gpr20_analysis.formats.sums_beside import checked_facts
+from gpr20_analysis import work
+from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.errors import MissingLibraryError, library_missing
+from gpr20_analysis.formats.facts import SIMULATED, facts_beside
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, no_files
+from gpr20_foreign_formats.header import Header, no_files, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
@@ -28,13 +28,12 @@ PLACE = [
     re.compile(rf"(?<![A-Z]){one}([+-]?\d+(?:[.,]\d+)?)(?![.,]?\d)", re.IGNORECASE) for one in "XYZ"
 ]
 HEIGHT = re.compile(rf"{re.escape(HEIGHT_WORDS)} (\d[\d.e+-]*)")
-MM_PER_M = 1000.0
 BYTES_PER_BYTE = 20.0  # of memory, for a text of numbers
 NOISE_COLUMNS = 5
 SAME_HZ, LOWEST_HZ, HIGHEST_HZ = 0.5, 1e5, 1e12
 
 
-def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
+def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
     """Read the files of a folder; places are in their names, such as X50_Y0.5_Z90 (mm, degrees).
 
     Y and Z may be missing. With a spacing the files are a line in the order of their names, in
@@ -49,6 +48,7 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
         from skrf.io.touchstone import Touchstone
     except ImportError as error:
         raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
+    folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
     if not paths:
         raise no_files(folder, "*.s1p, *.s2p")
@@ -58,27 +58,28 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
             "others to another folder",
             folder=folder,
         )
-        raise UnreadableFileError(mixed, fault=faults.INPUT)
+        raise refusal(mixed)
     # Parts that are no numbers and those that are alternate.
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
     ])  # fmt: skip
+    places = None
     if options.spacing_m is None:
-        paths.sort(key=lambda one: _place(folder, one))
-    facts = checked_facts(folder)
+        placed = sorted((_place(folder, one), one) for one in paths)
+        paths, places = [one for _, one in placed], np.array([place for place, _ in placed])
+    facts = facts_beside(folder)
     size = sum(one.stat().st_size for one in paths)
-    lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
+    work.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
     first_hz = read[0][0]
-    for path, (frequency_hz, _, _) in zip(paths, read):
+    for one, (frequency_hz, _, _) in zip(paths, read):
         if len(frequency_hz) != len(first_hz) or np.abs(frequency_hz - first_hz).max() > SAME_HZ:
-            raise UnreadableFileError(
+            raise refusal(
                 Message(
                     "{file} has other frequencies than {first}; put it into another folder",
-                    file=path.name,
+                    file=one.name,
                     first=paths[0].name,
-                ),
-                fault=faults.INPUT,
+                )
             )
     comments = [comment for _, _, comment in read]
     heights = [HEIGHT.search(comment) for comment in comments]
@@ -87,9 +88,8 @@ def read_touchstone(folder: Path, options: ImportOptions, progress: Progress) ->
     found.simulated = True if any(SIMULATED in one for one in comments) else None
     found.was_moved = any(MOVED in one for one in comments)
     found.facts = facts
-    if options.spacing_m is None:
-        places = np.array([_place(folder, one) for one in paths]).T
-        found.x_m, found.y_m, found.rotation_deg = places
+    if places is not None:
+        found.x_m, found.y_m, found.rotation_deg = places.T
     survey = as_survey(found, options)
     FrequencyGrid.of(survey)  # refuses uneven frequencies
     return survey
@@ -115,9 +115,7 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         comments = str(file.get_comments())
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
     except Exception as error:
-        raise UnreadableFileError(
-            Message("{file} is damaged, or is no Touchstone file", file=path.name, details=error)
-        ) from error
+        raise other_kind(path.name, "Touchstone", error) from error
     if descends.any():
         later = {"frequency [Hz]": frequency_hz[1:][descends][0]}
         higher = Message("higher than the one before; sort the lines by frequency")
@@ -138,14 +136,10 @@ def _place(folder: Path, path: Path) -> Tuple[float, float, float]:
     return x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
 
 
-def _imported(path: Path, options: ImportOptions, progress: Progress) -> xr.Dataset:
-    return read_touchstone(path if path.is_dir() else path.parent, options, progress)
-
-
 def _whole(path: Path) -> Optional[Path]:
     folder = path if path.is_dir() else path.parent
     files = path.iterdir() if path.is_dir() else [path]
     return folder if any(one.suffix.lower() in ENTRY and one.is_file() for one in files) else None
 
 
-IMPORT = ImportFormat(_imported, _whole, TAKEN)
+IMPORT = ImportFormat(read_touchstone, _whole, TAKEN)

@@ -12,22 +12,22 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.formats.provenance import Facts
-from gpr20_analysis.processing.antenna_delay import LONGEST_DELAY_S
+from gpr20_analysis.formats.facts import Facts
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import MAX_CELLS_PER_TRACE
 from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.header import Header
 
 STEP, ZERO = "sample interval [ns]", "time zero [ns] (--time-zero)"
 SEPARATION, SPACING = "antenna separation [m] (--separation)", "trace spacing [mm] (--spacing)"
 NS_PER_S = 1e9
 SHORTEST_STEP_NS, LONGEST_STEP_NS = 1e-4, 100.0
-LONGEST_SPACING_M, FURTHEST_M = 1e3, 1e7
+LONGEST_SPACING_M, FURTHEST_M, LATEST_S = 1e3, 1e7, 1e-5
 DECIMALS = 6  # of millimetres: a place is what was meant, not the error of its sum
 TAKEN = ("spacing_m", "time_zero_s", "separation_m", "height_m", "band")
 """The options that all these formats take."""
@@ -102,11 +102,11 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
             SEPARATION: separation_m,
         },
     )
-    delay_s, latest_s = None, LONGEST_DELAY_S
+    delay_s, latest_s = None, LATEST_S
     if found.frequency_hz is None:
         checked.number(STEP, SHORTEST_STEP_NS, LONGEST_STEP_NS)
         delay_s = found.start_s + np.arange(samples) * found.step_s
-        latest_s = min(latest_s, float(delay_s[-1]))
+        latest_s = float(delay_s[-1])
     attributes: Dict[str, Any] = {}
     if zero_s is not None:
         checked.number(ZERO, 0.0, latest_s * NS_PER_S)
@@ -115,7 +115,7 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         checked.number(SEPARATION, 0.0, survey_attributes.WIDEST_SEPARATION_M)
         attributes[survey_attributes.ANTENNA_SEPARATION] = separation_m
     data = on_grid(
-        found.path.name,
+        printable(found.path.name),
         _positions(found, options.spacing_m),
         found.values,
         np.broadcast_to(height_m, (count,)).tolist(),
@@ -125,17 +125,32 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         facts=found.facts,
         delay_s=delay_s,
     ).assign_attrs(attributes)
-    if delay_s is not None and survey_attributes.ANTENNA_DELAY not in data.attrs:
-        unknown = Message(
-            "{file} does not record its time zero; 0 is used, so depths are too large; give "
-            "--time-zero, or --delay to gpr20 image",
-            file=found.path.name,
-        )
-        data = data.assign_attrs(with_notes(data, [unknown]))
+    data = data.assign_attrs(with_notes(data, _assumed(found.path.name, data)))
     if found.was_moved:
         why = Message("the export had shifted the traces to time zero, so depths would be wrong")
         data = data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, why))
     return data
+
+
+def _assumed(file: str, data: xr.Dataset) -> List[Message]:
+    """Return notes on what neither the file nor the options say."""
+    separation = Message(
+        "{file} does not record the distance between the antennas; 0 is used, so shallow echoes "
+        "appear too deep; give --separation",
+        file=file,
+    )
+    zero_is_known = dataset.A_SCAN not in data or survey_attributes.ANTENNA_DELAY in data.attrs
+    notes = [] if zero_is_known else [unknown_zero(file)]
+    return notes if survey_attributes.ANTENNA_SEPARATION in data.attrs else [*notes, separation]
+
+
+def unknown_zero(file: str) -> Message:
+    """Return the note on A-scans whose time zero nobody has said."""
+    return Message(
+        "{file} does not record its time zero; 0 is used, so depths are too large; give "
+        "--time-zero, or --delay to gpr20 image",
+        file=file,
+    )
 
 
 def needs_spacing(path: Path, reason: Message) -> AnalysisError:

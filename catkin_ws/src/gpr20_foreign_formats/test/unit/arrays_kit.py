@@ -5,7 +5,8 @@ import numpy as np
 import yaml
 from scipy.io import savemat
 
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
+from gpr20_analysis.work import no_progress
 from gpr20_foreign_formats.arrays import read_arrays
 
 FREQUENCY_HZ = np.linspace(1e9, 2e9, 21)
@@ -45,7 +46,7 @@ def describe(path, **keys):
 
 
 def read(path, **options):
-    return read_arrays(path, ImportOptions(**options))
+    return read_arrays(path, ImportOptions(**options), no_progress)
 
 
 def a_line(count=5):

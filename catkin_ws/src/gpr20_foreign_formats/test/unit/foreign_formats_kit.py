@@ -1,5 +1,6 @@
 """What this package adds to gpr20, as its pyproject.toml says it."""
 
+import ast
 import configparser
 import re
 from pathlib import Path
@@ -22,3 +23,16 @@ def added():
     parsed = configparser.ConfigParser(delimiters="=")
     parsed.read_string(entries())
     return {group: dict(parsed[group]) for group in parsed.sections()}
+
+
+def additions_of_catkin():
+    """Return the same as setup.py has it."""
+    (call,) = (
+        node
+        for node in ast.walk(ast.parse((PACKAGE / "setup.py").read_text()))
+        if isinstance(node, ast.keyword) and node.arg == "entry_points"
+    )
+    return {
+        group: dict(line.split(" = ") for line in lines)
+        for group, lines in ast.literal_eval(call.value).items()
+    }

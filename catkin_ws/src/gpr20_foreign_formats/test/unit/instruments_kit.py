@@ -6,8 +6,8 @@ import h5py
 import numpy as np
 from obspy.io.segy.pack import pack_4byte_ibm
 
-from gpr20_analysis.formats.format import IMPORTS, Band, ImportOptions
-from gpr20_analysis.progress import no_progress
+from gpr20_analysis.formats.imports import IMPORTS, Band, ImportOptions
+from gpr20_analysis.work import no_progress
 
 TRACES, SAMPLES, SPACING_M, WINDOW_NS = 6, 40, 0.02, 8.0
 RICKER = ("--source", "ricker:1.5e9")
@@ -21,7 +21,8 @@ def counts(bits=16, traces=TRACES, samples=SAMPLES, seed=1):
     return found
 
 
-def dzt_header(samples=SAMPLES, bits=16, channels=1, **more):
+def channel_header(samples=SAMPLES, bits=16, channels=1, antenna=b"1.5/1.6GH", gains=(), **more):
+    """Return the header of a channel of a DZT file."""
     header = bytearray(1024)
     values = {"tag": 0xFF, "data": channels, "spm": 1.0 / SPACING_M, "position": 0.0}
     values.update({"range": WINDOW_NS, "epsr": 6.0, **more})
@@ -31,24 +32,33 @@ def dzt_header(samples=SAMPLES, bits=16, channels=1, **more):
         "<5f", header, 10, 100.0, values["spm"], 0.0, values["position"], values["range"]
     )
     struct.pack_into("<Hf", header, 52, channels, values["epsr"])
-    header[98:107] = b"1.5/1.6GH"
+    header[98 : 98 + len(antenna)] = antenna
+    if gains:
+        struct.pack_into("<H", header, 40, 128)
+        struct.pack_into(f"<H{len(gains)}f", header, 128, len(gains), *gains)
     return bytes(header)
 
 
-def write_dzt(path, channels=None, bits=16, **more):
-    """Write (trace, sample) counts of each channel; marks stand in the first two samples."""
+def write_dzt(path, channels=None, bits=16, second=None, **more):
+    """Write (trace, sample) counts of each channel; marks stand in the first two samples.
+
+    `second` is what differs in the header of the second channel.
+    """
     channels = [counts(bits)] if channels is None else channels
     values = np.stack(channels, axis=1)
     stored = values + (0 if bits == 32 else 2 ** (bits - 1))
     stored[:, :, :2] = [[[1, 200]]]
-    more.setdefault("data", len(channels))
-    header = dzt_header(values.shape[2], bits, len(channels), **more)
+    same = {"samples": values.shape[2], "bits": bits, "channels": len(channels)}
+    same.update({"data": len(channels), **more})
+    header = channel_header(**same)
     kind = {8: "u1", 16: "<u2", 32: "<i4"}[bits]
-    blocks = more["data"] if more["data"] < 1024 else len(channels)
-    path.write_bytes((header * blocks)[: 1024 * blocks] + stored.astype(kind).tobytes())
+    blocks = [header] * (same["data"] if same["data"] < 1024 else len(channels))
+    if second is not None:
+        blocks[1] = channel_header(**{**same, **second})
+    path.write_bytes(b"".join(blocks) + stored.astype(kind).tobytes())
 
 
-def write_dt1(path, kind="<i2", values=None, x=None, unit="m", dead=(), **entries):
+def write_dt1(path, kind="<i2", values=None, x=None, unit="m", dead=(), moved=(), **entries):
     values = counts() if values is None else values
     x = np.arange(len(values)) * SPACING_M if x is None else x
     lines = {
@@ -67,6 +77,7 @@ def write_dt1(path, kind="<i2", values=None, x=None, unit="m", dead=(), **entrie
         for number, (trace, place) in enumerate(zip(values, x)):
             header = np.zeros(32, "<f4")
             header[:6] = number + 1, place, len(trace), 0.0, 0.0, np.dtype(kind).itemsize
+            header[20] = number in moved  # item 21, adjustment of time zero
             header[21] = number in dead  # item 22 of the manual, the zero flag
             stream.write(header.tobytes() + trace.astype(kind).tobytes())
 
@@ -138,12 +149,14 @@ def write_touchstone(folder, names=None, form="RI", unit="MHz", hz=None):
         (folder / name).write_text(text, encoding="ascii")
 
 
-def write_merged(path, values=None, steps=(10, 0, 0), along="Ey"):
+def write_merged(path, values=None, steps=(10, 0, 0), along="Ey", srcsteps=None):
     values = counts(8, samples=400) / 128.0 if values is None else values
     with h5py.File(path, "w") as file:
         file.attrs.update(gprMax="4", Iterations=values.shape[1], dt=20e-12, nsrc=1, nrx=1)
         if steps is not None:
-            file.attrs.update(rxsteps=steps, srcsteps=steps, dx_dy_dz=(0.002, 0.002, 0.002))
+            file.attrs.update(
+                rxsteps=steps, srcsteps=srcsteps or steps, dx_dy_dz=(0.002, 0.002, 0.002)
+            )
         receiver = file.create_group("rxs/rx1")
         for name in ("Ex", "Ey", "Ez"):
             receiver[name] = (1.0 if name == along else 0.01) * values.T

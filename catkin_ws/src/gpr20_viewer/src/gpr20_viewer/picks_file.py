@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Optional, Tuple
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
 from gpr20_analysis.faults import PICKS_CHANGED
-from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from

@@ -65,6 +65,11 @@ def _run(given: List[str], chosen: argparse.Namespace, asked: Language) -> int:
         return REFUSED
 
 
+def _number(text: str) -> float:
+    """Return the number of an option, also as people write it who have decimal commas."""
+    return float(text if "." in text else text.replace(",", "."))
+
+
 def _language(given: List[str]) -> Tuple[Language, List[str]]:
     """Return the language of the output, and the arguments without the option that sets it."""
     parser = argparse.ArgumentParser(
@@ -109,6 +114,7 @@ def _parser(given: List[str]) -> argparse.ArgumentParser:
                 epilog=chosen.exit_status,
                 parents=[_language_option()],
             )
+            own.register("type", float, _number)
             chosen.add_arguments(own)
             own.set_defaults(run=chosen.run)
         else:

@@ -54,7 +54,7 @@ def last_delay_s(
     """
     surface_s = surface_delay_s(data)
     if surface_s is None:
-        surface_s = two_way_delay_s(HEIGHT_M)
+        surface_s = float(data.attrs.get(ANTENNA_DELAY, 0.0)) + two_way_delay_s(HEIGHT_M)
     soil_s = two_way_delay_s(deepest_m * np.sqrt(permittivity or PERMITTIVITY))
     return float(surface_s + soil_s + MARGIN_S)
 

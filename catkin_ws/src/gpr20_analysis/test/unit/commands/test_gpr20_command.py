@@ -35,10 +35,10 @@ def test_every_command_explains_itself_and_is_listed_and_a_wrong_call_is_status_
 
 
 def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_path, capsys):
-    (tmp_path / "broken.bag").write_text("nothing")
-    assert main(["info", str(tmp_path / "broken.bag")]) == 3
+    (tmp_path / "broken.nc").write_text("nothing")
+    assert main(["info", str(tmp_path / "broken.nc")]) == 3
     error = capsys.readouterr().err
-    assert error.startswith("gpr20 info: broken.bag ")
+    assert error.startswith("gpr20 info: ") and "broken.nc" in error
     assert error.splitlines()[1] == f"First: {faults.FILE_DAMAGED.remedy}"
     assert main(["report", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
@@ -84,8 +84,8 @@ HOSTILE = (
     *("\nFAULT: faked\n", "a\u202eb", "\u2028line", "\ud800", "\udcff"),
 )
 COMMANDS = (
-    *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["repair"], ["markers"]),
-    *(["annotate"], ["info", "--json"], ["verify", "--json"], ["markers", "--json"]),
+    *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["verify", "--repair"]),
+    *(["markers"], ["annotate"], ["info", "--json"], ["verify", "--json"], ["markers", "--json"]),
 )
 MORE = {
     "instrument": {"identity": "ANRITSU,MS2026C,1,1", "calibration": "applied"},
