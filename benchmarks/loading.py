@@ -27,9 +27,9 @@ from robot_kit import free_port, running
 from window import Heartbeat
 from window_kit import new_window, run_events, run_until, virtual_screen
 
+from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.catalogue import Language
-from gpr20_foreign_formats.merged_hdf5 import write_merged
 from gpr20_user_interface.look.translation import Languages
 
 NODE = (
@@ -48,14 +48,12 @@ LIMITS_S = {"MCAP": 2.0, "bag": 3.0, "JSON": 8.0, "HDF5": 1.0}
 LOAD = """
 import json, re, sys, time
 from pathlib import Path
-from gpr20_foreign_formats.merged_hdf5 import read_merged
 from gpr20_analysis.read.load import load_survey
 path = Path(sys.argv[1])
-load = read_merged if path.suffix == ".h5" else load_survey
 # Of this program alone: the figure of getrusage begins with that of the one that started it.
 peak = lambda: 1024 * int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
 before, wall_s, cpu_s = peak(), time.perf_counter(), time.process_time()
-survey = load(path)
+survey = load_survey(path)
 print(json.dumps({
     "wall_s": time.perf_counter() - wall_s, "cpu_s": time.process_time() - cpu_s,
     "grown": peak() - before, "data": survey.s21.nbytes,
@@ -82,13 +80,13 @@ def row(name: str, found: Dict[str, float]) -> str:
 
 def load_from_files(folder: Path) -> bool:
     """Load the survey from each kind of file and print the table; return if a limit is missed."""
-    merged = folder.parent.parent / "merged.h5"
-    write_merged(load_survey(folder / "survey.mcap"), merged, "benchmark")
+    netcdf = folder.parent.parent / "survey.nc"
+    write_dataset(load_survey(folder / "survey.mcap"), netcdf)
     paths = {
         "MCAP": folder / "survey.mcap",
         "bag": folder / "survey.bag",
         "JSON": folder,
-        "HDF5": merged,
+        "HDF5": netcdf,
     }
     print("| from | s | processor s | limit s | memory MiB | of the data |")
     print("| --- | ---: | ---: | ---: | ---: | ---: |")

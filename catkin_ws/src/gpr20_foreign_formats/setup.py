@@ -15,7 +15,6 @@ setup(
                 "touchstone = gpr20_foreign_formats.touchstone:IMPORT",
                 "group-csv = gpr20_foreign_formats.group_csv:IMPORT",
                 "merged-hdf5 = gpr20_foreign_formats.merged_hdf5:IMPORT",
-                "migrated-hdf5 = gpr20_foreign_formats.migrated_hdf5:IMPORT",
                 "gprmax = gpr20_foreign_formats.gprmax:IMPORT",
                 "arrays = gpr20_foreign_formats.arrays:IMPORT",
                 "original-json = gpr20_foreign_formats.original_json:IMPORT",

@@ -7,10 +7,9 @@ import json
 import re
 from dataclasses import dataclass, field, replace
 from math import isfinite
-from pathlib import PurePath
 from typing import Any, Callable, Dict, Iterable, Iterator, Mapping, Optional, Tuple, Union
 
-from gpr20_common.terminal_text import printable, storable
+from gpr20_common.terminal_text import printable
 
 # Between sentences in a row, such as two reasons for one refusal.
 BETWEEN_SENTENCES = "; "
@@ -285,9 +284,7 @@ def _deciding(reported: Tuple[int, Fault]) -> Tuple[bool, bool, bool, int, int]:
 
 
 def _value(value: Any) -> Value:
-    if isinstance(value, (str, PurePath)):
-        return storable(value)
-    if isinstance(value, (int, float, Message)):
+    if isinstance(value, (str, int, float, Message)):
         return value
     if isinstance(value, tuple) and all(isinstance(one, Message) for one in value):
         return value

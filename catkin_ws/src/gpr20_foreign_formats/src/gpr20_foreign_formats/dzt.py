@@ -14,13 +14,7 @@ import numpy as np
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import (
-    Header,
-    content_of,
-    other_kind,
-    trace_count,
-    unread_beside,
-)
+from gpr20_foreign_formats.header import Header, content_of, other_kind, trace_count, unread_beside
 from gpr20_foreign_formats.traces import Traces, format_of
 
 HEADER_BYTES = 1024
@@ -62,10 +56,9 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
                 channels=channels,
             )
         )
-    blocks = first.count("rh_data", 1, (1 << 16) - 1)
+    blocks = first.count("rh_data", channel, (1 << 16) - 1)
     # Larger values have another meaning.
     blocks = blocks if blocks < HEADER_BYTES else channels
-    first.number("rh_data", channel if blocks < channel else 1, np.inf)
     own = first if channel == 1 else _header(path, content, HEADER_BYTES * (channel - 1))
     for key in OF_ALL_CHANNELS:
         expected = first.entries[key]
@@ -123,11 +116,9 @@ def _notes(header: Header, block: bytes) -> List[Message]:
     )
     # A count of points, then gains in dB at even times.
     start = header.entries["rh_rgain"]
-    count = int.from_bytes(block[start : start + 2], "little")
-    if not start or not 1 < count <= MOST_GAINS or start + 2 + 4 * count > len(block):
-        return [antenna]
-    gains_db = np.frombuffer(block, "<f4", count, start + 2)
-    if not np.isfinite(gains_db).all() or not np.ptp(gains_db):
+    count = int.from_bytes(block[start : start + 2], "little") if start else 0
+    gains_db = np.frombuffer(block[start + 2 :][: 4 * min(count, MOST_GAINS)], "<f4")
+    if len(gains_db) < 2 or not np.isfinite(gains_db).all() or not np.ptp(gains_db):
         return [antenna]
     gain = Message(
         "the header has a gain over time of {first_db:g} to {last_db:g} dB; if the instrument "

@@ -18,13 +18,12 @@ from gpr20_analysis import dataset, work
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.imports import Band, ImportFormat, ImportOptions
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read.survey_attributes import ANTENNA_SEPARATION
-from gpr20_analysis.sentences import with_notes, with_sentence
+from gpr20_analysis.sentences import with_notes
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_foreign_formats.gprmax_source import NONE, Signal, check_strength, source_of
+from gpr20_foreign_formats.gprmax_source import Signal, check_strength, source_of
 from gpr20_foreign_formats.header import (
     BYTES_PER_SAMPLE,
     Header,
@@ -43,9 +42,6 @@ PLACES = "trace_metadata"
 DIVIDED = Message(
     "simulated by gprMax; the spectra are the received field divided by the source signal, so "
     "delays are correct, but amplitudes are in V/m per unit of the source instead of S21"
-)
-WITH_SOURCE = Message(
-    "the spectra contain the spectrum of the source, so every delay includes that of the source"
 )
 NO_PLACES = Message(
     "the merged file holds no places: positions begin at 0, and are those of the receiver"
@@ -88,7 +84,7 @@ def read_gprmax(path: Path, options: ImportOptions, progress: Progress) -> xr.Da
     if not paths:
         raise no_files(path, ", ".join(PATTERNS))
     given = source_of(options.source) if options.source is not None else None
-    undivided, band = options.source == NONE, options.band or Band()
+    band = options.band or Band()
     traces = [one for file in progress(paths, len(paths)) for one in _read(file, options.spacing_m)]
     slowest_s = max(trace.field.step_s for trace in traces)
     if band.stop_hz >= 0.5 / slowest_s:
@@ -106,48 +102,37 @@ def read_gprmax(path: Path, options: ImportOptions, progress: Progress) -> xr.Da
     data = on_grid(
         printable(path.name),
         _positions(traces),
-        [_spectrum(trace, given, undivided, band.frequency_hz) for trace in traces],
+        [_spectrum(trace, given, band.frequency_hz) for trace in traces],
         [height_m] * len(traces),
         band.frequency_hz,
         [],
         simulated=True,
     )
-    separation_m = options.separation_m
-    if separation_m is None:
-        separation_m = _separation_m(path.name, traces)
+    given_m = options.separation_m
+    separation_m = _separation_m(path.name, traces) if given_m is None else given_m
     if separation_m is not None:
         data = data.assign_attrs({ANTENNA_SEPARATION: separation_m})
-    notes = [] if undivided else [DIVIDED]
-    notes += [FLAT] if traces[0].is_flat else []
-    notes += [NO_PLACES] if traces[0].source_m is None else []
-    data = data.assign_attrs(with_notes(data, notes))
-    if undivided:
-        return data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, WITH_SOURCE))
-    return data
+    flat = [FLAT] if traces[0].is_flat else []
+    places = [NO_PLACES] if traces[0].source_m is None else []
+    return data.assign_attrs(with_notes(data, [DIVIDED, *flat, *places]))
 
 
 def _files(folder: Path) -> List[Path]:
     return [one for pattern in PATTERNS for one in folder.glob(pattern)]
 
 
-def _spectrum(
-    trace: _Trace, given: Optional[Signal], undivided: bool, frequency_hz: np.ndarray
-) -> np.ndarray:
-    spectrum = trace.field.spectrum(frequency_hz)
-    if undivided:
-        return spectrum
+def _spectrum(trace: _Trace, given: Optional[Signal], frequency_hz: np.ndarray) -> np.ndarray:
     source = given or trace.source
     if source is None:
         raise AnalysisError(
             Message(
                 "{file} does not contain the source signal (single files of gprMax 4 do), so the "
-                "delays are unknown; give --source, such as ricker:1.5e9, or --source {none} for "
-                "spectra that can be displayed but not imaged",
+                "delays are unknown; give --source, such as ricker:1.5e9",
                 file=trace.file,
-                none=NONE,
             )
         )
-    return spectrum / check_strength(source, frequency_hz, trace.file)
+    field = trace.field.spectrum(frequency_hz)
+    return field / check_strength(source, frequency_hz, trace.file)
 
 
 def _positions(traces: Sequence[_Trace]) -> np.ndarray:
@@ -255,7 +240,14 @@ def _places(
 ) -> Tuple[np.ndarray, Sequence[Optional[np.ndarray]]]:
     """Return the places of receiver and source of each trace [m]; those of unknown sources None."""
     if SOURCE not in file and PLACES not in file:
-        steps_m = _steps_m(file, path) if spacing_m is None else np.array([spacing_m, 0.0, 0.0])
+        receiver, source, steps_m = (
+            np.asarray(file.attrs.get(one, np.zeros(3)), np.float64)
+            for one in ("rxsteps", "srcsteps", "dx_dy_dz")
+        )
+        if not np.array_equal(receiver, source):
+            together = Message("{steps}, as #rx_steps: images need both", steps=str(receiver))
+            raise Header(path.name, {"#src_steps": str(source)}).refused("#src_steps", together)
+        steps_m = receiver * steps_m if spacing_m is None else np.array([spacing_m, 0.0, 0.0])
         if count > 1 and not steps_m[:2].any():
             raise needs_spacing(path, Message("the steps of the receiver are not recorded"))
         return np.arange(count)[:, np.newaxis] * steps_m, [None] * count
@@ -271,28 +263,16 @@ def _places(
         three = Message("three numbers for each of {count} traces", count=count)
         shapes = " / ".join(str(one.shape) for one in places)
         raise Header(path.name, {"Position": shapes}).refused("Position", three)
-    return places[0], places[1]
-
-
-def _steps_m(file: Any, path: Path) -> np.ndarray:
-    """Return the step of the receiver, and of the source, from trace to trace [m]."""
-    receiver, source, cell_m = (
-        np.asarray(file.attrs.get(one, np.zeros(3)), np.float64)
-        for one in ("rxsteps", "srcsteps", "dx_dy_dz")
-    )
-    if not np.array_equal(receiver, source):
-        together = Message("{steps}, as #rx_steps: images need both", steps=str(receiver))
-        raise Header(path.name, {"#src_steps": str(source)}).refused("#src_steps", together)
-    return receiver * cell_m
+    return places[0], list(places[1])
 
 
 def _excitation(file: Any, path: Path) -> Optional[Signal]:
     if EXCITATION not in file:
         return None
     excitation = file[EXCITATION]
-    values = np.asarray(excitation["samples"][()], np.float64)
-    if values.ndim != 1 or not np.isfinite(values).all():
-        raise refusal(Message("{file}: its source must be a row of numbers", file=path.name))
+    values = np.asarray(excitation["samples"][()], np.float64).ravel()
+    if not np.isfinite(values).all():
+        raise refusal(Message("{file}: its source contains NaN", file=path.name))
     interval_s = Header(path.name, excitation.attrs).number("SampleInterval", 1e-16, 1e-9)
     return Signal(values, interval_s, _offset_s(excitation))
 

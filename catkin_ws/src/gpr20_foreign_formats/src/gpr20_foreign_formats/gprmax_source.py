@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Dict, Optional
+from typing import Callable, Dict
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import refusal
 
-NONE = "none"
 WEAKEST_DB = -60.0
 """Where the source is weaker than this, relative to its maximum in the band, only noise is left."""
 STEPS_PER_PERIOD, PERIODS = 64, 8
@@ -19,13 +18,7 @@ STEPS_PER_PERIOD, PERIODS = 64, 8
 
 @dataclass(frozen=True)
 class Signal:
-    """A real signal at even times.
-
-    Attributes:
-        values: Its values.
-        step_s: Time from one to the next [s].
-        start_s: Time of the first [s].
-    """
+    """A real signal at even times."""
 
     values: np.ndarray
     step_s: float
@@ -43,35 +36,27 @@ def _gaussian(periods: np.ndarray) -> np.ndarray:
     return np.exp(-2.0 * (np.pi * (periods - 1.0)) ** 2)
 
 
-def _gaussian_dot(periods: np.ndarray) -> np.ndarray:
-    return -4.0 * np.pi**2 * (periods - 1.0) * _gaussian(periods)
-
-
 def _ricker(periods: np.ndarray) -> np.ndarray:
     turns = (np.pi * (periods - np.sqrt(2.0))) ** 2
     return (1.0 - 2.0 * turns) * np.exp(-turns)
 
 
-WAVEFORMS: Dict[str, Callable[[np.ndarray, float], np.ndarray]] = {
-    "gaussian": lambda time_s, hz: _gaussian(time_s * hz),
-    "gaussiandot": lambda time_s, hz: hz * _gaussian_dot(time_s * hz),
-    "gaussiandotnorm": lambda time_s, hz: _gaussian_dot(time_s * hz) * np.exp(0.5) / (2 * np.pi),
-    "ricker": lambda time_s, hz: _ricker(time_s * hz),
+WAVEFORMS: Dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "gaussian": _gaussian,
+    "gaussiandotnorm": lambda periods: (
+        -2.0 * np.pi * (periods - 1.0) * np.exp(0.5) * _gaussian(periods)
+    ),
+    "ricker": _ricker,
 }
-"""Waveforms of gprMax by name, over time [s] and centre frequency, as its manual has them."""
+"""Waveforms of gprMax by name, over periods of the centre frequency, as its manual has them."""
 
 
-def source_of(text: str) -> Optional[Signal]:
-    """Return the source signal that a user gives; None for `none`: spectra are not divided.
-
-    Args:
-        text: `none`, or a waveform such as `ricker:1.5e9` (centre frequency in Hz).
+def source_of(text: str) -> Signal:
+    """Return the signal of a waveform and its centre frequency in Hz, such as `ricker:1.5e9`.
 
     Raises:
-        AnalysisError: It is none of these.
+        AnalysisError: It is none.
     """
-    if text == NONE:
-        return None
     name, _, number = text.partition(":")
     try:
         frequency_hz = float(number)
@@ -80,16 +65,14 @@ def source_of(text: str) -> Optional[Signal]:
     if name not in WAVEFORMS or not 1e6 <= frequency_hz <= 1e12:
         raise AnalysisError(
             Message(
-                "--source {text} is neither {none} nor one of {waveforms} with a frequency from "
-                "1e6 to 1e12 Hz, such as ricker:1.5e9",
+                "--source {text} is none of {waveforms} with a frequency from 1e6 to 1e12 Hz, such "
+                "as ricker:1.5e9",
                 text=text,
-                none=NONE,
                 waveforms=", ".join(WAVEFORMS),
             )
         )
-    step_s = 1.0 / frequency_hz / STEPS_PER_PERIOD
-    time_s = np.arange(PERIODS * STEPS_PER_PERIOD) * step_s
-    return Signal(WAVEFORMS[name](time_s, frequency_hz), step_s)
+    periods = np.arange(PERIODS * STEPS_PER_PERIOD) / STEPS_PER_PERIOD
+    return Signal(WAVEFORMS[name](periods), 1.0 / frequency_hz / STEPS_PER_PERIOD)
 
 
 def check_strength(source: Signal, frequency_hz: np.ndarray, name: str) -> np.ndarray:

@@ -1,14 +1,14 @@
 """The CSV files of the GPR-20 group: one A-scan each, over frequency or over time.
 
-Names hold places, heights and the ends of the axis. A folder over time also has a file `time` with
-the times, which the names round.
+Names hold places, heights and the ends of the axis. The file `time` that a folder over time also
+has says the same times without rounding, which changes delays by less than a thousandth.
 """
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import List, Optional, Tuple
+from typing import Tuple
 
 import numpy as np
 import xarray as xr
@@ -28,7 +28,7 @@ from gpr20_foreign_formats.group_files import (
     files_of_samples,
     survey_of,
 )
-from gpr20_foreign_formats.header import Header, refusal
+from gpr20_foreign_formats.header import Header, folder_of, refusal
 from gpr20_survey.files.regular_file import read_regular
 
 VNA, TIME = "VNA", "TIME"
@@ -44,16 +44,12 @@ EXAMPLES = {
     VNA: "VNA_X155_Y310_OrX_Fs600M_Fe6000M_Qf501_H248.csv",
     TIME: "TIME_X155_Y310_OrX_Ts0u_Te0.0463u_Qt501_H248.csv",
 }
-UNITS = {
-    VNA: Message(
-        "in the file names X, Y and H are mm and frequencies are MHz, in even steps from the first "
-        "to the last"
-    ),
-    TIME: Message("in the file names X, Y and H are mm and times are us"),
-}
+UNITS = Message(
+    "in the file names X, Y and H are mm, frequencies MHz and times us, in even steps from the "
+    "first to the last"
+)
 UNIT = {VNA: 1e6, TIME: 1e-6}  # of the ends in names [Hz or s]
 MOST = 1e6  # MHz or us
-TIMES_FILE, TIMES_HEADER = "time", "Time"
 ROUNDED_S = 5e-11
 """Rounding of times in names by the group's program [s]."""
 
@@ -65,7 +61,7 @@ def read_group_csv(path: Path, _: ImportOptions, progress: Progress) -> xr.Datas
         UnreadableFileError: There is none, one is damaged, two have the same position, or their
             frequencies differ.
     """
-    paths, decisions = files_of_samples(path, NAMES, ".csv", EXAMPLES[VNA], TIMES_FILE)
+    paths, decisions = files_of_samples(path, NAMES, ".csv", EXAMPLES[VNA], "time")
     kinds = {kind for one in paths for kind in HEADERS if one.name.upper().startswith(kind)}
     named = [_named(one.name, kind) for kind in kinds for one in paths] if len(kinds) == 1 else []
     axes = sorted({axis for _, axis in named})
@@ -75,7 +71,7 @@ def read_group_csv(path: Path, _: ImportOptions, progress: Progress) -> xr.Datas
                 "{folder} mixes files over frequency (VNA_) and over time (TIME_), or of different "
                 "ends or points: {axes}; put the files of each into a separate folder",
                 folder=path,
-                axes=", ".join(map(str, axes or sorted(kinds))),
+                axes=", ".join(map(str, axes)) or " / ".join(sorted(kinds)),
             )
         )
     (kind,), ((start, stop, points),) = kinds, axes
@@ -87,12 +83,18 @@ def read_group_csv(path: Path, _: ImportOptions, progress: Progress) -> xr.Datas
         np.array([_read(one, points, HEADERS[kind]) for one in progress(paths, len(paths))]),
         places[:, 3] / MM_PER_M,
         notes=[Message("heights and positions are rounded as in the file names")],
-        decisions=[*decisions, UNITS[kind], LETTERS_DECIDED],
+        decisions=[*decisions, UNITS, LETTERS_DECIDED],
     )
     if kind == VNA:
         found.frequency_hz = axis
     else:
-        found.delay_s = _times(path, axis, found.notes)
+        found.delay_s = axis
+        rounded = Message(
+            "the times are those of the file names; if these are rounded to 0.1 ns, delays are "
+            "wrong by up to {percent:.2g} %",
+            percent=100.0 * ROUNDED_S / max(stop - start, ROUNDED_S),
+        )
+        found.notes.append(rounded)
     return survey_of(path, found)
 
 
@@ -113,35 +115,6 @@ def _named(name: str, kind: str) -> Tuple[Tuple[float, ...], Tuple[float, float,
         check_sweep(name, start, stop)
     place = (DEGREES[parts[3]], y_mm, x_mm, header.number("H [mm]", 0.0, FARTHEST_MM))
     return place, (start, stop, header.count("points", 2, MOST_POINTS))
-
-
-def _times(folder: Path, named_s: np.ndarray, notes: List[Message]) -> np.ndarray:
-    """Return the times of the file `time`, or of the names without it [s]."""
-    path = folder / TIMES_FILE
-    if not path.exists():
-        notes.append(
-            Message(
-                "there is no file '{file}', so the times are those of the file names; if these are "
-                "rounded to 0.1 ns, delays are wrong by up to {percent:.2g} %",
-                file=TIMES_FILE,
-                percent=100.0 * ROUNDED_S / max(np.ptp(named_s), ROUNDED_S),
-            )
-        )
-        return named_s
-    header, *lines = read_regular(path).decode("ascii", "replace").split() or [""]
-    try:
-        times_s = np.array(lines, dtype=np.float64)
-    except ValueError as error:
-        raise UnreadableFileError(Message("{file} is damaged", file=TIMES_FILE)) from error
-    # The group's program names the first time 0, whatever it is.
-    off_s = np.abs(times_s[-1:] - named_s[-1:])
-    even = len(times_s) == len(named_s) and np.ptp(np.diff(times_s)) < 1e-3 * np.diff(named_s)[0]
-    if header != TIMES_HEADER or not even or off_s[0] > 2.0 * ROUNDED_S:
-        ends = {"points": len(named_s), "start": named_s[0], "stop": named_s[-1]}
-        allowed = Message("Time and {points} even times, {start:g} to {stop:g} s", **ends)
-        content = {"content": f"{header} and {len(times_s)}"}
-        raise Header(TIMES_FILE, content).refused("content", allowed)
-    return times_s
 
 
 def _read(path: Path, points: int, expected: str) -> np.ndarray:
@@ -177,11 +150,4 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
     return found[:, 0] + 1j * found[:, 1]
 
 
-def _whole(path: Path) -> Optional[Path]:
-    if path.is_dir():
-        return path if any(NAMES.fullmatch(one.name) for one in path.iterdir()) else None
-    # One file is no survey; its folder is.
-    return path.parent if NAMES.fullmatch(path.name) and path.is_file() else None
-
-
-IMPORT = ImportFormat(read_group_csv, _whole, ("band",))
+IMPORT = ImportFormat(read_group_csv, lambda path: folder_of(path, NAMES), ("band",))

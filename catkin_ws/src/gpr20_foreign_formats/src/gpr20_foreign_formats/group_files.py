@@ -34,19 +34,13 @@ NAMED = 3
 LOWEST_STOP_HZ, HIGHEST_HZ = 1e7, 1e12
 """A sweep in GHz, MHz or kHz that is read as Hz ends below the first."""
 MOST_POINTS, FARTHEST_MM = 100_000, 10_000.0
-MOST_S21, PASSIVE_S21, HEIGHTS_M = 1e6, 1.0, (0.01, 1.0)
-"""What no instrument measures, antennas without an amplifier do not exceed, and is usual."""
+MOST_S21, PASSIVE_S21 = 1e6, 1.0
+"""What no instrument measures, and what antennas without an amplifier do not exceed."""
 ALIKE = Message("files that look like samples, but would not be read")
 OTHERS = Message("other files of the folder, which were not read")
 ZERO = Message("samples of only 0, which count as missing, for nothing was measured")
-SAME = Message(
-    "samples with exactly the numbers of another, as no instrument gives; they were kept"
-)
 LARGE = Message(
     "samples with |S21| above 1, so with an amplifier or in dB where linear is read; they were kept"
-)
-HEIGHT = Message(
-    "samples with a height outside of 10 to 1000 mm, perhaps in another unit; they were kept"
 )
 COPIED = Message(
     "samples whose imaginary part is a copy of the real part, as an old version of the storage "
@@ -56,17 +50,14 @@ COPIED = Message(
 
 @dataclass
 class Samples:
-    """What files of the group hold.
+    """What files of the group hold, over frequency or over time.
 
     Attributes:
         names: Of the files of the samples, or of their places.
         positions: Rotation [deg], y and x [mm] (sample, 3).
         scans: Complex numbers (sample, point); those of only 0 become NaN.
-        heights_m: Heights of the antennas [m]; NaN: not known.
-        frequency_hz: Frequencies of the points [Hz], or None.
-        delay_s: Times of the points [s], or None.
+        heights_m: NaN where not known.
         times: When the samples were measured; None: not known.
-        notes: What a user should know.
         decisions: What was decided where the files say nothing.
     """
 
@@ -153,11 +144,10 @@ def check_sweep(file: str, start_hz: float, stop_hz: float) -> None:
     Raises:
         UnreadableFileError: It is one.
     """
-    ends = {"first frequency [Hz]": start_hz, "last frequency [Hz]": stop_hz}
-    first, last = ends
-    Header(file, ends).number(last, LOWEST_STOP_HZ, HIGHEST_HZ)
+    ends = Header(file, {"first frequency [Hz]": start_hz, "last frequency [Hz]": stop_hz})
+    ends.number("last frequency [Hz]", LOWEST_STOP_HZ, HIGHEST_HZ)
     # The smallest that is above zero.
-    Header(file, ends).number(first, float(np.finfo(np.float64).tiny), stop_hz)
+    ends.number("first frequency [Hz]", float(np.finfo(np.float64).tiny), stop_hz)
 
 
 def _listed(what: Message, names: Sequence[str]) -> Message:
@@ -167,7 +157,7 @@ def _listed(what: Message, names: Sequence[str]) -> Message:
 
 
 def _doubtful(found: Samples) -> List[Message]:
-    names, scans, heights_m = found.names, found.scans, found.heights_m
+    names, scans = found.names, found.scans
     largest = np.maximum(np.abs(scans.real), np.abs(scans.imag)).max(axis=1)
     for one in np.flatnonzero(largest > MOST_S21)[:1]:
         allowed = Message("linear, at most 1 for antennas without an amplifier")
@@ -175,18 +165,10 @@ def _doubtful(found: Samples) -> List[Message]:
     zero = largest == 0.0
     if zero.all():
         raise refusal(_listed(ZERO, names))
-    same: List[str] = []
-    first: Dict[bytes, str] = {}
-    for one in np.flatnonzero(np.isfinite(largest) & ~zero):
-        known = first.setdefault(scans[one].tobytes(), names[one])
-        same += [f"{names[one]} = {known}"] if known != names[one] else []
     scans[zero] = complex(np.nan, np.nan)
     loud = np.flatnonzero(largest > PASSIVE_S21)
-    odd = np.flatnonzero((heights_m < HEIGHTS_M[0]) | (heights_m > HEIGHTS_M[1]))
     kinds = (
         (ZERO, [names[one] for one in np.flatnonzero(zero)]),
-        (SAME, same),
         (LARGE, [f"{names[one]} ({largest[one]:g})" for one in loud]),
-        (HEIGHT, [f"{names[one]} ({heights_m[one] * 1e3:g} mm)" for one in odd]),
     )
     return [_listed(what, some) for what, some in kinds if some]

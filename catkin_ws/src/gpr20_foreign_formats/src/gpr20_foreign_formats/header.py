@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Iterator, List, Mapping, Optional
+from typing import Any, Iterator, List, Mapping, Optional, Pattern
 
 import h5py
 import numpy as np
@@ -54,7 +54,7 @@ class Header:
         if isinstance(found, str) and "." not in found:
             found = found.replace(",", ".")  # of a program under a locale with decimal commas
         try:
-            value = float(found)  # type: ignore[arg-type]
+            value = float(found)
         except (TypeError, ValueError):
             value = float("nan")
         # Written so that NaN is refused too.
@@ -71,13 +71,7 @@ class Header:
 
 
 def text_header(path: Path, separator: str, kind: str, key: str) -> Header:
-    """Return a text header with an entry in each line; names are in capitals.
-
-    Args:
-        path: The file.
-        separator: Between a name and its value.
-        kind: Name of such files, for the message.
-        key: An entry that each of them has.
+    """Return a text header with an entry in each line, names in capitals; each has this key.
 
     Raises:
         UnreadableFileError: It is no such header.
@@ -178,8 +172,6 @@ def stale_count(header: Header, key: str, found: int) -> List[Message]:
     Instruments write the number before they end a line, and programs that cut one out keep it.
     """
     said = header.number(key, 0.0, np.inf, found)
-    if said == found:
-        return []
     note = Message(
         "{file} says {said:g} traces ({key}), but {found} are stored; these are used. If the file "
         "was cut off, the others are lost",
@@ -188,7 +180,7 @@ def stale_count(header: Header, key: str, found: int) -> List[Message]:
         key=key,
         found=found,
     )
-    return [note]
+    return [] if said == found else [note]
 
 
 def unread_beside(path: Path, *endings: str) -> List[Message]:
@@ -221,16 +213,21 @@ def partner(path: Path, *endings: str) -> Path:
     found = own or [one for one in fitting if one.stem not in owned]
     if len(found) == 1:
         return found[0]
-    names = [one.name for one in found] or [path.stem + one for one in endings]
-    values = {"file": path.name, "names": " / ".join(names)}
-    if found:
-        raise refusal(
-            Message(
-                "{file} has several files beside it that fit: {names}; leave the one of its own",
-                **values,
-            )
+    raise refusal(
+        Message(
+            "{file} needs one file {names} beside it; there are: {found}",
+            file=path.name,
+            names=" / ".join(path.stem + one for one in endings),
+            found=", ".join(one.name for one in found) or "-",
         )
-    raise refusal(Message("{file} needs {names} beside it, which is missing", **values))
+    )
+
+
+def folder_of(path: Path, rule: Pattern[str]) -> Optional[Path]:
+    """Return the folder of samples with such names, also of one of them; None if it is none."""
+    folder = path if path.is_dir() else path.parent
+    names = [one.name for one in path.iterdir()] if path.is_dir() else [path.name]
+    return folder if path.exists() and any(map(rule.fullmatch, names)) else None
 
 
 def no_files(folder: Path, pattern: str) -> UnreadableFileError:

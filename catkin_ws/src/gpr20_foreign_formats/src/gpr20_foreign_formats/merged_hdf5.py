@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, List, Optional
+from typing import Any, List
 
 import h5py
 import numpy as np
@@ -154,8 +154,4 @@ def _numbers(file: Any, name: str, path: str) -> np.ndarray:
     return np.asarray(found[()])
 
 
-def _whole(path: Path) -> Optional[Path]:
-    return hdf5_with(path, "A-Scan", "Position")
-
-
-IMPORT = ImportFormat(read_merged, _whole, ("band",))
+IMPORT = ImportFormat(read_merged, lambda path: hdf5_with(path, "A-Scan", "Position"), ("band",))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import codecs
-import contextlib
 import re
 from dataclasses import dataclass
 from datetime import datetime
@@ -27,12 +26,11 @@ from gpr20_foreign_formats.group_files import (
     files_of_samples,
     survey_of,
 )
-from gpr20_foreign_formats.header import Header, refusal
+from gpr20_foreign_formats.header import Header, folder_of, refusal
 from gpr20_survey.files.regular_file import read_regular
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
-TIME = "%Y%m%d%H%M%S"
-FIRST_YEAR = 2020
+TIME, DIGITS = "%Y%m%d%H%M%S", 14
 CONSTANT_M = 10.0
 """Height in every sample of a program that never asked its sensor, which ends at 0.8 m."""
 DECIDED = (
@@ -45,9 +43,6 @@ DECIDED = (
         "nothing was added to the sweeps; a public version of the original storage left out the "
         "last number of the instrument's answer, so the last frequency may be missing"
     ),
-)
-TIMES_LEFT_OUT = Message(
-    "the times of all samples were left out, for some are not from {year} on", year=FIRST_YEAR
 )
 TIMES_DECIDED = Message("the times of the samples name no time zone and were read as UTC")
 HEIGHT_DECIDED = Message(
@@ -99,17 +94,11 @@ def read_original(path: Path, options: ImportOptions, progress: Progress) -> xr.
     if (heights_m == CONSTANT_M).all():
         heights_m[:] = np.nan
         decisions.append(HEIGHT_DECIDED)
-    if options.height_m is not None and np.isnan(heights_m).any():
+    if options.height_m is not None:
         heights_m[np.isnan(heights_m)] = options.height_m
-        given = Message(
-            "samples without a height have {height_m:g} m, as the user said",
-            height_m=options.height_m,
-        )
-        decisions.append(given)
     times = [one.time for one in samples]
-    too_early = any(one and one.year < FIRST_YEAR for one in times)
     if any(times):
-        decisions.append(TIMES_LEFT_OUT if too_early else TIMES_DECIDED)
+        decisions.append(TIMES_DECIDED)
     rows = np.array([one.rows for one in samples])
     found = Samples(
         [one.file for one in samples],
@@ -117,7 +106,7 @@ def read_original(path: Path, options: ImportOptions, progress: Progress) -> xr.
         rows[:, :, 1] + 1j * rows[:, :, 2],
         heights_m,
         frequency_hz=first.rows[:, 0],
-        times=None if too_early else [np.datetime64(one or "NaT", "ns") for one in times],
+        times=[np.datetime64(one or "NaT", "ns") for one in times],
         decisions=decisions,
     )
     survey = survey_of(path, found)
@@ -170,20 +159,16 @@ def _rows(header: Header) -> np.ndarray:
 
 
 def _time(header: Header) -> Optional[datetime]:
-    stamp = header.entries.get("timestamp")
-    if stamp in (None, ""):
+    stamp = str(header.entries.get("timestamp") or "")
+    if not stamp:
         return None
-    with contextlib.suppress(TypeError, ValueError):
-        if re.fullmatch("[0-9]{14}", stamp):
-            return datetime.strptime(stamp, TIME)
-    raise header.refused("timestamp", Message("a text such as 20211015083000, or nothing"))
+    try:
+        if len(stamp) != DIGITS:
+            raise ValueError(stamp)
+        return datetime.strptime(stamp, TIME)
+    except ValueError as error:
+        allowed = Message("a text such as 20211015083000, or nothing")
+        raise header.refused("timestamp", allowed) from error
 
 
-def _whole(path: Path) -> Optional[Path]:
-    if path.is_dir():
-        return path if any(NAME.fullmatch(one.name) for one in path.iterdir()) else None
-    # One file is no survey; its folder is.
-    return path.parent if NAME.fullmatch(path.name) and path.is_file() else None
-
-
-IMPORT = ImportFormat(read_original, _whole, ("height_m",))
+IMPORT = ImportFormat(read_original, lambda path: folder_of(path, NAME), ("height_m",))

@@ -8,7 +8,6 @@ from typing import Dict
 import numpy as np
 
 from gpr20_analysis.formats.imports import ImportOptions
-from gpr20_common.message import Message
 from gpr20_foreign_formats.header import (
     content_of,
     partner,
@@ -44,22 +43,16 @@ def read_rd3(path: Path, _: ImportOptions) -> Traces:
     by_time = header.entries.get("TIME FLAG") == "1" and header.entries.get("DISTANCE FLAG") != "1"
     # A wheel that turns the other way counts backwards.
     spacing_m = 0.0 if by_time else header.number("DISTANCE INTERVAL", -1e3, 1e3, 0.0)
-    notes = stale_count(header, "LAST TRACE", count)
-    if header.entries.get("SIGNAL POSITION"):
-        position = Message(
-            "SIGNAL POSITION {position} counts in a unit that {file} does not name, so it is not "
-            "used",
-            position=header.entries["SIGNAL POSITION"],
-            file=header.file,
-        )
-        notes.append(position)
     return Traces(
         data,
         np.frombuffer(content, f"<i{width}").reshape(count, samples) / 2.0 ** (8 * width - 1),
         step_s=1.0 / frequency_hz,
         x_m=np.arange(count) * spacing_m if spacing_m else None,
         separation_m=header.number("ANTENNA SEPARATION", 0.0, 1e3, 0.0) or None,
-        notes=[*notes, *unread_beside(data, ".cor", ".mrk", ".gps")],
+        notes=[
+            *stale_count(header, "LAST TRACE", count),
+            *unread_beside(data, ".cor", ".mrk", ".gps"),
+        ],
     )
 
 

@@ -40,14 +40,15 @@ BINARY: Dict[str, Tuple[int, str]] = {
     "extended headers": (3505, "?i2"),
 }
 OF_REVISION_2: Dict[str, Tuple[int, str]] = {
-    "extended number of samples": (3269, "?u4"),
-    "extended sample interval": (3273, "?f8"),
+    "extended samples": (3269, "?u4"),
+    "extended interval": (3273, "?f8"),
     "additional trace headers": (3507, "?u2"),  # from 2.1 on; before it is four bytes long
     "offset of the first trace": (3521, "?u8"),
     "data trailers": (3529, "?i4"),
 }
 OF_TRACE: Dict[str, Tuple[int, str]] = {
     "code": (29, "?i2"),
+    "offset": (37, "?i4"),
     "elevation": (41, "?i4"),
     "elevation_scalar": (69, "?i2"),
     "scalar": (71, "?i2"),
@@ -86,7 +87,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
     interval = float(header.entries["sample interval"] or traces["interval"][0])
     # Only a fraction, which revision 2 allows, can count what the standard says.
     unit_s, unit = (1e-6, "us") if 0.0 < interval < 1.0 else (1.0 / segy.PS_PER_S, "ps")
-    _check_times(path, traces, interval, options)
+    _check_traces(path, traces, interval, options)
     found = Traces(path, _samples(traces, header), interval * unit_s, notes=notes)
     found.values[np.isin(traces["code"], DEAD)] = np.nan
     found.facts, found.was_moved = facts, segy.MOVED in text
@@ -137,10 +138,8 @@ def _binary_header(path: Path, content: bytes) -> Tuple[Header, str]:
             later.update(read({"additional trace headers": (3507, "?u4")}, order))
         if found["revision"] not in (*FIRST_REVISION, *SECOND_REVISION):
             found["extended headers"] = 0
-        found["sample interval"] = later["extended sample interval"] or found["sample interval"]
-        found["number of samples"] = (
-            later["extended number of samples"] or found["number of samples"]
-        )
+        found["sample interval"] = later["extended interval"] or found["sample interval"]
+        found["number of samples"] = later["extended samples"] or found["number of samples"]
         return Header(path.name, {**found, **later}), order
     raise other_kind(path.name, "SEG-Y", f"format code {found['format code']}")
 
@@ -159,9 +158,8 @@ def _traces(
     trailers = header.count("data trailers", 0, MOST_EXTENDED)
     size = len(content) - TEXT_BYTES * trailers - offset
     said = header.number("number of samples", 0, 1 << 24)
-    place, own = OF_TRACE["count"]
-    starts = content[offset + place - 1 :][:2].ljust(2, b"\0")
-    in_trace = int(np.frombuffer(starts, own.replace("?", order))[0])
+    at = offset + OF_TRACE["count"][0] - 1
+    in_trace = int.from_bytes(content[at : at + 2], "big" if order == ">" else "little")
     counts = [int(one) for one in dict.fromkeys((said, in_trace)) if one > 1]
     fitting = [one for one in counts if size > 0 and size % (headers + one * kind.itemsize) == 0]
     if not fitting:
@@ -202,18 +200,20 @@ def _traces(
     return traces
 
 
-def _check_times(path: Path, traces: np.ndarray, interval: float, options: ImportOptions) -> None:
-    all_same = Message("{interval:g} in all headers, or give --interval PS", interval=interval)
-    start = Message("0, or give --time-zero NS, counted from the first sample")
+def _check_traces(path: Path, traces: np.ndarray, interval: float, options: ImportOptions) -> None:
+    intervals, delays, codes = (traces[one] for one in ("interval", "delay", "code"))
     ground = Message("1, of a trace that shows the ground")
-    for name, key, given, right, allowed in (
-        ("sample interval", "interval", options.interval_s, (0, int(interval)), all_same),
-        ("delay recording time", "delay", options.time_zero_s, (0,), start),
-        ("trace identification code", "code", None, (), ground),
-    ):
-        wrong = np.isin(traces[key], NO_GROUND) if key == "code" else ~np.isin(traces[key], right)
-        if given is None and wrong.any():
-            raise Header(path.name, {name: int(traces[key][wrong][0])}).refused(name, allowed)
+    checks = [("trace identification code", codes[np.isin(codes, NO_GROUND)], ground)]
+    if options.interval_s is None:
+        same = Message("{interval:g} in all headers, or give --interval PS", interval=interval)
+        others = intervals[~np.isin(intervals, (0, int(interval)))]
+        checks.append(("sample interval", others, same))
+    if options.time_zero_s is None:
+        start = Message("0, or give --time-zero NS, counted from the first sample")
+        checks.append(("delay recording time", delays[delays != 0], start))
+    for name, wrong, allowed in checks:
+        if wrong.size:
+            raise Header(path.name, {name: int(wrong[0])}).refused(name, allowed)
 
 
 def _samples(traces: np.ndarray, header: Header) -> np.ndarray:
@@ -241,22 +241,24 @@ def _add_places(found: Traces, traces: np.ndarray, header: Header, options: Impo
         unit_m * _scaled(traces[one].T.astype(np.float64), traces["scalar"])
         for one in ("source", "group", "cdp")
     )
-    if not source.any() or not group.any():
+    is_placed = source.any() and group.any()
+    apart_m = np.hypot(*(source - group)) if is_placed else np.abs(unit_m * traces["offset"])
+    if options.separation_m is None and np.ptp(apart_m) > EVEN * apart_m.mean():
+        raise refusal(
+            Message(
+                "{file}: source and receiver are {least_m:g} to {most_m:g} m apart, so it is no "
+                "line of constant separation, which images need; give --separation if that is "
+                "wrong",
+                file=found.path.name,
+                least_m=apart_m.min(),
+                most_m=apart_m.max(),
+            )
+        )
+    if not is_placed:
         found.x_m, found.y_m = cdp if cdp.any() else source + group
         return
     found.x_m, found.y_m = (source + group) / 2.0
-    apart_m = np.hypot(*(source - group))
-    if np.ptp(apart_m) <= EVEN * apart_m.mean():
-        found.separation_m = float(apart_m.mean()) or None
-    elif options.separation_m is None:
-        text = Message(
-            "{file}: source and receiver are {least_m:g} to {most_m:g} m apart, so it is no line "
-            "of constant separation, which images need; give --separation if that is wrong",
-            file=found.path.name,
-            least_m=apart_m.min(),
-            most_m=apart_m.max(),
-        )
-        raise refusal(text)
+    found.separation_m = float(apart_m.mean()) or None
 
 
 IMPORT = format_of(read_segy, ".sgy", ".segy", takes="interval_s")

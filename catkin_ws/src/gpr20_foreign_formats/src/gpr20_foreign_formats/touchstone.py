@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Tuple
 
 import numpy as np
 import xarray as xr
@@ -18,10 +18,11 @@ from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, no_files, other_kind, refusal
+from gpr20_foreign_formats.header import Header, folder_of, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
+FILES = re.compile(r".*\.s[12]p", re.IGNORECASE | re.DOTALL)
 ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}
 """What of the scattering matrix is the survey's: S11 of one antenna, S21 of two."""
 PLACE = [
@@ -50,15 +51,14 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
         raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
     folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
-    if not paths:
-        raise no_files(folder, "*.s1p, *.s2p")
-    if len({one.suffix.lower() for one in paths}) > 1:
-        mixed = Message(
-            "{folder} contains both .s1p (S11) and .s2p (S21); a survey is of one kind: move the "
-            "others to another folder",
-            folder=folder,
+    if len({one.suffix.lower() for one in paths}) != 1:
+        raise refusal(
+            Message(
+                "{folder} must contain files of one kind, .s1p (S11) or .s2p (S21); move the other "
+                "kind to another folder",
+                folder=folder,
+            )
         )
-        raise refusal(mixed)
     # Parts that are no numbers and those that are alternate.
     paths.sort(key=lambda one: [
         int(part) if part.isdecimal() else part for part in re.split(r"(\d+)", one.name)
@@ -72,8 +72,8 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
     work.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
     first_hz = read[0][0]
-    for one, (frequency_hz, _, _) in zip(paths, read):
-        if len(frequency_hz) != len(first_hz) or np.abs(frequency_hz - first_hz).max() > SAME_HZ:
+    for one, (own_hz, _, _) in zip(paths, read):
+        if own_hz.shape != first_hz.shape or np.abs(own_hz - first_hz).max() > SAME_HZ:
             raise refusal(
                 Message(
                     "{file} has other frequencies than {first}; put it into another folder",
@@ -81,13 +81,17 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
                     first=paths[0].name,
                 )
             )
-    comments = [comment for _, _, comment in read]
-    heights = [HEIGHT.search(comment) for comment in comments]
-    found = Traces(folder, np.array([one for _, one, _ in read]), frequency_hz=first_hz)
-    found.height_m = np.array([float(one.group(1)) if one else np.nan for one in heights])
-    found.simulated = True if any(SIMULATED in one for one in comments) else None
-    found.was_moved = any(MOVED in one for one in comments)
-    found.facts = facts
+    comments = "\n".join(comment for _, _, comment in read)
+    heights = [HEIGHT.search(comment) for _, _, comment in read]
+    found = Traces(
+        folder,
+        np.array([one for _, one, _ in read]),
+        frequency_hz=first_hz,
+        height_m=np.array([float(one.group(1)) if one else np.nan for one in heights]),
+        simulated=True if SIMULATED in comments else None,
+        facts=facts,
+        was_moved=MOVED in comments,
+    )
     if places is not None:
         found.x_m, found.y_m, found.rotation_deg = places.T
     survey = as_survey(found, options)
@@ -108,9 +112,8 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         # After a lower frequency scikit-rf takes the parameters of two ports as noise.
         if noise is not None and noise.shape[1] > NOISE_COLUMNS:
             frequency_hz = np.append(frequency_hz, noise[:, 0])
-        ends = {"first frequency [Hz]": frequency_hz[0], "last frequency [Hz]": frequency_hz[-1]}
         descends = ~(np.diff(frequency_hz) > 0.0)
-        if spectrum.shape != frequency_hz.shape and not descends.any():
+        if not len(spectrum) or (spectrum.shape != frequency_hz.shape and not descends.any()):
             raise ValueError("not one value for each frequency")
         comments = str(file.get_comments())
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
@@ -120,8 +123,8 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         later = {"frequency [Hz]": frequency_hz[1:][descends][0]}
         higher = Message("higher than the one before; sort the lines by frequency")
         raise Header(path.name, later).refused("frequency [Hz]", higher)
-    for key in ends:
-        Header(path.name, ends).number(key, LOWEST_HZ, HIGHEST_HZ)
+    for one in frequency_hz[[0, -1]]:
+        Header(path.name, {"frequency [Hz]": one}).number("frequency [Hz]", LOWEST_HZ, HIGHEST_HZ)
     return frequency_hz, spectrum, comments
 
 
@@ -136,10 +139,4 @@ def _place(folder: Path, path: Path) -> Tuple[float, float, float]:
     return x_mm / MM_PER_M, y_mm / MM_PER_M, z_deg
 
 
-def _whole(path: Path) -> Optional[Path]:
-    folder = path if path.is_dir() else path.parent
-    files = path.iterdir() if path.is_dir() else [path]
-    return folder if any(one.suffix.lower() in ENTRY and one.is_file() for one in files) else None
-
-
-IMPORT = ImportFormat(read_touchstone, _whole, TAKEN)
+IMPORT = ImportFormat(read_touchstone, lambda path: folder_of(path, FILES), TAKEN)

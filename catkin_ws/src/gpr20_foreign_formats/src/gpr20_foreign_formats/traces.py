@@ -16,7 +16,6 @@ from gpr20_analysis.formats.facts import Facts
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read import survey_attributes
-from gpr20_analysis.read.survey_grid import MAX_CELLS_PER_TRACE
 from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -38,21 +37,13 @@ class Traces:
     """What a file or folder of another instrument holds; None: it is not recorded.
 
     Attributes:
-        path: The file or folder.
         values: (trace, sample), real over time or complex over frequency.
-        step_s: Time between samples [s].
-        start_s: Time of the first sample [s].
-        zero_s: Time at which the pulse leaves the antennas [s].
-        frequency_hz: Frequencies [Hz]; None over time.
-        x_m: Place of each trace along X [m].
-        y_m: Along Y [m].
-        rotation_deg: Rotation of the antennas [deg].
-        height_m: Antenna height [m]; NaN if unknown.
-        separation_m: Distance between the antennas [m].
-        simulated: Whether the data are simulated.
+        start_s: Time of the first sample.
+        zero_s: Time at which the pulse leaves the antennas.
+        frequency_hz: None over time.
+        height_m: NaN if unknown.
         facts: What is known of the survey besides.
         was_moved: The traces were shifted before, so delays are not those of the antennas.
-        notes: What a user should know.
     """
 
     path: Path
@@ -94,14 +85,9 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
     height_m = found.height_m if options.height_m is None else options.height_m
     zero_s = found.zero_s if options.time_zero_s is None else options.time_zero_s
     separation_m = found.separation_m if options.separation_m is None else options.separation_m
-    checked = Header(
-        found.path.name,
-        {
-            STEP: found.step_s * NS_PER_S,
-            ZERO: None if zero_s is None else zero_s * NS_PER_S,
-            SEPARATION: separation_m,
-        },
-    )
+    zero_ns = None if zero_s is None else zero_s * NS_PER_S
+    entries = {STEP: found.step_s * NS_PER_S, ZERO: zero_ns, SEPARATION: separation_m}
+    checked = Header(found.path.name, entries)
     delay_s, latest_s = None, LATEST_S
     if found.frequency_hz is None:
         checked.number(STEP, SHORTEST_STEP_NS, LONGEST_STEP_NS)
@@ -189,9 +175,6 @@ def _positions(found: Traces, spacing_m: Optional[float]) -> np.ndarray:
             x_m=x_m[trace],
         )
         raise needs_spacing(found.path, reason)
-    cells = len({*np.round(x_m, DECIMALS)}) * len({*np.round(y_m, DECIMALS)})
-    if count > 1 and not 1 < cells <= MAX_CELLS_PER_TRACE * count:
-        raise needs_spacing(found.path, Message("the places are neither a line along X nor a grid"))
     places_mm = np.round(np.stack([y_m, x_m], axis=1) * dataset.MM_PER_M, DECIMALS)
     rotation_deg = np.broadcast_to(found.rotation_deg, (count,))
     return np.column_stack([rotation_deg, places_mm])

@@ -13,6 +13,11 @@ from gpr20_analysis.formats.imported_folder import DECISION_FORMAT
 HZ = np.linspace(600e6, 6e9, 7)
 HEADERS = {"VNA": "S21_real,S21_imag", "TIME": "A-Scan_real,A-Scan_imag"}
 LETTERS = {0.0: "X", 90.0: "Y"}
+PLACES = {
+    (x, y, 0.0): (0.25, (np.arange(7) * (0.01 + 0.001j * x) + y + 1j) / 30.0)
+    for x in (0, 20)
+    for y in (0, 15)
+}
 KEYS = ("freq_value", "real_value", "imaginary_value")
 
 

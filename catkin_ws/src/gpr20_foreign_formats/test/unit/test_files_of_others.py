@@ -30,6 +30,9 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting.ranges import until
 from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.replay import describe
+from gpr20_common.faults import NOT_ALLOWED
 
 DATA = Path(__file__).parent / "data"
 # File, format, options, traces x samples, last place [m], step [ns], time zero [ns], separation [m]
@@ -101,6 +104,13 @@ def test_a_second_channel_is_read_by_its_own_header(tmp_path):
         assert float(found.delay[1]) == pytest.approx(range_ns * 1e-9 / counts().shape[1])
     assert "400MHz" in str(second.attrs["notes"]) and "0 to 40 dB" in str(second.attrs["notes"])
     assert "1.5/1.6GH" in str(first.attrs["notes"]) and "dB" not in str(first.attrs["notes"])
+    write_dzt(tmp_path / "a.dzt", channels, data=2048)
+    for number, values in enumerate(channels):
+        found = read(tmp_path / "a.dzt", "dzt", channel=number + 1).a_scan.values[0, 0]
+        np.testing.assert_allclose(found.real, values / 2.0**15)
+    for channel in (None, 0, 3):
+        with raises_fault(NOT_ALLOWED, "2 channels", "--channel"):
+            read(tmp_path / "a.dzt", "dzt", channel=channel)
     for wrong in ({"spm": 10.0}, {"samples": 39}, {"bits": 8}, {"channels": 3}, {"tag": 0}):
         write_dzt(tmp_path / "w.dzt", channels, second=wrong)
         with raises_fault(faults.INPUT, "w.dzt"):
@@ -127,7 +137,7 @@ def test_a_name_in_other_capitals_is_that_of_another_line_if_that_has_its_own_fi
     (tmp_path / "line1.HD").rename(tmp_path / "LINE1.HD")
     assert read(tmp_path / "line1.dt1", "dt1").sizes["x"] == TRACES
     (tmp_path / "LINE1.DT1").write_bytes((tmp_path / "line1.dt1").read_bytes())
-    with raises_fault(faults.INPUT, "line1.hd", "missing"):
+    with raises_fault(faults.INPUT, "line1.hd", "there are: -"):
         read(tmp_path / "line1.dt1", "dt1")
     write_dt1(tmp_path / "line1.dt1", **{"TIMEZERO AT POINT": "9"})  # exact name, other header
     assert read(tmp_path / "line1.dt1", "dt1").attrs["antenna_delay_s"] == pytest.approx(1.6e-9)
@@ -144,6 +154,13 @@ def test_the_size_of_a_file_decides_how_many_traces_it_has(tmp_path, form, key):
     found = read(tmp_path / f"l.{form}", form)
     assert found.sizes["x"] == TRACES
     assert f"says {TRACES + 3} traces ({key}), but {TRACES} are stored" in str(found.attrs["notes"])
+
+
+@each_case("order", "<>")
+def test_the_size_of_a_segy_file_decides_which_header_counts_its_samples(tmp_path, order):
+    write_segy(tmp_path / "l.sgy", order=order, b3221=39)
+    found = read(tmp_path / "l.sgy", "segy")
+    assert found.sizes["delay"] == 40 and "39 and 40 samples" in str(found.attrs["notes"])
 
 
 def test_a_trace_whose_time_zero_was_moved_is_refused(tmp_path):
@@ -173,8 +190,8 @@ def test_the_field_of_a_flat_model_is_that_across_its_line_at_its_own_places(nam
     with h5py.File(DATA / name) as file:
         field = file["rxs/rx1/Ez"][()].reshape(637, -1)
     turns = np.exp(-2j * np.pi * np.outer(found.frequency, np.arange(637) * 4.717308673499368e-12))
-    own = read(DATA / name, "gprmax", band=SPECTRA["band"], source="none").s21.values[0, 0]
-    np.testing.assert_allclose(own, (turns @ field * 4.717308673499368e-12).T, rtol=1e-9)
+    ratio = found.s21.values[0, 0] / (turns @ field).T  # the same source of all
+    np.testing.assert_allclose(ratio, np.tile(ratio[0], (count, 1)), rtol=1e-9)
 
 
 @pytest.mark.parametrize("form", ["dzt", "dt1", "rd3", "segy", "gprmax", "merged-hdf5", "arrays"])
@@ -205,6 +222,14 @@ def test_names_that_are_no_utf_8_are_read_and_written(tmp_path):
     assert main(["import", str(path), str(folder), "--format", "dt1"]) == 0
     (made,) = (one for one in folder.iterdir() if one.is_dir())
     assert main(["info", str(made)]) == 0
+
+
+@each_case("name, topic", [("chatter.bag", "/chatter"), ("imu_ros1.mcap", "/imu/data")])
+def test_a_recording_of_somebody_else_is_refused_with_its_topics(name, topic):
+    for read_it in (load_survey, describe):
+        with raises_fault(faults.INPUT, name, topic):
+            read_it(DATA / name)
+    assert main(["replay", str(DATA / name)]) == 3
 
 
 def test_numbers_of_options_may_have_decimal_commas(tmp_path):

@@ -31,11 +31,11 @@ def make_gprmax(path, position=(0.1, 0.2), delay_s=4e-9, amplitude=1.0, version=
         source.attrs["Position"] = (position[0] - 0.03, position[1], 0.5)
         for name in ("Ex", "Ey", "Ez"):
             own = amplitude if name == f"E{along}" else 0.01
-            receiver[name] = own * ricker(TIME_S - delay_s, CENTRE_HZ)
+            receiver[name] = own * ricker((TIME_S - delay_s) * CENTRE_HZ)
         if version == 4:
             source.attrs["Polarisation"] = along
             excitation = source.create_group("excitation")
-            excitation["samples"] = ricker(TIME_S + STEP_S / 2, CENTRE_HZ)
+            excitation["samples"] = ricker((TIME_S + STEP_S / 2) * CENTRE_HZ)
             excitation.attrs.update(SampleInterval=STEP_S, TimeSampleOffset=STEP_S / 2)
 
 
@@ -62,16 +62,13 @@ def test_spectra_are_divided_by_the_source(tmp_path, version):
     np.testing.assert_allclose(amplitudes, np.arange(1.0, 7.0)[:, None] * np.ones(101), rtol=1e-5)
 
 
-def test_without_its_source_a_simulation_is_refused_or_can_only_be_looked_at(tmp_path, capsys):
+def test_without_its_source_a_simulation_is_refused(tmp_path, capsys):
     make_gprmax(tmp_path / "a.out")
     output = tmp_path / "g.nc"
     arguments = ["import", str(tmp_path / "a.out"), str(output), "--format", "gprmax", *BAND]
     assert main(arguments) == 3
     error = capsys.readouterr().err
     assert "does not contain the source signal" in error and "--source" in error
-    assert main([*arguments, "--height", "0.1", "--source", "none"]) == 0
-    assert main(["image", str(output), "--permittivity", "4"]) == 3
-    assert "every delay includes that of the source" in capsys.readouterr().err
 
 
 def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_path):

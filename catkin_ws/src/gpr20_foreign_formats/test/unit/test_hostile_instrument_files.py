@@ -8,8 +8,10 @@ from pathlib import Path
 
 import h5py
 import numpy as np
-import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
+from group_kit import PLACES
+from group_kit import write_merged as write_merged_of_group
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from instruments_kit import (
@@ -27,6 +29,7 @@ from instruments_kit import (
     write_touchstone,
 )
 from run_seed import draws
+from test_arrays_import import a_line, write_arrays
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -36,13 +39,18 @@ from gpr20_common.faults import NOT_ALLOWED
 
 MOST_BYTES = 64 << 20
 HEADERS = {"dzt": (0, 128), "segy": (3200, 3840), "dt1": (0, 128)}
-FORMS = st.sampled_from(sorted(KINDS))
+ALL = {
+    **KINDS,
+    "arrays": ("d.h5", partial(write_arrays, arrays=a_line()), {}, ["d.h5"]),
+    "merged-hdf5": ("g.h5", partial(write_merged_of_group, samples=PLACES), {}, ["g.h5"]),
+}
+FORMS = st.sampled_from(sorted(ALL))
 SHARE = st.floats(0.0, 1.0, exclude_max=True)
 
 
 def survey_or_refusal(form, victim, change):
     """Change a file; return the survey that is read, or None if it was refused as it should be."""
-    name, write, options, victims = KINDS[form]
+    name, write, options, victims = ALL[form]
     with tempfile.TemporaryDirectory() as folder:
         write(Path(folder) / name)
         path = Path(folder) / victims[victim % len(victims)]
@@ -61,7 +69,7 @@ def survey_or_refusal(form, victim, change):
     return None
 
 
-@settings(max_examples=draws(12))
+@settings(max_examples=draws(24))
 @given(form=FORMS, victim=st.integers(0, 1), place=SHARE)
 def test_a_file_that_was_cut_anywhere_is_refused(form, victim, place):
     found = survey_or_refusal(form, victim, lambda whole: whole[: int(place * len(whole))])
@@ -70,7 +78,7 @@ def test_a_file_that_was_cut_anywhere_is_refused(form, victim, place):
     assert found is None or form in ("dzt", "segy") or text
 
 
-@settings(max_examples=draws(12))
+@settings(max_examples=draws(24))
 @given(
     form=FORMS,
     victim=st.integers(0, 1),
@@ -90,30 +98,6 @@ def test_damaged_files_are_refused_or_still_a_survey(form, victim, changes, in_h
     if found is not None:
         assert found.sizes["x"] * found.sizes["y"] <= 16 * TRACES * SAMPLES
         assert np.all(np.diff(found.x) > 0.0)
-
-
-@settings(max_examples=draws(12))
-@given(form=st.sampled_from(sorted(HEADERS)), start=st.binary(max_size=200), more=st.binary())
-def test_bytes_at_random_are_refused_or_a_survey(form, start, more):
-    survey_or_refusal(form, 0, lambda whole: whole[: HEADERS[form][0]] + start + more * 20)
-
-
-@pytest.mark.parametrize("form", sorted(KINDS))
-@pytest.mark.parametrize("output", ["o.nc", "surveys"])
-def test_nothing_is_imported_half(tmp_path, form, output):
-    name, write, options, victims = KINDS[form]
-    write(tmp_path / name)
-    victim = tmp_path / victims[0]
-    share = 0.6 if form == "touchstone" else 1.0
-    victim.write_bytes(victim.read_bytes()[: int(share * victim.stat().st_size) - 1])
-    into = tmp_path / output
-    into.mkdir() if output == "surveys" else into
-    source = ["--source", options["source"]] if options else []
-    command = ["import", str(tmp_path / name), str(into), "--format", form, *source]
-    assert main(command) == 3
-    left = sorted(tmp_path.rglob("*"))
-    assert not (tmp_path / "o.nc").exists() and not any(one.suffix == ".tmp" for one in left)
-    assert output == "o.nc" or not any(into.iterdir())
 
 
 def touchstone(text):
@@ -160,7 +144,11 @@ WRONG = [
     ("l.sgy", partial(write_segy, b89=2), ["angles", "--spacing"]),
     ("l.sgy", partial(write_segy, b117=[200, 200, 0, 300, 200, 200]), ["300", "200", "--interval"]),
     ("l.sgy", partial(write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
-    ("t", touchstone("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n"), ["first freq"]),
+    (
+        "t",
+        touchstone("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n"),
+        ["frequency [Hz] is 1.0"],
+    ),
     ("t", touchstone(LINE + "1200 0 0 1 0 0 0 0 0\n"), ["X20_Y0.s2p", "other frequencies"]),
     ("t", touchstone("no Touchstone file"), ["X20_Y0.s2p", "kind Touchstone"]),
     ("t", sweep(3e9, 2e9, 1e9), ["sort the lines"]),
@@ -172,10 +160,9 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("name", "write", "shown"), WRONG)
-def test_a_file_that_is_wrong_is_refused_with_the_value_and_the_way_out(
-    tmp_path, name, write, shown
-):
+@each_case("name, write, shown", WRONG)
+def test_a_file_that_is_wrong_is_refused_with_the_value(tmp_path_factory, name, write, shown):
+    tmp_path = tmp_path_factory.mktemp("wrong")
     (form,) = (one for one, kind in KINDS.items() if kind[0] == name)
     write(tmp_path / name)
     codes = (faults.INPUT, NOT_ALLOWED, faults.FILE_DAMAGED, faults.INPUT)
@@ -198,16 +185,7 @@ def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
                 read(path, form, spacing_m=spacing_m)
 
 
-@pytest.mark.parametrize("form", ["dt1", "rd3"])
-def test_a_file_without_its_partner_is_refused_with_the_name_of_it(tmp_path, form):
-    name, write, _, victims = KINDS[form]
-    write(tmp_path / name)
-    (tmp_path / victims[1]).unlink()
-    with raises_fault(faults.INPUT, "beside it"):
-        read(tmp_path / name, form)
-
-
-@pytest.mark.parametrize("form", sorted(KINDS))
+@each_case("form", sorted(KINDS))
 def test_more_than_the_memory_holds_is_refused_before_it_is_read(tmp_path, monkeypatch, form):
     name, write, options, _ = KINDS[form]
     write(tmp_path / name)

@@ -1,20 +1,16 @@
 """Files of the group that contradict themselves, or hold what no VNA measures, are named."""
 
-import random
 import warnings
 
 import h5py
 import numpy as np
 from case_kit import each_case
 from group_kit import (
-    HZ,
+    PLACES,
     decisions_of,
-    even,
     imported,
     originals,
     run,
-    survey,
-    write_csv,
     write_merged,
     write_originals,
 )
@@ -23,12 +19,8 @@ from hypothesis import strategies as st
 from run_seed import draws
 
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.read.verification import verify_survey
 
 FIRST, LAST = "X000.00_Y000.00_Z000.00.json", "X020.00_Y015.00_Z000.00.json"
-PLACES = {(x, y, 0.0): (0.25, np.arange(7) * (0.01 + 0.001j * x) + y + 1j) for x in (0, 20)
-          for y in (0, 15)}  # fmt: skip
-PLACES = {place: (height, one / 30.0) for place, (height, one) in PLACES.items()}
 ANYTHING = st.one_of(
     st.none(),
     st.booleans(),
@@ -102,6 +94,7 @@ SCAN = "S21_real,S21_imag\n0.1,0.2\n0.3,-0.1\n0.2,0.1\n"
         (GROUP.lower(), SCAN, [GROUP.lower(), "must have the form VNA_X155"]),
         (GROUP.replace("X0", "X20000"), SCAN, ["X [mm] is 20000", "10000"]),
         ("VNA_X20_Y0_OrX_Fs0.6M_Fe6M_Qf3_H250.csv", SCAN, ["Fe6M", "6000000.0", "1e+07"]),
+        (GROUP.replace("VNA", "TIME").replace("M_", "u_").replace("Qf", "Qt"), SCAN, ["VNA_"]),
         (GROUP.replace("Y0", "Y20").replace("Fe6000", "Fe5000"), SCAN, ["mixes", "5000000000"]),
         (GROUP.replace("X0", "X20"), SCAN.replace("0.3", "0,3"), ["VNA_X20", "two numbers"]),
         (GROUP.replace("X0", "X20"), SCAN.replace("0.3", "nan"), ["VNA_X20", "NaN"]),
@@ -155,21 +148,13 @@ def test_capitals_a_mark_of_the_encoding_and_hidden_files_are_no_obstacle(tmp_pa
 
 def test_what_may_be_right_is_kept_and_said_in_the_log(tmp_path):
     found = originals(PLACES)
-    zero, same, first, large = sorted(found)
-    found[same]["data"] = found[first]["data"]
+    zero, _, _, large = sorted(found)
     for row in found[zero]["data"]:
         row.update(real_value=0.0, imaginary_value=0)
     found[large]["data"][3]["real_value"] = -1000.0
-    found[large]["antennae_height"] = 3.0
     folder = imported(write_originals(tmp_path / "s", found), "original-json", tmp_path / "data")
     said, survey_there = " ".join(decisions_of(folder)), load_survey(folder)
-    for words in (
-        f"measured: 1, {zero}",
-        f"1, {first} = {same}",
-        f"{large} (1000)",
-        f"{large} (3000 mm)",
-    ):
-        assert words in said
+    assert f"measured: 1, {zero}" in said and f"1, {large} (1000)" in said
     assert survey_there.attrs["missing"] == ["missing: x 0 mm, y 0 mm, 0 deg"]
     assert float(survey_there.s21.real.min()) == -1000.0
     for one in found.values():
@@ -203,33 +188,3 @@ def test_anything_in_a_sample_is_refused_or_arrives_as_it_is(data, tmp_path_fact
         np.testing.assert_array_equal(own.s21.values, rows[:, 1] + 1j * rows[:, 2])
         known = one["antennae_height"] is not None
         assert not known or float(own.height) == one["antennae_height"]
-
-
-@settings(max_examples=draws(10))
-@given(seed=st.integers(0, 1 << 32), form=st.sampled_from(["csv", "json", "h5"]))
-def test_a_damaged_file_is_refused_with_a_sentence_and_leaves_nothing(seed, form, tmp_path_factory):
-    place, rng = tmp_path_factory.mktemp("damaged"), random.Random(seed)
-    samples = even(survey(seed % 4))
-    kind, write = {
-        "csv": ("group-csv", write_csv),
-        "json": ("original-json", lambda path, own: write_originals(path, originals(own, HZ))),
-        "h5": ("merged-hdf5", write_merged),
-    }[form]
-    source = place / f"out.{form}"
-    write(source, samples)
-    path = rng.choice(sorted(source.iterdir())) if source.is_dir() else source
-    content = bytearray(path.read_bytes())
-    if rng.random() < 0.5:
-        del content[rng.randrange(len(content)) :]
-    for _ in range(rng.randrange(3)):
-        if content:
-            content[rng.randrange(len(content))] = rng.randrange(256)
-    path.write_bytes(content)
-    data = place / "data"
-    status, printed = run("import", source, data, "--format", kind)
-    folders = list(data.iterdir()) if data.exists() else []
-    if status == 3:
-        assert folders == [] and "Traceback" not in printed and printed.startswith("gpr20 import: ")
-        assert "program error" not in printed, printed
-    else:
-        assert verify_survey(*folders).faults == []

@@ -55,8 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--source",
         metavar="SIGNAL",
         help="simulations: signal of the source, by which spectra are divided, if the files do not "
-        "contain it: a waveform with its frequency in Hz, such as ricker:1.5e9; a text file of "
-        "times [s] and values; or none",
+        "contain it: a waveform with its frequency in Hz, such as ricker:1.5e9",
     )
     parser.add_argument(
         "--real-ground",

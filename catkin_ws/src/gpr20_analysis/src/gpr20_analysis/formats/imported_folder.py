@@ -48,7 +48,7 @@ SOFTWARE = f"gpr20 {__version__}"
 INTERVAL_NS = utc_time.NS_PER_S // 10
 COMMIT_BYTES = 8 << 20
 # Endings of files with one stem that are read together.
-BELONG = (".dt1", ".hd", ".rd3", ".rd7", ".rad", ".axes.yaml")
+BELONG = (".dt1", ".hd", ".rd3", ".rd7", ".rad")
 SOURCES_FILE = "imported.sha256"
 """The checksums of the files of the source, as sha256sum checks them in its folder."""
 DECISION_FORMAT = "gpr20-import/1"

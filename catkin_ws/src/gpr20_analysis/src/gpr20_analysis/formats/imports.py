@@ -116,7 +116,7 @@ IMPORTS = ExtensionPoint(
     fault=faults.STEPS,
     wings=dict.fromkeys(
         (
-            *("group-csv", "merged-hdf5", "migrated-hdf5", "gprmax", "original-json", "arrays"),
+            *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
             *("dt1", "dzt", "rd3", "segy", "touchstone"),
         ),
         "gpr20_foreign_formats",

@@ -20,7 +20,7 @@ from tutorial_code import code_blocks
 from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.imports import IMPORTS
+from gpr20_analysis.formats.imports import IMPORTS, import_survey
 from gpr20_analysis.imaging.methods import imaging_method
 from gpr20_analysis.processing.chain import (
     apply_steps,
@@ -106,9 +106,9 @@ def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, c
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
-    install(site, "[gpr20_analysis.imports]\nnumpy = more:X\n", "more")
+    install(site, "[gpr20_analysis.imports]\nscan = more:X\n", "more")
     with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "more 1.0, more:X"):
-        IMPORTS.find("numpy")
+        IMPORTS.find("scan")
 
 
 @pytest.mark.parametrize(
@@ -144,20 +144,22 @@ def test_a_command_names_the_absent_package(without_others, sample, refusals, ca
     assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
 
-def test_a_format_of_a_page_is_imported(site, sample):
-    found = {name: sample[name].values for name in sample if sample[name].dtype.kind in "fc"}
-    found.update({name: sample[name].values for name in sample.coords if name != "axis"})
-    np.savez("survey.npz", **found, simulated=True)
-    for call in calls_in(TEXTS["my_formats"], "import.+"):
+def test_a_format_of_a_page_is_imported_and_recognized(site, sample):
+    Path("line.scan").write_text(code_blocks(DOCS / "format.md", "text")["line.scan"])
+    for call in calls_in(TEXTS["my_formats"], "(?:import|info).+"):
         assert main(call) == 0
-    found = load_survey("survey.nc")
-    np.testing.assert_array_equal(found.s21, sample.s21)
-    with raises_fault(faults.INPUT, "gpr20 import survey.npz survey.nc --format numpy"):
-        load_survey("survey.npz")
-    (site / "my_formats.py").write_text("IMPORT = 'netcdf'\n")
+    found = load_survey("line.nc")
+    np.testing.assert_array_equal(found.s21.values[0, 0], [[1, 1j, -1], [1, -1j, -1]])
+    assert found.x.values.tolist() == [0.0, 0.02] and (found.height == 0.1).all()
+    with raises_fault(faults.INPUT, "gpr20 import line.scan survey.nc --format scan"):
+        load_survey("line.scan")
+    Path("line.scan").write_text("no numbers")
+    with raises_fault(faults.INPUT, "not a file of the kind scan"):
+        import_survey("line.scan", "scan")
+    (site / "my_formats.py").write_text("IMPORT = 'scan'\n")
     sys.modules.pop("my_formats")
     with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "str"):
-        IMPORTS.find("numpy")
+        IMPORTS.find("scan")
     assert load_survey("survey.mcap").attrs["simulated"] == 1
 
 

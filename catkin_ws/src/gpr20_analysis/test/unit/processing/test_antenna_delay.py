@@ -87,8 +87,8 @@ def test_the_recorded_delay_is_removed_by_default_and_only_once():
     for one in (step, zero):
         with raises_fault(faults.STEPS):
             remove_delay(one, DELAY_S)
-    for refused in (lambda: ImageOptions(delay_s=1e-6), lambda: remove_delay(survey(), np.nan)):
-        with raises_fault(NOT_ALLOWED, "-100 and 100 ns"):
+    for refused in (lambda: ImageOptions(delay_s=1e-4), lambda: remove_delay(survey(), np.nan)):
+        with raises_fault(NOT_ALLOWED, "-10000 and 10000 ns"):
             refused()
 
 
