@@ -28,10 +28,10 @@ from typing import Callable, Dict, List
 
 import numpy as np
 
+from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid

@@ -52,7 +52,7 @@ path = Path(sys.argv[1])
 # Of this program alone: the figure of getrusage begins with that of the one that started it.
 peak = lambda: 1024 * int(re.search(r"VmHWM:\\s*(\\d+)", Path("/proc/self/status").read_text())[1])
 before, wall_s, cpu_s = peak(), time.perf_counter(), time.process_time()
-survey = load_survey(path).compute()
+survey = load_survey(path)
 print(json.dumps({
     "wall_s": time.perf_counter() - wall_s, "cpu_s": time.process_time() - cpu_s,
     "grown": peak() - before, "data": survey.s21.nbytes,

@@ -10,4 +10,4 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 python="$GPR20_VENV/bin/python"
 [ -x "$python" ] || python=python3
 PYTHONPATH="$(printf '%s:' "$GPR20_ROOT"/catkin_ws/src/*/src)${PYTHONPATH:-}" \
-    exec "$python" -m gpr20_analysis.verify "$@"
+    exec "$python" -m gpr20_analysis.commands.main verify "$@"

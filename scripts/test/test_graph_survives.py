@@ -24,8 +24,8 @@ pytest.importorskip("rosgraph")
 
 import rosgraph
 
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_common.high.service_client import ServiceConnection
 from gpr20_msgs.srv import Command
 

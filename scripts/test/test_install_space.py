@@ -93,7 +93,7 @@ def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installe
     said = run(sourced(folder, f"gpr20 verify {stored}"), environment)
     assert "complete and intact: all 18 planned traces" in said
     assert stored.name in run(sourced(folder, f"gpr20 info {stored}"), environment)
-    run(sourced(folder, f"gpr20-verify {stored}"), environment)
+    run(sourced(folder, f"gpr20 verify {stored}"), environment)
     assert "process[user_interface-" in log
     for word in ("Traceback", "has died", "[ERROR]", "No module named"):
         assert word not in log, log

@@ -17,10 +17,10 @@ from power_cut_disk import PowerCutDisk
 from storage_kit import with_bag
 
 from fault_suite.judge import Became, Judge, Ledger, Result, verdict_of
-from fault_suite.worker import TIME, Call, Event, Step, Worker, closed_additions, new_course
+from fault_suite.worker import Call, Event, Step, Worker, closed_additions, new_course
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.manifest_repair import repair_manifest
-from gpr20_analysis.read.verification_result import DAMAGED
+from gpr20_analysis.read.repair import repair_survey
+from gpr20_analysis.read.verdict import DAMAGED
 from gpr20_survey.errors import ProcessingError
 
 MOST_TURNS = 3
@@ -33,7 +33,7 @@ ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EDQUOT)
 # Of what was not made durable, this much is lost.
 LOST_SHARES = (0.3, 0.5, 0.8, 1.0)
 FLIPS_PER_SURVEY = 10
-# How often somebody adds to a survey with a flip, and calls gpr20 repair, before it is resumed.
+# How often somebody adds to a survey with a flip, and repairs it, before it is resumed.
 ADDED_SHARE, REPAIRED_SHARE = 0.3, 0.5
 CRASHED = "crashed"
 # How a survey ends in the middle of a course.
@@ -169,7 +169,7 @@ def flips(course: Course) -> None:
             ledger.take_down(worker)
         if chance.random() < REPAIRED_SHARE:
             with contextlib.suppress(AnalysisError, ProcessingError):
-                repair_manifest(folder, "1.2.3", TIME)
+                repair_survey(folder)
         judge.judge(data, ledger)
 
 

@@ -15,7 +15,7 @@ from robot_kit import LAUNCH, MASTER, NODES, LaunchedRobot, end
 
 from fault_suite.accidents import Accident, Course
 from fault_suite.judge import Became, Finding, Judge, Ledger, verdict_of
-from gpr20_analysis.read.verification_result import COMPLETE
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_simulator.mid.world.medium import probed_position_mm, probed_rotation_deg
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.trace import trace_message

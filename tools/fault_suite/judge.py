@@ -21,8 +21,8 @@ from trace_examples import SURVEY, assert_same_numbers
 
 from fault_suite.worker import IS_COMPLETE, TRACES, Call, Event, Worker, new_storage
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.recovery import Fact, recover

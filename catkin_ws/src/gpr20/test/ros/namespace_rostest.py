@@ -19,8 +19,8 @@ import rospy
 import rostest
 from survey_client import LIMIT_S, SurveyClient, bits, json_traces, run, wait_until
 
+from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import INCOMPLETE
 from gpr20_msgs.msg import ControlStatus, Replay
 from gpr20_msgs.srv import Command, SetReplayRate
 

@@ -12,8 +12,8 @@ import rosgraph
 import rosnode
 import rospy
 
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_msgs.msg import (
     Annotation,
     ControlStatus,

@@ -21,8 +21,8 @@ from stored_surveys import (
     json_traces,
 )
 
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_axis_driver.faults import AxisBusyError
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import survey_archive

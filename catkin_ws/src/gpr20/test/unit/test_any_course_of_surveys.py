@@ -17,8 +17,8 @@ from run_seed import SEED, draws
 from simulated_world import LIMIT_S, World
 from stored_surveys import TRACES, check_acknowledged, check_places, json_traces
 
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_axis_driver.faults import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted

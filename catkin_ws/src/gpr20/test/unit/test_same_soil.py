@@ -19,7 +19,7 @@ from trace_examples import SURVEY, make_trace
 import gpr20_analysis
 from gpr20_analysis.candidates.table import candidate_row
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.conversion import export_format
+from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
 from gpr20_imaging.low.analysis_worker import Analysis
 from gpr20_imaging.mid.imaging import Imaging as Node
@@ -53,17 +53,15 @@ TIME_US = 1_795_000_000_000_000
 
 
 class Here(Analysis):
-    """The worker of the imaging node, in this process."""
+    """The analysis of the imaging node, in this process."""
 
-    has_analysis = True
+    is_installed = True
 
-    def ask(self, _limit_s, _report, name, *arguments):
-        return getattr(self, name)(*arguments)
+    def focus(self, folder, permittivity, _stop):
+        return super().focus(folder, permittivity)
 
-    def start(self):
+    def close(self):
         pass
-
-    end = close = start
 
 
 class Asked:
@@ -122,7 +120,7 @@ def enter(folder, permittivity):
 
 def answers(folder, capsys):
     """Return the lists of window, API and command, the report, and the window's result."""
-    with closing(Node(folder.parent, Here(), lambda *_: None)) as node:
+    with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
         window.keep()
@@ -200,7 +198,7 @@ SAID = {
     "analysis.settings_changed": "from trace 40 on another VNA measured: B",
     "analysis.clock": "times may be wrong: the clock was set back by 60 s",
 }
-EXPORTS = ("netcdf", "zarr", "csv", "segy", "touchstone", "ros2")
+EXPORTS = ("netcdf", "csv", "segy", "touchstone", "ros2")
 
 
 def doubt(processing):
@@ -235,7 +233,7 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
     capsys.readouterr()
     main(["verify", str(folder)])
     said["verify"] = capsys.readouterr().out
-    exported = {form: tmp_path / f"{form}{export_format(form).ending}" for form in EXPORTS}
+    exported = {form: tmp_path / f"{form}{ENDINGS[form]}" for form in EXPORTS}
     for form, path in exported.items():
         assert main(["export", str(folder), str(path), "--format", form]) == 0
         said[f"export to {form}"] = capsys.readouterr().err
@@ -245,10 +243,7 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
     for form, path in exported.items():
         words = [*(of_mcap if form == "ros2" else SAID), "simulated"]
         assert [one for one in words if one not in content_of(path)] == [], form
-    source = [str(exported["touchstone"]), "--format", "touchstone"]
-    assert main(["import", *source, str(tmp_path / "imported")]) == 0
-    (imported,) = (tmp_path / "imported").iterdir()
-    for path in (folder, folder / MCAP_FILE, exported["netcdf"], exported["zarr"], imported):
+    for path in (folder, folder / MCAP_FILE, exported["netcdf"]):
         capsys.readouterr()
         assert main(["info", str(path)]) == 0
         said[f"info {path.name}"] = capsys.readouterr().err
@@ -256,7 +251,6 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
         is_mcap = reader in (f"info {MCAP_FILE}", "export to ros2", "export to bag")
         codes = of_mcap if is_mcap else SAID
         assert [code for code in codes if SAID[code] not in text] == [], reader
-    assert "(touchstone), without a plan: nothing says" in said[f"info {imported.name}"]
     assert [one.fault_code for one in texts.doubts(window)] == [*SAID]
     # What is damaged is left out for the window, and refused elsewhere.
     next((folder / "traces").iterdir()).write_text("{")

@@ -21,9 +21,10 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "commands.failure": ("message_of",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
-    "formats.conversion": ("export_survey", "import_survey"),
-    "formats.csv_cells": ("cell_text",),
     "formats.dataset_files": ("write_dataset",),
+    "formats.exports": ("export_survey",),
+    "formats.imports": ("import_survey",),
+    "formats.plain_csv": ("cell_text",),
     "hiding.detector": ("Detector",),
     "hiding.files": ("read_hiding", "write_hiding"),
     "hiding.runs": ("HidingOptions",),
@@ -31,16 +32,16 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "imaging.image": ("image_survey",),
     "imaging.image_options": ("BuriedReference", "Ground", "ImageOptions", "Soils"),
     "imaging.methods": ("Method", "imaging_method"),
-    "imaging.image_output": ("permittivity_line",),
+    "imaging.permittivity": ("permittivity_line",),
     "plotting.hiding": ("hiding_figure",),
     "plotting.maps": ("coverage_figure", "height_figure"),
     "plotting.projections": ("candidate_map_figure", "projection_figure"),
     "plotting.scans": ("a_scan_figure", "b_scan_figure", "c_scan_figure"),
     "processing.chain": ("process_survey",),
     "processing.delay": ("to_time",),
-    "read.growing_survey": ("GrowingSurvey",),
-    "read.load": ("load_survey",),
-    "read.verification": ("Verification", "verify_survey"),
+    "read.load": ("GrowingSurvey", "load_survey"),
+    "read.verdict": ("Verification",),
+    "read.verification": ("verify_survey",),
     "report.build": ("write_report",),
     "report.summary": ("summarize",),
     "sample.sample_survey": ("sample_survey",),
@@ -56,4 +57,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> List[str]:
-    return [*globals(), *__all__]
+    return __all__

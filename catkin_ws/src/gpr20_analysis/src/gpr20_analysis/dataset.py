@@ -48,7 +48,7 @@ MM_PER_M = 1000.0
 NAMED = 3
 """Number of samples that a message about many names."""
 
-ATTRIBUTES: Dict[str, Dict[str, str]] = {
+ATTRIBUTES: Dict[str, Dict[str, Any]] = {
     **{
         one.name: {"long_name": one.meaning, **({"units": one.unit} if one.unit else {})}
         for one in TRACE_FIELDS
@@ -64,6 +64,9 @@ ATTRIBUTES: Dict[str, Dict[str, str]] = {
     HEIGHT: {"units": "m", "long_name": "antenna height above the ground"},
     "index": {"long_name": "index in the survey's plan, -1 without a sample"},
     "remarks": {"long_name": "remarks of the robot about the sample"},
+    IMAGE: {"units": "1", "long_name": "image"},
+    CLUTTER: {"units": "1", "long_name": "clutter beside echoes"},
+    ECHOES: {"units": "1", "long_name": "maxima of the image; each value in its own unit"},
 }
 
 
@@ -81,7 +84,7 @@ class Quality(enum.IntFlag):
     """The robot added remarks; see `remarks`."""
 
 
-QUALITY_ATTRIBUTES = {
+ATTRIBUTES[QUALITY] = {
     "long_name": "quality of the sample",
     "flag_masks": [flag.value for flag in Quality if flag],
     "flag_meanings": " ".join(flag.name.lower() for flag in Quality if flag and flag.name),
@@ -90,10 +93,13 @@ UNUSABLE = Quality.MISSING | Quality.DAMAGED
 
 
 def described(data: xr.Dataset) -> xr.Dataset:
-    """Return a Dataset whose variables have units and long names."""
+    """Return a Dataset whose variables have long names, and units if they are numbers."""
     for name in data.variables:
-        data[name].attrs.update(ATTRIBUTES.get(str(name), {}))
-    data[QUALITY].attrs.update(QUALITY_ATTRIBUTES)
+        own = data[name].attrs
+        own.update(ATTRIBUTES.get(str(name), {}))
+        own.setdefault("long_name", str(name).replace("_", " "))
+        if data[name].dtype.kind in "iufc":
+            own.setdefault("units", "1")
     return data
 
 

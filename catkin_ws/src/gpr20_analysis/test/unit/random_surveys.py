@@ -4,7 +4,7 @@ import numpy as np
 
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.common import Imported, as_dataset
-from gpr20_analysis.formats.provenance import restored
+from gpr20_analysis.formats.facts import restored
 
 
 def noise_survey(seed, rows=9, columns=7):

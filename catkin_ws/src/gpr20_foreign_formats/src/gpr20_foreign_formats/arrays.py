@@ -12,13 +12,13 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, lazy
+from gpr20_analysis import dataset, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.common import HIGHEST_M, on_grid
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.processing.to_frequency import EVEN
-from gpr20_analysis.progress import Progress
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.header import Header, other_kind
@@ -180,7 +180,7 @@ def _arrays_in(path: Path, names: Sequence[str]) -> Dict[str, np.ndarray]:
 def _require_room(path: Path, *sizes: int) -> None:
     # With Python's integers, which do not overflow.
     needed = COPIES * math.prod(map(int, sizes))
-    lazy.require_bytes(needed, Message("reading {file}", file=path.name))
+    work.require_bytes(needed, Message("reading {file}", file=path.name))
 
 
 def _npz(path: Path, names: Sequence[str]) -> Dict[str, np.ndarray]:

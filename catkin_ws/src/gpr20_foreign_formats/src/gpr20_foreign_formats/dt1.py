@@ -11,7 +11,7 @@ from typing import Dict
 
 import numpy as np
 
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import (
     Header,

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Tuple
 import numpy as np
 
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header, content_of, other_kind, trace_count, unread_beside
 from gpr20_foreign_formats.traces import Traces, format_of

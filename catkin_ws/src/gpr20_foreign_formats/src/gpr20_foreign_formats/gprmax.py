@@ -14,13 +14,13 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, lazy
+from gpr20_analysis import dataset, work
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.format import Band, ImportFormat, ImportOptions
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.formats.imports import Band, ImportFormat, ImportOptions
 from gpr20_analysis.read.survey_attributes import ANTENNA_SEPARATION
 from gpr20_analysis.sentences import with_notes
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.gprmax_source import Signal, check_strength, source_of
@@ -208,7 +208,7 @@ def _fields(file: Any, path: Path) -> Dict[str, np.ndarray]:
         )
     # With Python's integers, which do not overflow.
     size = BYTES_PER_SAMPLE * len(stored) * math.prod(map(int, shape))
-    lazy.require_bytes(size, Message("reading {file}", file=path.name))
+    work.require_bytes(size, Message("reading {file}", file=path.name))
     return {
         one: np.asarray(field[()], np.float64).reshape(count, -1) for one, field in stored.items()
     }

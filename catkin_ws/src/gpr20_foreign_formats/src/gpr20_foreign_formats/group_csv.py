@@ -15,8 +15,8 @@ import xarray as xr
 
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
     DEGREES,

@@ -10,7 +10,7 @@ from typing import Any, Iterator, List, Mapping, Optional, Pattern
 import h5py
 import numpy as np
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_file import check_regular, read_regular
@@ -142,7 +142,7 @@ def content_of(path: Path) -> bytes:
     """
     check_regular(path, follow_link=True)
     purpose = Message("reading {file}", file=path.name)
-    lazy.require_bytes(BYTES_PER_SAMPLE * path.stat().st_size, purpose)
+    work.require_bytes(BYTES_PER_SAMPLE * path.stat().st_size, purpose)
     return read_regular(path)
 
 

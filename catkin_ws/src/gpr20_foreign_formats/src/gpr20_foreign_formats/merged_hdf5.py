@@ -9,11 +9,11 @@ import h5py
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import work
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.formats.common import HIGHEST_M
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.group_files import (
     DEGREES,
@@ -64,7 +64,7 @@ def _samples(file: Any, name: str) -> Samples:
     count, amount = len(x_m) * len(y_m), float(len(letters) * len(x_m) * len(y_m))
     Header(name, {AMOUNT: amount, **file.attrs}, typed=True).number(AMOUNT, amount, amount)
     size = BYTES_PER_SAMPLE * len(axis) * amount
-    lazy.require_bytes(size, Message("reading {file}", file=name))
+    work.require_bytes(size, Message("reading {file}", file=name))
     scans, heights_m = [], []
     for letter in letters:
         real, imaginary = (_scan(letter, word, kind) for word in ("Re", "Im"))

@@ -7,7 +7,7 @@ from typing import Dict
 
 import numpy as np
 
-from gpr20_analysis.formats.format import ImportOptions
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_foreign_formats.header import (
     content_of,
     partner,

@@ -14,9 +14,8 @@ import numpy as np
 
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats import segy
-from gpr20_analysis.formats.format import ImportOptions
-from gpr20_analysis.formats.provenance import SIMULATED
-from gpr20_analysis.formats.sums_beside import checked_facts
+from gpr20_analysis.formats.facts import SIMULATED, facts_beside
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_analysis.processing.to_frequency import EVEN
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header, content_of, other_kind, refusal
@@ -79,7 +78,7 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
         UnreadableFileError: The file is damaged, has another kind of samples, or was changed; or
             its times are not clear.
     """
-    facts, content = checked_facts(path), content_of(path)
+    facts, content = facts_beside(path), content_of(path)
     text = content[:TEXT_BYTES].decode("cp500" if content[:1] == EBCDIC_C else "latin-1").upper()
     header, order = _binary_header(path, content)
     notes: List[Message] = []

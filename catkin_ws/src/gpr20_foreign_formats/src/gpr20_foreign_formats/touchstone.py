@@ -9,15 +9,14 @@ from typing import Any, Dict, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import work
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import MissingLibraryError, library_missing
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.formats.provenance import SIMULATED
-from gpr20_analysis.formats.sums_beside import checked_facts
+from gpr20_analysis.formats.facts import SIMULATED, facts_beside
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header, folder_of, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
@@ -68,9 +67,9 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
     if options.spacing_m is None:
         placed = sorted((_place(folder, one), one) for one in paths)
         paths, places = [one for _, one in placed], np.array([place for place, _ in placed])
-    facts = checked_facts(folder)
+    facts = facts_beside(folder)
     size = sum(one.stat().st_size for one in paths)
-    lazy.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
+    work.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
     first_hz = read[0][0]
     for one, (own_hz, _, _) in zip(paths, read):

@@ -12,8 +12,8 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.format import ImportFormat, ImportOptions
-from gpr20_analysis.formats.provenance import Facts
+from gpr20_analysis.formats.facts import Facts
+from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import with_notes, with_sentence

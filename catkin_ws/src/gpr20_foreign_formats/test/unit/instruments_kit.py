@@ -6,8 +6,8 @@ import h5py
 import numpy as np
 from obspy.io.segy.pack import pack_4byte_ibm
 
-from gpr20_analysis.formats.format import IMPORTS, Band, ImportOptions
-from gpr20_analysis.progress import no_progress
+from gpr20_analysis.formats.imports import IMPORTS, Band, ImportOptions
+from gpr20_analysis.work import no_progress
 
 TRACES, SAMPLES, SPACING_M, WINDOW_NS = 6, 40, 0.02, 8.0
 RICKER = ("--source", "ricker:1.5e9")

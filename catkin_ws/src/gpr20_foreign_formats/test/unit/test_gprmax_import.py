@@ -9,7 +9,7 @@ from instruments_kit import read
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.format import Band
+from gpr20_analysis.formats.imports import Band
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_foreign_formats.gprmax_source import WAVEFORMS, source_of

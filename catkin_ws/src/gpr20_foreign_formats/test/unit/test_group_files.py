@@ -28,14 +28,14 @@ from run_seed import draws
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import additions
 from gpr20_analysis.formats.dataset_files import read_dataset
-from gpr20_analysis.formats.format import IMPORTS
 from gpr20_analysis.formats.imported_folder import SOURCES_FILE
+from gpr20_analysis.formats.imports import IMPORTS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.progress import no_progress
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import DECISIONS
+from gpr20_analysis.work import no_progress
 
 FORMS = {"group-csv": write_csv, "original-json": lambda folder, found: write_originals(
     folder, originals(found)), "merged-hdf5": write_merged}  # fmt: skip

@@ -189,7 +189,7 @@ def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
 def test_more_than_the_memory_holds_is_refused_before_it_is_read(tmp_path, monkeypatch, form):
     name, write, options, _ = KINDS[form]
     write(tmp_path / name)
-    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
+    monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 1000)
     with raises_fault(faults.TOO_LARGE):
         read(tmp_path / name, form, **options)
 

@@ -25,7 +25,7 @@ from random_surveys import random_survey
 
 from gpr20_analysis import import_survey
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.conversion import export_survey
+from gpr20_analysis.formats.exports import export_survey
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.real_line import REAL_LINE_FILE

@@ -58,7 +58,9 @@ LOG_LOST = Fault(
 )
 MANIFEST_DAMAGED = Fault(
     "survey.manifest_damaged",
-    Message("Let an analyst check the survey's folder with gpr20 verify, then with gpr20 repair."),
+    Message(
+        "Let an analyst check the survey's folder with gpr20 verify, then with its option --repair."
+    ),
 )
 OTHER_VERSION = Fault(
     "survey.other_version",

@@ -9,8 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
-from gpr20_analysis.imaging.image_output import permittivity_range
-from gpr20_analysis.imaging.permittivity.known_permittivity import Source
+from gpr20_analysis.imaging.permittivity import Source, permittivity_range
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels

@@ -17,7 +17,7 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import FREQUENCY, POLARIZATION, S21, S21_DIMS, X, Y, require
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.faults import PICKS_CHANGED
-from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from

@@ -8,7 +8,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import work
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import (
     POLARIZATION,
@@ -24,8 +24,8 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.chain import process_survey, recipe_of
+from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
@@ -154,4 +154,4 @@ def _require_room(spectra: xr.DataArray, options: ImageOptions) -> None:
     image_bytes = 4.0 * voxels * np.dtype(np.complex64).itemsize
     held = 1.0 if spectra.chunks is None else 2.0
     purpose = Message("the viewer, which keeps the whole survey in memory,")
-    lazy.require_bytes((held + COPIES) * spectra.nbytes + image_bytes, purpose)
+    work.require_bytes((held + COPIES) * spectra.nbytes + image_bytes, purpose)

@@ -10,7 +10,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults, work
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.radar.soils import Soils
@@ -111,7 +111,7 @@ def test_what_cannot_be_shown_is_refused(monkeypatch):
     ):
         with raises_fault(fault, shown):
             ViewSession(survey, FIXED)
-    monkeypatch.setattr(lazy, "available_bytes", lambda: 1 << 20)
+    monkeypatch.setattr(work, "available_bytes", lambda: 1 << 20)
     with raises_fault(faults.TOO_LARGE):
         ViewSession(small(), FIXED)
 

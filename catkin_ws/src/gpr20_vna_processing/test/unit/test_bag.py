@@ -21,8 +21,8 @@ from storage_kit import Kit, bag_messages, text_message, wait_until, with_bag
 from trace_examples import SURVEY, assert_same_numbers
 
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey
 from gpr20_survey.recording.bag import write_bag

@@ -22,8 +22,8 @@ from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY
 
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_common.errors import Gpr20Error
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey, read_description, recover

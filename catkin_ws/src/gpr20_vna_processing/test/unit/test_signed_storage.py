@@ -6,7 +6,7 @@ from signing_kit import make_key, signers_line
 from storage_kit import Kit
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.signature_check import Signature, check_signature
+from gpr20_analysis.read.signature import Signature, check_signature
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.manifest import MANIFEST_FILE as SEAL
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description

@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.geopackage import Layer, write_geopackage
 from gpr20_analysis.errors import ExportError, wrong_ending
-from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file

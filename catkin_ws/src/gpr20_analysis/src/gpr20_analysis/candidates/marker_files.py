@@ -13,7 +13,7 @@ from gpr20_analysis.candidates.files import write_with_checksum
 from gpr20_analysis.candidates.marker_list import MarkerList
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import ExportError, wrong_ending
-from gpr20_analysis.formats.csv_cells import csv_cell
+from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 

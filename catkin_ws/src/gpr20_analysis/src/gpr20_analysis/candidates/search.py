@@ -13,8 +13,7 @@ from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveye
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import ECHO_VALUES
-from gpr20_analysis.imaging.image_output import permittivity_range
-from gpr20_analysis.imaging.permittivity.known_permittivity import depth_shares
+from gpr20_analysis.imaging.permittivity import depth_shares, permittivity_range
 from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import DOUBTS, NOTES, sentences_of
 from gpr20_common.faults import NOT_ALLOWED

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("plates", type=Path, nargs="+", metavar="SURVEY",
         help="a survey of a metal plate at one height; four or more")  # fmt: skip
-    add("--output", "-o", type=Path, required=True, help="model: .nc or .zarr")
+    add("--output", "-o", type=Path, required=True, help="model: .nc")
     add("--height", type=float, nargs="+", metavar="M",
         help="height over the plate in each survey, instead of the recorded ones")  # fmt: skip
     add("--separation", type=float, default=0.0, metavar="M", help="distance between the antennas")

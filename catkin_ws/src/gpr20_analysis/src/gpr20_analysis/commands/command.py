@@ -50,10 +50,9 @@ SUMMARIES: Dict[str, str] = {
     "found": "note what was found at the candidates of a survey, or list it",
     "trial": "plan a blind trial, seal lists of candidates, and score them",
     "markers": "list the markers that people set in a survey, and write them to files",
-    "verify": "check a survey's folder against its manifest, recordings and plan",
+    "verify": "check a survey's folder against its manifest, recordings and plan, and repair it",
     "sign": "sign a survey as it is now",
-    "repair": "write a lost or damaged manifest again if everything else agrees",
-    "export": "write a survey in another format: NetCDF, HDF5, CSV, SEG-Y, Touchstone, JSON",
+    "export": "write a survey in another format: NetCDF, CSV, SEG-Y, Touchstone, ROS",
     "import": "read measurements and simulations of other programs as a survey",
     "report": "write one page with everything about a survey",
     "batch": "run a command on many surveys side by side",
@@ -63,7 +62,7 @@ SUMMARIES: Dict[str, str] = {
 }
 """Name and summary of each subcommand of this package; its module is `<name>_command`."""
 
-ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process", "repair"} | {
+ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process"} | {
     *("replay", "sample", "sign", "trial", "view")
 }
 """Subcommands that say nothing of what operators read in their language."""

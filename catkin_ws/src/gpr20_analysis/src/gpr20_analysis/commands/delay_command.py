@@ -9,8 +9,8 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import check_range
-from gpr20_analysis.processing.antenna_delay import recorded_delay_s
 from gpr20_analysis.processing.chain import recipe_of
+from gpr20_analysis.processing.delay import recorded_delay_s
 from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
 from gpr20_analysis.read.survey_attributes import DELAY_KEY
 from gpr20_common.catalogue import Catalogue

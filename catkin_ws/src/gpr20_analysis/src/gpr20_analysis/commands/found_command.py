@@ -12,7 +12,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.annotate_command import refuse_open
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.manifest_check import found_in
+from gpr20_analysis.read.checks import found_in
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say

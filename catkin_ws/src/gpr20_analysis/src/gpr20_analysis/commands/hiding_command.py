@@ -22,8 +22,8 @@ from gpr20_analysis.hiding.detector import Detector
 from gpr20_analysis.hiding.files import check_hiding_path, read_hiding, write_hiding
 from gpr20_analysis.hiding.runs import HidingOptions
 from gpr20_analysis.hiding.search import map_hidden
-from gpr20_analysis.processing.antenna_delay import recorded_separation_m
 from gpr20_analysis.processing.chain import apply_steps
+from gpr20_analysis.processing.delay import recorded_separation_m
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue

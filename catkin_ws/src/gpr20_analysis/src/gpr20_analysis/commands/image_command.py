@@ -17,19 +17,13 @@ from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
 from gpr20_analysis.dataset import DEPTH, HEIGHT, MM_PER_M, POLARIZATION, PROCESSING, is_line
-from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
-from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, write_dataset
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import SUFFIX as VTK
-from gpr20_analysis.imaging.image_output import (
-    permittivity_line,
-    rotation_word,
-    write_volume,
-)
 from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
-from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
-from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
+from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, permittivity_line
+from gpr20_analysis.imaging.permittivity_source import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import Step, checked, recipe_of
@@ -53,7 +47,6 @@ MOST_DEPTHS = 5000
 FIGURES = ("projections_*.png", "slice_*mm.png")
 ESTIMATE = ("depth_uncertainty",)
 SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}
-OWN_ENDINGS = (NETCDF, ZARR, VTK)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -62,8 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     inputs.add_steps(parser)
     add_image_options(parser)
     add = parser.add_argument
-    add("--output", "-o", type=Path, action="append", default=[],
-        help="image as .nc, .zarr or .vtr (VTK); may be given more than once")  # fmt: skip
+    add("--output", "-o", type=Path, help="image, .nc")
     add(
         "--figures",
         type=Path,
@@ -248,23 +240,14 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
 
 def _outputs(chosen: argparse.Namespace) -> List[Output]:
     found = [Output(chosen.figures, FIGURES)] if chosen.figures else []
-    for path in chosen.output:
-        if path.suffix not in OWN_ENDINGS:
-            raise ExportError(wrong_ending(path, OWN_ENDINGS))
-        is_dataset = path.suffix in (NETCDF, ZARR)
-        found.append(outputs.dataset_output(path) if is_dataset else Output(path))
-    return found
+    return [*found, *([outputs.dataset_output(chosen.output)] if chosen.output else [])]
 
 
 def _write(
     image: xr.Dataset, found: CandidateList, chosen: argparse.Namespace, catalogue: Catalogue
 ) -> None:
-    for path in chosen.output:
-        if path.suffix in (NETCDF, ZARR):
-            write_dataset(image, path)
-        else:
-            with atomic_output(path) as place:
-                write_volume(image, place)
+    if chosen.output:
+        write_dataset(image, chosen.output)
     if chosen.figures:
         with atomic_output(chosen.figures) as folder:
             _draw(image, found, folder, catalogue)
@@ -277,7 +260,8 @@ def _draw(image: xr.Dataset, found: CandidateList, folder: Path, catalogue: Cata
     folder.mkdir()
     for turn, degrees in enumerate(image[POLARIZATION].values):
         figure = projection_figure(image, turn, found.candidates, catalogue)
-        save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
+        word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
+        save_figure(figure, folder / f"projections_{word}.png")
     marked = [] if is_line(image) else marked_of(found.candidates)
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist())):

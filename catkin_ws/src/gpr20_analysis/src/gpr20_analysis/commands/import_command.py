@@ -12,11 +12,10 @@ from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.formats import dataset_files
-from gpr20_analysis.formats.conversion import import_survey
-from gpr20_analysis.formats.dataset_files import NETCDF, ZARR
-from gpr20_analysis.formats.format import IMPORTS, Band
+from gpr20_analysis.formats.dataset_files import NETCDF
+from gpr20_analysis.formats.facts import SIMULATED_KEY, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
-from gpr20_analysis.formats.provenance import SIMULATED_KEY, is_simulated
+from gpr20_analysis.formats.imports import IMPORTS, Band, import_survey
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -29,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "output",
         type=Path,
-        help="Dataset to write, .nc or .zarr; or the folder of the surveys, into which a survey's "
+        help="Dataset to write, .nc; or the folder of the surveys, into which a survey's "
         "folder is written",
     )
     parser.add_argument(
@@ -71,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Convert the input; return the exit status."""
     suffix = chosen.output.suffix
-    into_folder = not suffix or (chosen.output.is_dir() and suffix not in (NETCDF, ZARR))
+    into_folder = not suffix or (chosen.output.is_dir() and suffix != NETCDF)
     if into_folder:
         outputs.check_survey_folders(chosen.output, [chosen.input])
     else:
@@ -83,10 +82,10 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = import_survey(
         chosen.input,
         chosen.format,
-        band,
-        chosen.height,
-        chosen.source,
         inputs.progress_bar("reading"),
+        band=band,
+        height_m=chosen.height,
+        source=chosen.source,
         **_instrument_options(chosen),
     )
     if dataset.A_SCAN in survey and chosen.domain == "frequency":

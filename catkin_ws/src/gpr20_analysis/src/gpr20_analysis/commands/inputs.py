@@ -14,7 +14,7 @@ from tqdm import tqdm
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
 from gpr20_analysis.dataset import ANTENNA
-from gpr20_analysis.errors import RecipeError, WrongDatasetError
+from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.chain import (
     Step,
     apply_steps,
@@ -22,7 +22,7 @@ from gpr20_analysis.processing.chain import (
     step_from_text,
     steps_from_recipe,
 )
-from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction, StepLibrary
+from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sentences import remark_lines
 from gpr20_common.catalogue import Catalogue
@@ -35,8 +35,7 @@ def add_survey(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "survey",
         type=Path,
-        help="folder of a survey, folder of its JSON files, .bag, .bag.active, .mcap, a .nc or "
-        ".zarr",
+        help="folder of a survey, folder of its JSON files, .bag, .bag.active, .mcap, or .nc",
     )
     parser.add_argument(
         "--accept-damaged",
@@ -104,12 +103,6 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         + "; ".join(map(_usage, FUNCTIONS)),
     )
     parser.add_argument("--recipe", type=Path, help="YAML file with a list of steps, applied first")
-    parser.add_argument(
-        "--steps-from",
-        type=Path,
-        metavar="FILE",
-        help="Python file whose functions are steps too; it is run, so name only your own",
-    )
 
 
 def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
@@ -118,9 +111,8 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
     Raises:
         RecipeError: A step is malformed.
     """
-    library = StepLibrary(chosen.steps_from)
-    steps = steps_from_recipe(read_recipe(chosen.recipe), library) if chosen.recipe else []
-    steps += [step_from_text(text, library) for text in chosen.step]
+    steps = steps_from_recipe(read_recipe(chosen.recipe)) if chosen.recipe else []
+    steps += [step_from_text(text) for text in chosen.step]
     return steps or [step_from_text(text) for text in default]
 
 
@@ -132,8 +124,7 @@ def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
         for key, (kind, _) in step.function.parameters.items()
         if kind is xr.Dataset
     ]
-    given = [one for one in (chosen.recipe, chosen.steps_from) if one]
-    return [chosen.survey, *given, *named]
+    return [chosen.survey, *([chosen.recipe] if chosen.recipe else []), *named]
 
 
 def process(
@@ -155,21 +146,6 @@ def process(
     for step in progress_bar("processing")(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
-
-
-def require_steps(steps: Sequence[Step]) -> None:
-    """Check that there is a step.
-
-    Raises:
-        RecipeError: There is no step.
-    """
-    if not steps:
-        raise RecipeError(
-            Message(
-                "no step was given; use --step or --recipe with: {steps}",
-                steps=", ".join(StepLibrary().names),
-            )
-        )
 
 
 def _usage(name: str) -> str:

@@ -10,11 +10,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, List, Sequence
 
 from gpr20_analysis.errors import ExportError, wrong_ending
-from gpr20_analysis.formats.dataset_files import NETCDF, ZARR, is_dataset
+from gpr20_analysis.formats.dataset_files import NETCDF
 from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 DESCRIBED_BY = (*survey_folder.LOG_FILES, survey_folder.SURVEY_FILE)
+FORMATS = (".png", ".svg", ".pdf")
+RESOLUTION_DPI = 300
 
 
 @dataclass(frozen=True)
@@ -23,35 +28,23 @@ class Output:
 
     Attributes:
         path: File or folder.
-        holds: Patterns of the names in a folder; a folder with other names is not replaced.
-        marked_by: Name in a folder which shows that the folder is such an output.
+        holds: Patterns of the names in a folder; one with other names is not replaced. Empty: a
+            file.
     """
 
     path: Path
     holds: Sequence[str] = ()
-    marked_by: str = ""
-
-    @property
-    def is_folder(self) -> bool:
-        """Whether the output is a folder instead of a file."""
-        return bool(self.holds or self.marked_by)
-
-    def may_delete(self, names: Sequence[str]) -> bool:
-        """Return whether a folder with these names is such an output and nothing else."""
-        if self.marked_by:
-            return self.marked_by in names
-        return all(any(fnmatch(name, pattern) for pattern in self.holds) for name in names)
 
 
 def dataset_output(path: Path) -> Output:
-    """Return the output of a Dataset: a file .nc or a folder .zarr.
+    """Return the output of a Dataset.
 
     Raises:
-        ExportError: The path has another ending.
+        ExportError: The path has another ending than .nc.
     """
-    if not is_dataset(path):
-        raise ExportError(wrong_ending(path, (NETCDF, ZARR)))
-    return Output(path, marked_by=".zgroup" if path.suffix == ZARR else "")
+    if path.suffix != NETCDF:
+        raise ExportError(wrong_ending(path, (NETCDF,)))
+    return Output(path)
 
 
 def add_overwrite(parser: argparse.ArgumentParser) -> None:
@@ -128,61 +121,44 @@ def _check_apart(path: Path, place: Path, inputs: Sequence[Path]) -> None:
 
 def _check_replaceable(output: Output, overwrite: bool) -> None:
     path = output.path
-    if path.is_dir() != output.is_folder:
-        if output.is_folder:
-            message = Message(
-                "{path} is a file, but the output is a folder; choose another", path=path
+    if path.is_dir() != bool(output.holds):
+        raise ExportError(
+            Message(
+                "{path} is a {found}, but the output is a {needed}; choose another",
+                path=path,
+                found="folder" if path.is_dir() else "file",
+                needed="folder" if output.holds else "file",
             )
-        else:
-            message = Message(
-                "{path} is a folder, but the output is a file; choose another", path=path
-            )
-        raise ExportError(message)
-    names = [one.name for one in path.iterdir()] if output.is_folder else []
-    if output.is_folder and not names:
-        return
-    if not overwrite:
+        )
+    names = [one.name for one in path.iterdir()] if output.holds else [path.name]
+    if names and not overwrite:
         raise ExportError(
             Message(
                 "{path} exists; replace it with --overwrite, or choose another place", path=path
             )
         )
-    if output.is_folder and not output.may_delete(names):
+    others = [one for one in names if not any(fnmatch(one, each) for each in output.holds)]
+    if output.holds and others:
         raise ExportError(
             Message(
                 "{path} contains other files (e.g. {name}), which would be deleted; choose another "
                 "folder",
                 path=path,
-                name=min(names),
+                name=min(others),
             )
         )
 
 
 def _check_parent(path: Path, place: Path) -> None:
     above = next(one for one in place.parents if one.exists())
-    if not above.is_dir():
+    if not (above.is_dir() and os.access(str(above), os.W_OK | os.X_OK)):
         raise ExportError(
             Message(
-                "{path} cannot be written: {above} is not a folder; choose another place",
+                "{path} cannot be written: {above} is no folder or read-only; choose another place",
                 path=path,
                 above=above,
             )
         )
-    if not os.access(str(above), os.W_OK | os.X_OK):
-        raise ExportError(
-            Message(
-                "{path} cannot be written: {above} is read-only; choose another place",
-                path=path,
-                above=above,
-            )
-        )
-
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-FORMATS = (".png", ".svg", ".pdf")
-RESOLUTION_DPI = 300
 
 
 def save_figure(figure: Figure, path: Path) -> None:

@@ -9,67 +9,42 @@ from pathlib import Path
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError, not_there
-from gpr20_analysis.read.playback import Pace, Playback
-from gpr20_analysis.read.replay import describe, recorded
+from gpr20_analysis.errors import AnalysisError, MissingLibraryError
+from gpr20_analysis.read.replay import Pace, Playback, describe, recorded
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TOPIC, TRACE_TOPIC
-
-TOPICS_OF_A_ROBOT = ("control_status", TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("survey", type=Path, help="folder of a survey, its .mcap, or JSON files")
-    parser.add_argument(
-        "--ns",
-        default="replay",
-        metavar="NAME",
-        help="namespace in which it is published; default: replay",
-    )
-    parser.add_argument("--rate", type=float, default=1.0, help="speed relative to the recording")
-    parser.add_argument(
-        "--start",
-        type=float,
-        default=0.0,
-        metavar="S",
+    add = parser.add_argument
+    add("survey", type=Path, help="folder of a survey, or its recording")
+    add("--ns", default="replay", metavar="NAME",
+        help="namespace in which it is published; default: replay")  # fmt: skip
+    add("--rate", type=float, default=1.0, help="speed relative to the recording")
+    add("--start", type=float, default=0.0, metavar="S",
         help="start at this time of the recording [s]; earlier traces are published at once",
-    )
-    parser.add_argument("--paused", action="store_true", help="start paused")
-    parser.add_argument(
-        "--hold", action="store_true", help="keep the last messages until interrupted"
-    )
-    parser.add_argument(
-        "--wait",
-        type=float,
-        default=0.0,
-        metavar="S",
-        help="wait at most this long for a window before the first message [s]",
-    )
-    parser.add_argument(
-        "--longest-pause",
-        type=float,
-        metavar="S",
-        help="shorten longer pauses of the recording, such as a night, to this [s]",
-    )
+        )  # fmt: skip
+    add("--paused", action="store_true", help="start paused")
+    add("--hold", action="store_true", help="keep the last messages until interrupted")
+    add("--wait", type=float, default=0.0, metavar="S",
+        help="wait at most this long for a window before the first message [s]")  # fmt: skip
+    add("--longest-pause", type=float, metavar="S",
+        help="shorten longer pauses of the recording, such as a night, to this [s]")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
     pace = Pace(chosen.rate, chosen.longest_pause, chosen.start, chosen.paused)
-    if not chosen.survey.exists():
-        raise AnalysisError(not_there(chosen.survey), fault=faults.INPUT)
+    namespace = _namespace(chosen.ns)
     replayed = describe(chosen.survey)
     try:
         import rosgraph
         import rospy
 
-        from gpr20_analysis.high.graph import refuse_beside_others
-        from gpr20_analysis.high.replay_marker import ReplayMarker
-        from gpr20_analysis.high.replay_node import ReplayNode
+        from gpr20_analysis.high import replay_node
     except ImportError as error:
         raise MissingLibraryError(
             Message("a replay needs ROS; source catkin_ws/devel/setup.bash first", details=error),
@@ -84,25 +59,15 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             ),
             fault=faults.NO_ROS,
         )
-    namespace = _namespace(chosen.ns)
-    refuse_beside_others(f"{namespace}{name}" for name in TOPICS_OF_A_ROBOT)
+    replay_node.refuse_beside_others(f"{namespace}{name}" for name in replay_node.TOPICS_OF_A_ROBOT)
     # Two replays in different namespaces do not end each other.
     rospy.init_node("replay", anonymous=True)
     playback = Playback(pace, Clock())
     rospy.on_shutdown(playback.stop)
-    marker = ReplayMarker(namespace, replayed, playback)
-    node = ReplayNode(playback, marker, replayed, namespace, chosen.wait)
+    node = replay_node.ReplayNode(playback, replayed, namespace, chosen.wait)
     node.run(recorded(chosen.survey))
     stopped = playback.stopped
-    if not stopped:
-        marker.end()
-    say(
-        catalogue.tr(
-            "{traces} traces in {messages} messages were published",
-            traces=node.traces,
-            messages=node.published,
-        )
-    )
+    say(f"{node.traces} traces in {node.published} messages were published")
     if chosen.hold:
         sys.stdout.flush()
         rospy.spin()
@@ -123,7 +88,5 @@ def _namespace(name: str) -> str:
 
 
 COMMAND = Command(
-    "Publish a recorded survey on ROS topics. Needs ROS and a master. Bags: use rosbag play.",
-    add_arguments,
-    run,
+    "Publish a recorded survey on ROS topics. Needs ROS and a master.", add_arguments, run
 )

@@ -22,9 +22,7 @@ MCAP = ".mcap"
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument(
-        "output", type=Path, help="copy to write: .mcap; of the real line .nc or .zarr"
-    )
+    parser.add_argument("output", type=Path, help="copy to write: .mcap; of the real line .nc")
     parser.add_argument(
         "--real",
         action="store_true",

@@ -8,7 +8,7 @@ from pathlib import Path
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.manifest_check import check_manifest
+from gpr20_analysis.read.checks import check_manifest
 from gpr20_analysis.read.verification import check_survey_folder
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue

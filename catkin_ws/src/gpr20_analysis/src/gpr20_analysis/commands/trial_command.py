@@ -15,7 +15,7 @@ from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
-from gpr20_analysis.read.manifest_check import found_in
+from gpr20_analysis.read.checks import found_in
 from gpr20_analysis.report.build import HTML, PDF, save_report
 from gpr20_analysis.report.trial_report import trial_report
 from gpr20_analysis.trial import documents

@@ -11,7 +11,7 @@ import xarray as xr
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import ExportError, UnreadableFileError
-from gpr20_analysis.formats.provenance import Facts, snapped
+from gpr20_analysis.formats.facts import Facts, snapped
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.sentences import with_decisions, with_sentences
 from gpr20_common.message import Message

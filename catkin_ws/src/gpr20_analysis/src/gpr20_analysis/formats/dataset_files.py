@@ -1,7 +1,9 @@
-"""Datasets of surveys, A-scans and images as NetCDF and Zarr.
+"""Datasets of surveys, A-scans, images and models as NetCDF, which is HDF5, by the CF conventions.
 
-NetCDF files follow the CF conventions. NetCDF knows no complex numbers: a complex variable `s21` is
-stored as `s21_real` and `s21_imag`.
+CF 1.9 is the first version with unsigned bytes and 64-bit integers. NetCDF knows no complex
+numbers: a complex variable `s21` is stored as `s21_real` and `s21_imag`. HDF5 itself checks the
+numbers and the structure of a file (Fletcher's checksum, format 1.8), so that a changed byte is an
+error and no echo.
 """
 
 from __future__ import annotations
@@ -9,181 +11,99 @@ from __future__ import annotations
 import json
 import threading
 from pathlib import Path
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, Tuple, Union
 
-import h5py
 import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
 
-from gpr20_analysis import faults
+from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.dataset import Y
+from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import (
     AnalysisError,
+    DamagedSurveyError,
     ExportError,
-    MissingLibraryError,
     UnreadableFileError,
-    library_missing,
     not_there,
     wrong_ending,
 )
-from gpr20_analysis.formats.cf_conventions import (
-    encoding,
-    with_conventions,
-    without_conventions,
+from gpr20_analysis.formats.facts import marked
+from gpr20_analysis.read.doubts import survey_doubts
+from gpr20_analysis.sentences import (
+    LIST_ATTRIBUTES,
+    first_of,
+    sentences_of,
+    with_doubts,
+    with_sentences,
 )
-from gpr20_analysis.formats.checksums import add_checksum, has_checksum
-from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
-from gpr20_analysis.sentences import LIST_ATTRIBUTES, with_notes
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import storable
-from gpr20_survey.files.file_sums import regular_files
-from gpr20_survey.files.regular_file import check_regular
 
-NETCDF, ZARR = ".nc", ".zarr"
+NETCDF = ".nc"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
 OVERHEAD_BYTES = 1 << 20
-LEAST_LAZY_DIMS = 4
-CHUNK_BYTES = 16 << 20
-"""Lazy data that each thread has in memory at once; a step may need eight times as much."""
-
-
-def is_dataset(path: Path) -> bool:
-    """Return whether a path has the ending of a Dataset written by `write_dataset`."""
-    return path.suffix in (NETCDF, ZARR)
+CHECKED = {"driver_kwds": {"libver": ("v108", "v108")}}
+"""The oldest structure of HDF5 files that has checksums."""
+CONVENTIONS = "CF-1.9"
+AXES = {dataset.X: "X", dataset.Y: "Y", dataset.DEPTH: "Z"}
+"""Of images alone: the conventions want these axes last, but spectra end with the frequency."""
+PLANE = {dataset.X: "projection_x_coordinate", dataset.Y: "projection_y_coordinate"}
+STANDARD_NAMES = {dataset.DEPTH: "depth", dataset.HEIGHT: "height", dataset.TIMESTAMP: "time"}
+ANCILLARY = (dataset.QUALITY, dataset.HEIGHT, dataset.TIMESTAMP)
+VALUES: Dict[str, Tuple[str, ...]] = {
+    dataset.S21: dataset.S21_DIMS,
+    dataset.A_SCAN: (*dataset.SAMPLE_DIMS, dataset.DELAY),
+    dataset.IMAGE: (dataset.POLARIZATION, dataset.DEPTH, dataset.Y, dataset.X),
+    dataset.ANTENNA: dataset.ANTENNA_DIMS,
+}
+"""The variables that a Dataset may have, and their dimensions."""
+ASCENDING = (dataset.Y, dataset.X, dataset.FREQUENCY, dataset.DELAY, dataset.DEPTH)
 
 
 def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     """Write any Dataset, complex variables included; the file is complete or does not exist.
 
     Args:
-        data: In memory or lazy.
-        path: Ends in .nc or .zarr; an existing file is replaced.
+        data: The Dataset.
+        path: Ends in .nc; an existing file is replaced.
 
     Raises:
-        AnalysisError: The path has another ending.
-        ExportError: It cannot be written.
+        ExportError: The path has another ending, or it cannot be written.
     """
     path = Path(path).expanduser()
-    if not is_dataset(path):
-        raise ExportError(wrong_ending(path, (NETCDF, ZARR)))
-    stored = with_conventions(_as_real(data))
+    if path.suffix != NETCDF:
+        raise ExportError(wrong_ending(path, (NETCDF,)))
+    stored = _with_conventions(_as_real(data))
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
-    with np.errstate(invalid="ignore"), atomic_output(path, _size(stored)) as place:
-        if path.suffix == ZARR:
-            stored.to_zarr(str(place), mode="w", consolidated=True, **_zarr_format())
-        else:
-            _write_netcdf(stored, place)
-        add_checksum(place)
+    with np.errstate(invalid="ignore"), atomic_output(path, stored.nbytes + OVERHEAD_BYTES) as own:
+        # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+        store = H5NetCDFStore.open(str(own), mode="w", lock=threading.Lock(), **CHECKED)
+        try:
+            stored.dump_to_store(store, encoding=_encoding(stored))
+        finally:
+            store.close()
 
 
-def _write_netcdf(stored: xr.Dataset, path: Path) -> None:
-    if stored.chunks:
-        stored.to_netcdf(str(path), engine="h5netcdf", encoding=encoding(stored))
-        return
-    # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
-    store = H5NetCDFStore.open(str(path), mode="w", lock=threading.Lock())
-    try:
-        stored.dump_to_store(store, encoding=encoding(stored))
-    finally:
-        store.close()
-
-
-def _size(stored: xr.Dataset) -> int:
-    return int(stored.nbytes) + OVERHEAD_BYTES
-
-
-def read_dataset(path: Path, lazy_bytes: Optional[int] = None) -> xr.Dataset:
+def read_dataset(path: Path) -> xr.Dataset:
     """Read a Dataset written by `write_dataset`.
-
-    Args:
-        path: Ends in .nc or .zarr.
-        lazy_bytes: Spectra, A-scans or an image larger than this [bytes] become a dask array in
-            chunks of whole rows; everything else is read into memory. None: everything is.
 
     Raises:
         UnreadableFileError: It is damaged, or not a Dataset.
-        MissingLibraryError: zarr is not installed.
         OSError: It cannot be read.
     """
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.INPUT)
-    if path.is_dir():
-        for name in regular_files(path):
-            check_regular(path / name)
-    if path.suffix == NETCDF and not h5py.is_hdf5(str(path)):
-        raise AnalysisError(
-            Message("{path} is not a NetCDF file of version 4 (HDF5)", path=path),
-            fault=faults.INPUT,
-        )
-    checked = has_checksum(path)
     try:
-        with np.errstate(invalid="ignore"):
-            data = _read(path, lazy_bytes)
-    except (MissingLibraryError, UnreadableFileError):
-        raise
+        stored = xr.open_dataset(str(path), engine="h5netcdf")
+        with np.errstate(invalid="ignore"), stored:
+            return _without_conventions(_as_complex(stored.load()))
     # On damaged files the libraries raise exceptions of many kinds.
     except Exception as error:
         raise UnreadableFileError(
             Message("{path} is damaged or is not a Dataset", path=path, details=error)
         ) from error
-    if not checked:
-        note = Message(
-            "{file} has no gpr20 checksum, so changes on the disk cannot be detected",
-            file=path.name,
-        )
-        data = data.assign_attrs(with_notes(data, [note]))
-    return data
-
-
-def _read(path: Path, lazy_bytes: Optional[int]) -> xr.Dataset:
-    if path.suffix == ZARR:
-        _zarr_version()
-        refuse_unsafe_codecs(path)
-        stored = xr.open_zarr(str(path), chunks=None)
-        return _as_complex(_loaded(stored, lazy_bytes))
-    stored = xr.open_dataset(str(path), engine="h5netcdf")
-    try:
-        data = _as_complex(_loaded(stored, lazy_bytes))
-    except BaseException:
-        stored.close()
-        raise
-    # Lazy data are read from the open file later.
-    if not data.chunks:
-        stored.close()
-    return data
-
-
-def _loaded(stored: xr.Dataset, lazy_bytes: Optional[int]) -> xr.Dataset:
-    """Return a Dataset in memory, except variables larger than so many bytes."""
-    data = stored
-    for name, values in stored.variables.items():
-        # The other half of a complex variable is as large.
-        size = values.nbytes * (2 if PART_OF in values.attrs else 1)
-        if lazy_bytes is None or size <= lazy_bytes or values.ndim < LEAST_LAZY_DIMS:
-            data[name].load()
-        else:
-            row_bytes = values.nbytes // (values.sizes[values.dims[0]] * values.sizes[Y])
-            rows = max(1, CHUNK_BYTES // (2 * row_bytes))
-            whole = dict.fromkeys(values.dims, -1)
-            chunks = {**whole, values.dims[0]: 1, Y: rows}
-            data = data.assign({name: stored[name].chunk(chunks)})
-    return data
-
-
-def _zarr_format() -> Dict[str, Any]:
-    """Return the arguments for writing Zarr format 2, which every version of zarr reads."""
-    return {} if _zarr_version() < 3 else {"zarr_format": 2}
-
-
-def _zarr_version() -> int:
-    try:
-        from zarr import __version__
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("zarr", "zarr")) from error
-    return int(__version__.split(".")[0])
 
 
 def _as_real(data: xr.Dataset) -> xr.Dataset:
@@ -196,26 +116,11 @@ def _as_real(data: xr.Dataset) -> xr.Dataset:
             variables[str(name)] = values
     stored = xr.Dataset(variables, data.coords, {})
     for key, value in data.attrs.items():
-        stored.attrs[key] = _plain(key, value)
+        if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
+            value = json.dumps(value)
+        value = storable(value) if isinstance(value, str) else value
+        stored.attrs[key] = int(value) if isinstance(value, (bool, np.bool_)) else value
     return stored
-
-
-def _plain(key: str, value: Any) -> Any:
-    if key in LIST_ATTRIBUTES or isinstance(value, (dict, list, tuple)):
-        return json.dumps(value)
-    if isinstance(value, str):
-        return storable(value)
-    return int(value) if isinstance(value, (bool, np.bool_)) else value
-
-
-def _kind(real: Any) -> Any:
-    return np.result_type(real, np.complex64)
-
-
-def _joined(real: np.ndarray, imaginary: np.ndarray) -> np.ndarray:
-    values = np.empty(real.shape, _kind(real.dtype))
-    values.real, values.imag = real, imaginary
-    return values
 
 
 def _as_complex(stored: xr.Dataset) -> xr.Dataset:
@@ -225,17 +130,188 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
         if whole is None or not str(name).endswith(REAL):
             continue
         real, imaginary = stored[name], stored[f"{whole}{IMAGINARY}"]
-        if real.chunks is None:
-            values = _joined(real.values, imaginary.values)
-        else:
-            import dask.array  # its import takes 0.3 s
-
-            kind = _kind(real.dtype)
-            values = dask.array.map_blocks(_joined, real.data, imaginary.data, dtype=kind)
+        values = np.empty(real.shape, np.result_type(real.dtype, np.complex64))
+        values.real, values.imag = real.values, imaginary.values
         kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
         data[whole] = (real.dims, values, kept)
         data = data.drop_vars([f"{whole}{REAL}", f"{whole}{IMAGINARY}"])
     for key in LIST_ATTRIBUTES:
         if isinstance(data.attrs.get(key), str):
             data.attrs[key] = json.loads(data.attrs[key])
-    return without_conventions(data)
+    return data
+
+
+def _encoding(data: xr.Dataset) -> Dict[str, Dict[str, Any]]:
+    """Return how variables are stored: numbers with checksums, coordinates without gaps."""
+    found: Dict[str, Dict[str, Any]] = {}
+    for name, values in data.variables.items():
+        if values.ndim and values.size and values.dtype.kind in "iufbM":
+            # A chunk is a row of traces, or of an image.
+            chunks = tuple(1 for _ in values.dims[:-2]) + values.shape[-2:]
+            found[str(name)] = {"fletcher32": True, "chunksizes": chunks}
+    for name in data.dims:
+        if name in data.coords:
+            found.setdefault(str(name), {})["_FillValue"] = None
+    return found
+
+
+def _with_conventions(stored: xr.Dataset) -> xr.Dataset:
+    """Return a Dataset without complex numbers with the attributes of the conventions."""
+    data = stored.copy()
+    for name in data.variables:
+        own = {**_of_variable(data, str(name)), **data[name].attrs}
+        if "flag_masks" in own:
+            own["flag_masks"] = np.asarray(own["flag_masks"], data[name].dtype)
+        data[name].attrs = own
+    return data.assign_attrs({**_of_file(data), **data.attrs})
+
+
+def _without_conventions(data: xr.Dataset) -> xr.Dataset:
+    """Return a Dataset, complex again, without what `_with_conventions` has added."""
+    for name in data.variables:
+        own = data[name].attrs
+        for key, value in _of_variable(data, str(name)).items():
+            if str(own.get(key)) == value:
+                del own[key]
+        if "flag_masks" in own:
+            own["flag_masks"] = np.asarray(own["flag_masks"]).tolist()
+    for key, value in _of_file(data).items():
+        if data.attrs.get(key) == value:
+            del data.attrs[key]
+    return dataset.described(data)
+
+
+def _of_variable(data: xr.Dataset, name: str) -> Dict[str, str]:
+    is_image = dataset.DEPTH in data.dims
+    added = {"long_name": name.replace("_", " ")}
+    if name in AXES and is_image:
+        added["axis"] = AXES[name]
+    if name in PLANE and is_image:
+        added["standard_name"] = PLANE[name]
+    if name == dataset.HEIGHT:
+        added["positive"] = "up"
+    if name in STANDARD_NAMES:
+        added["standard_name"] = STANDARD_NAMES[name]
+    beside = [one for one in ANCILLARY if one in data]
+    if beside and set(dataset.SAMPLE_DIMS) < set(data[name].dims):
+        added["ancillary_variables"] = " ".join(beside)
+    return added
+
+
+def _of_file(data: xr.Dataset) -> Dict[str, str]:
+    title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
+    return {
+        "Conventions": CONVENTIONS,
+        "title": marked(title, data),
+        "history": "written by gpr20_analysis",
+    }
+
+
+def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dataset:
+    """Return a Dataset as `gpr20_analysis.dataset` describes it, or refuse it.
+
+    Attribute `missing` names every sample without data, even if the file did not.
+
+    Args:
+        data: Content of a file.
+        name: Name of the file, for messages.
+        accept_damaged: Mark usable samples that contain NaN as damaged instead of refusing.
+
+    Raises:
+        UnreadableFileError: It contains neither spectra nor A-scans nor an image.
+        DamagedSurveyError: Values of usable samples are NaN or infinite.
+    """
+    held = [one for one in VALUES if one in data]
+    if not held:
+        raise UnreadableFileError(
+            Message(
+                "{file} was not written by gpr20: it contains none of {needed}, only: {names}",
+                file=name,
+                needed=", ".join(VALUES),
+                names=", ".join(sorted(map(str, data.data_vars))) or "-",
+            ),
+            fault=faults.INPUT,
+        )
+    for one in held:
+        _check_form(data, one, VALUES[one], name)
+        _check_axes(data, VALUES[one], name)
+        if one in (dataset.IMAGE, dataset.ANTENNA):
+            if not bool(np.isfinite(data[one]).all()):
+                raise DamagedSurveyError(
+                    Message("{file} is damaged: it contains NaN or infinite values", file=name),
+                    fault=faults.FILE_DAMAGED,
+                )
+        else:
+            data = _check_samples(data, one, name, accept_damaged)
+    return data
+
+
+def _check_form(data: xr.Dataset, one: str, dims: Tuple[str, ...], name: str) -> None:
+    if one not in data or set(data[one].dims) != set(dims) or 0 in data[one].shape:
+        found = data[one].sizes.items() if one in data else ()
+        raise UnreadableFileError(
+            Message(
+                "{file}: '{variable}' has the dimensions {found}; it must have {needed}, none of "
+                "them empty",
+                file=name,
+                variable=one,
+                found=", ".join(f"{dim} {size}" for dim, size in found) or "-",
+                needed=", ".join(dims),
+            ),
+            fault=faults.INPUT,
+        )
+
+
+def _check_axes(data: xr.Dataset, dims: Tuple[str, ...], name: str) -> None:
+    for axis in dims:
+        values = data[axis].values if axis in data.coords else np.array("")
+        if values.dtype.kind not in "fiu":
+            raise UnreadableFileError(
+                Message("{file} has no coordinate '{axis}'", file=name, axis=axis),
+                fault=faults.INPUT,
+            )
+        # Written so that NaN is refused too.
+        if axis in ASCENDING and not (np.diff(values.astype(np.float64)) > 0).all():
+            raise DamagedSurveyError(
+                Message(
+                    "{file} is damaged: the values of '{axis}' are not ascending",
+                    file=name,
+                    axis=axis,
+                ),
+                fault=faults.FILE_DAMAGED,
+            )
+
+
+def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) -> xr.Dataset:
+    for variable in (dataset.QUALITY, dataset.HEIGHT):
+        _check_form(data, variable, dataset.SAMPLE_DIMS, name)
+    quality = data[dataset.QUALITY].transpose(*dataset.SAMPLE_DIMS)
+    whole = (abs(data[one]) < np.inf).all(VALUES[one][-1]) & ~np.isinf(data[dataset.HEIGHT])
+    spoilt = (dataset.usable(data) & ~whole).transpose(*dataset.SAMPLE_DIMS).values
+    damaged = sentences_of(data, "faults")
+    if spoilt.any():
+        marked_as = quality.copy(data=np.where(spoilt, int(Quality.DAMAGED), quality.values))
+        data = data.assign({dataset.QUALITY: marked_as.astype(quality.dtype)})
+        positions = dataset.positions_of(data, spoilt)
+        if not accept_damaged:
+            raise DamagedSurveyError(
+                Message(
+                    "{file} is damaged: {count} samples that are marked as good contain NaN or "
+                    "infinite values ({samples}); leave them out with --accept-damaged",
+                    file=name,
+                    count=len(positions),
+                    samples=first_of(positions, dataset.NAMED),
+                ),
+                fault=faults.FILE_DAMAGED,
+            )
+        data = data.assign({one: data[one].where(~quality.copy(data=spoilt))})
+        damaged += [
+            Message("{file}: {position}: NaN or infinite values", file=name, position=position)
+            for position in positions
+        ]
+        data = with_doubts(data, *survey_doubts({}, (), len(positions)))
+    # Samples that a step filled in are usable, but were not measured: they stay in the list.
+    missing = [*sentences_of(data, "missing"), *dataset.missing_samples(data)]
+    missing = list({str(one): one for one in missing}.values())
+    attributes = {"notes": [], **data.attrs}
+    return data.assign_attrs(with_sentences(attributes, missing=missing, faults=damaged))

@@ -19,10 +19,10 @@ from gpr20_analysis import __version__, dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.formats.provenance import SIMULATED_KEY, Facts
-from gpr20_analysis.progress import Progress, no_progress
+from gpr20_analysis.formats.facts import SIMULATED_KEY, Facts
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import DECISIONS, sentences_of
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable

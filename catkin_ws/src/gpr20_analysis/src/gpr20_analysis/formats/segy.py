@@ -20,10 +20,10 @@ import xarray as xr
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import even_step
-from gpr20_analysis.formats.provenance import SIMULATED, is_simulated
+from gpr20_analysis.formats.facts import SIMULATED, is_simulated
 from gpr20_analysis.processing.delay import ADVANCE
-from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import storable
 from gpr20_survey.radar.frequency_to_delay import delay_kernel

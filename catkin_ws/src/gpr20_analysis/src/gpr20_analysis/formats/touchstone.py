@@ -11,11 +11,11 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.common import usable_samples
-from gpr20_analysis.formats.provenance import marked
+from gpr20_analysis.formats.facts import marked
 from gpr20_analysis.processing.delay import ADVANCE
-from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.read.survey_attributes import OF_ANALYZER
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
+from gpr20_analysis.work import Progress, no_progress
 
 IMPEDANCE_OHM = 50.0
 HEIGHT_WORDS = "antenna height [m]"

@@ -18,8 +18,7 @@ import xarray as xr
 from gpr20_analysis.candidates.search import DEFAULT_OPTIONS, CandidateOptions, find_candidates
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, S21, X, Y
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.clutter import local_clutter
-from gpr20_analysis.imaging.echoes import between_voxels_m
+from gpr20_analysis.imaging.echoes import between_voxels_m, local_clutter
 from gpr20_analysis.imaging.image import ECHO_VALUES, REST, image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import NOT_ALLOWED

@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis.dataset import HEIGHT, POLARIZATION, S21, S21_DIMS, SAMPLE_DIMS, X, Y
 from gpr20_analysis.hiding.scattering import STEP_M, Echo
-from gpr20_analysis.imaging.one_height import unit_phasor
+from gpr20_analysis.imaging.phase_shift import unit_phasor
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_survey.radar.refraction import one_way_delay_s
 

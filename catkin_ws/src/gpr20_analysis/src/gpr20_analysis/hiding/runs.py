@@ -21,8 +21,7 @@ from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Echo, Soil, echo_of
 from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import Progress, in_stages
-from gpr20_analysis.threads import on_threads
+from gpr20_analysis.work import Progress, in_stages, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S

@@ -14,17 +14,17 @@ from typing import Optional, Sequence
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import work
 from gpr20_analysis.candidates.focused import field_options
 from gpr20_analysis.dataset import S21, S21_DIMS, X, Y, require
 from gpr20_analysis.hiding.detector import Detector, Searched
 from gpr20_analysis.hiding.runs import HidingOptions, Results, Runs, search_all
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.permittivity.known_permittivity import Source
+from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.trial.statistics import detection_interval
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hidden_target import Target
@@ -63,7 +63,7 @@ def map_hidden(
     """
     require_measured(survey)
     measured = require(survey, S21, S21_DIMS)
-    lazy.require_room(measured, COPIES, Message("a map of hidden targets"))
+    work.require_bytes(COPIES * measured.nbytes, Message("a map of hidden targets"))
     survey = survey.assign({S21: measured.compute()})
     searched = Searched(survey, detector)
     runs = Runs(survey, searched, detector, target, options, antenna)

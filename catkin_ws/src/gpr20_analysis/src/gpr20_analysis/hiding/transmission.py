@@ -17,8 +17,7 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.antenna_delay import recorded_delay_s
-from gpr20_analysis.processing.delay import known_height
+from gpr20_analysis.processing.delay import known_height, recorded_delay_s
 from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_common.faults import NOT_ALLOWED

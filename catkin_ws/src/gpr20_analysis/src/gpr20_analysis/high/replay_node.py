@@ -1,28 +1,38 @@
-"""Publishes a recorded survey in the namespace of the replay."""
+"""Publishes a recorded survey in the namespace of the replay, which can be paused."""
 
 from __future__ import annotations
 
 import dataclasses
 import io
-from typing import Dict, Iterable, Type
+from typing import Any, Dict, Iterable, Type
 
 import genpy
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
-from gpr20_analysis.high.graph import refuse_beside_others
-from gpr20_analysis.high.replay_marker import ReplayMarker
-from gpr20_analysis.read.playback import Playback
-from gpr20_analysis.read.replay import Due, ReplayedSurvey
+from gpr20_analysis import faults
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.replay import Playback, ReplayedSurvey
+from gpr20_common.errors import NodeGoneError, NodeSilentError
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.graph_keeper import subscriber_count
-from gpr20_common.high.raw_message import preserialized
+from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
-from gpr20_msgs.msg import Trace
+from gpr20_common.low.links import NodeProbe
+from gpr20_common.message import Message
+from gpr20_msgs.msg import Replay
+from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import TRACE_TOPIC
+from gpr20_survey.recording.survey_topics import (
+    METADATA_TOPIC,
+    REPLAY_TOPIC,
+    TRACE_TOPIC,
+)
 from gpr20_survey.trace import trace_message
 
 QUEUE_LENGTH = 1000
+PERIOD_S = 0.5
 POLL_S = 0.05
 # A subscriber that is known to the master may be dead [s].
 CONNECT_WAIT_S = 2.0
@@ -30,15 +40,68 @@ CONNECT_WAIT_S = 2.0
 FIRST_WAIT_S = 2.0
 # For the last messages to be sent [s].
 LINGER_S = 0.5
+TOPICS_OF_A_ROBOT = ("control_status", TRACE_TOPIC, METADATA_TOPIC, REPLAY_TOPIC)
+# Topics that are not a robot's alone: every node publishes its health, and the log node of each
+# master, which collects the log of the replay too, publishes the collected log.
+SHARED_TOPICS = ("/diagnostics", "/rosout_agg")
+CALLER = "/replay"
+# A node that lives answers within this time [s].
+ANSWER_LIMIT_S = 1.0
+
+
+def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
+    """Refuse to publish on topics that another node publishes.
+
+    Args:
+        topics: Absolute names.
+        own_name: Name of this node; empty before it has joined the graph.
+
+    Raises:
+        AnalysisError: A robot or another replay publishes one of them.
+    """
+    published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
+    publishers_of = dict(published)
+    for topic in topics:
+        if topic in SHARED_TOPICS:
+            continue
+        others = [name for name in publishers_of.get(topic, ()) if name != own_name]
+        # The master still lists a node that was killed.
+        others = [name for name in others if not _is_gone(name)]
+        if others:
+            raise AnalysisError(
+                Message(
+                    "a robot or another replay uses these topics, and its data would be mixed "
+                    "with those of the recording; end it, or replay in another namespace "
+                    "(roslaunch gpr20 replay.launch ns:=replay2 survey:=...)",
+                    details=f"{topic} is published by {', '.join(others)}",
+                ),
+                fault=faults.ROBOT_RUNS,
+            )
+
+
+def _is_gone(node: str) -> bool:
+    try:
+        NodeProbe(rosgraph.get_master_uri(), CALLER, node, ANSWER_LIMIT_S).process()
+    except NodeGoneError:
+        return True
+    except NodeSilentError:
+        return False
+    return False
 
 
 class ReplayNode:
-    """Publishes messages, with a publisher for each new topic."""
+    """Publishes messages, with a publisher for each new topic, and says that it is a replay.
+
+    The latched topic `replay` says so, and services beside it pause, continue and change the rate.
+
+    Attributes:
+        published: Number of messages that were published.
+        traces: Number of traces among them.
+    """
 
     def __init__(
         self,
         playback: Playback,
-        marker: ReplayMarker,
         replayed: ReplayedSurvey,
         namespace: str,
         window_wait_s: float,
@@ -47,13 +110,11 @@ class ReplayNode:
 
         Args:
             playback: Gives out the messages.
-            marker: Says that this is a replay.
             replayed: The survey.
             namespace: In which it is published, absolute, with a slash at its end.
             window_wait_s: How long to wait for a window before the first message [s].
         """
         self._playback = playback
-        self._marker = marker
         self._replayed = replayed
         self._namespace = namespace
         self._window_wait_s = window_wait_s
@@ -61,8 +122,18 @@ class ReplayNode:
         self._publishers: Dict[str, rospy.Publisher] = {}
         self.published = 0
         self.traces = 0
+        self._ended = False
+        self._marker = rospy.Publisher(
+            f"{namespace}{REPLAY_TOPIC}", Replay, latch=True, queue_size=10
+        )
+        self._services = [
+            advertise(f"{namespace}pause", Command, lambda _: self._set_paused(True)),
+            advertise(f"{namespace}continue", Command, lambda _: self._set_paused(False)),
+            advertise(f"{namespace}set_rate", SetReplayRate, self._set_rate),
+        ]
+        self._periodic = Periodic(PERIOD_S, self._say_state)
 
-    def run(self, items: Iterable[Due]) -> None:
+    def run(self, messages: Iterable[RecordedMessage]) -> None:
         """Publish everything in the order of the iterable.
 
         Raises:
@@ -70,19 +141,17 @@ class ReplayNode:
                 positions would be mixed with those of the recording.
         """
         # Before any other message: nobody must take those for a robot's.
-        self._await_subscribers(self._marker.publisher, self._window_wait_s)
-        for content in self._playback.play(items):
-            if isinstance(content, RecordedMessage):
-                self._publish_recorded(content)
-            else:
-                publisher = self._publisher(f"{self._namespace}{TRACE_TOPIC}", Trace, False)
-                publisher.publish(preserialized(Trace, trace_message.encode(content)))
-                self.traces += 1
-            self.published += 1
+        self._await_subscribers(self._marker, self._window_wait_s)
+        for message in self._playback.play(messages):
+            self._publish(message)
         # Messages are sent by other threads, which end with the node.
         self._clock.wait_s(self._playback.ended, LINGER_S)
+        if not self._playback.stopped:
+            self._periodic.stop()
+            self._ended = True
+            self._say_state()
 
-    def _publish_recorded(self, recorded: RecordedMessage) -> None:
+    def _publish(self, recorded: RecordedMessage) -> None:
         is_report = recorded.datatype == DiagnosticArray._type
         message = self._own_reports(recorded) if is_report else recorded
         topic = self._replayed.name_in(self._namespace, message.topic)
@@ -90,6 +159,7 @@ class ReplayNode:
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
+        self.published += 1
         self.traces += message.datatype == trace_message.DATATYPE
 
     def _own_reports(self, message: RecordedMessage) -> RecordedMessage:
@@ -141,6 +211,36 @@ class ReplayNode:
             if known and connected >= known:
                 return
             self._clock.wait_s(self._playback.ended, POLL_S)
+
+    def _set_paused(self, paused: bool) -> CommandResponse:
+        self._playback.set_paused(paused)
+        self._say_state()
+        if paused:
+            message = Message("The replay is paused.")
+        else:
+            message = Message("The replay continues.")
+        return CommandResponse(success=True, **message_fields(message))
+
+    def _set_rate(self, request: Any) -> SetReplayRateResponse:
+        self._playback.set_rate(request.rate)
+        self._say_state()
+        message = Message("The replay runs {rate:g} times as fast.", rate=request.rate)
+        return SetReplayRateResponse(success=True, **message_fields(message))
+
+    def _say_state(self) -> None:
+        survey, playback = self._replayed, self._playback
+        state = Replay.PAUSED if playback.paused else Replay.PLAYING
+        self._marker.publish(
+            Replay(
+                survey_id=survey.survey_id,
+                started=survey.started,
+                folder=survey.folder,
+                state=Replay.ENDED if self._ended else state,
+                rate=playback.rate,
+                position_s=playback.position_s,
+                length_s=survey.length_s,
+            )
+        )
 
 
 def _message_class(message: RecordedMessage) -> Type:

@@ -11,16 +11,17 @@ IEEE Transactions on Antennas and Propagation 36 (4), 1988.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Callable, List, Sequence
+from dataclasses import dataclass, replace
+from typing import Callable, List, Optional, Sequence
 
 import numpy as np
-from scipy.ndimage import maximum_filter
+from scipy.ndimage import maximum_filter, uniform_filter1d
 
-from gpr20_analysis.imaging.clutter import local_clutter
-from gpr20_analysis.imaging.point_echoes import PointEchoes
-from gpr20_analysis.imaging.records import Traces
+from gpr20_analysis.imaging.a_scans import gated_sweep
+from gpr20_analysis.imaging.phase_shift import unit_phasor
+from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
 from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar.refraction import one_way_delay_s
 
 Imager = Callable[[Traces], np.ndarray]
 """Returns the image (depth, y, x) of traces."""
@@ -33,6 +34,18 @@ ABOVE_CLUTTER_DB, BELOW_FIRST_DB = 0.5, 12.0
 # Two of one round are apart, across or in depth; one near a much stronger one waits for the next.
 APART_M, DEEPER_M = 0.06, 0.05
 NEAR_M, STRONGER_DB = 0.4, 10.0
+# Extent of the ground that a voxel is compared with: across, and in resolutions of the depth. What
+# is left of the surface is stronger than the clutter below, so shallow voxels have less of that.
+ACROSS_M, RESOLUTIONS, SHALLOW_RESOLUTIONS = 0.6, 3.0, 1.0
+# What is nearer to a body belongs to it: across, and in resolutions of the depth.
+BODY_M, BODY_RESOLUTIONS = 0.06, 2.0
+# Where bodies leave so little of that ground, the whole plane counts as much.
+LEAST_SHARE = 0.1
+# Below the largest magnitude, against the logarithm of 0: 140 dB.
+SMALLEST_SHARE = 1e-7
+EULER = 0.5772156649015329
+# Traces that amplitudes are fitted to, evenly taken from all.
+MOST_FITTED = 3000
 
 
 @dataclass(frozen=True)
@@ -185,3 +198,136 @@ def between_voxels_m(
         first_m = axis[index[curved]] - back_m[curved] / 2.0
         found_m[which[curved], number] = first_m + share * (back_m + on_m)[curved] / 2.0
     return found_m
+
+
+class PointEchoes:
+    """Fits points to traces, and takes them away.
+
+    Every point has the delays of the refracted paths, spreads with the square of the delay, and
+    has lost its mean over all positions, as a survey has with its background.
+
+    Args:
+        traces: The traces.
+        focus: How the image is focused.
+        longest_s: Longest delay that counts [s]; the spectra become as coarse as that allows.
+    """
+
+    def __init__(self, traces: Traces, focus: Focus, longest_s: float) -> None:
+        sweep, gate = gated_sweep(traces.sweep, longest_s)
+        flat = traces.s21.reshape(-1, traces.sweep.count)
+        self._present = np.flatnonzero(np.any(flat != 0.0, axis=1))
+        self._spectra = flat @ gate.astype(np.complex64)
+        self._traces = replace(traces, sweep=sweep)
+        self._weights = focus.window.weights(sweep.count).astype(np.float32)
+        y_m, x_m = np.meshgrid(traces.y_m, traces.x_m, indexing="ij")
+        self._y_m, self._x_m = y_m.ravel(), x_m.ravel()
+        offset_m = antenna_offset_m(traces, focus)
+        self._offsets_m = (offset_m, (-offset_m[0], -offset_m[1])) if any(offset_m) else (offset_m,)
+        self._permittivity = focus.permittivity
+        self._height_m = float(np.mean(traces.height_m))
+        step = -(-len(self._present) // MOST_FITTED)
+        self._fitted = self._present[::step]
+        self._atoms = np.zeros((0, self._fitted.size * sweep.count), np.complex64)
+        self._places_m = np.zeros((0, 3))
+
+    def add(self, places_m: np.ndarray) -> None:
+        """Add points (point, 3): depth, y, x [m]."""
+        atoms = [self._spectrum(place_m, self._fitted) * self._weights for place_m in places_m]
+        flat = np.stack(atoms).reshape(len(atoms), -1).astype(np.complex64)
+        self._atoms = np.concatenate([self._atoms, flat])
+        self._places_m = np.concatenate([self._places_m, places_m])
+
+    def left(self) -> Traces:
+        """Return the traces without all points, whose amplitudes fit them best."""
+        measured = (self._spectra[self._fitted] * self._weights).ravel()
+        products = self._atoms.conj() @ self._atoms.T
+        amplitudes = np.linalg.lstsq(products, self._atoms.conj() @ measured, rcond=1e-6)[0]
+        left = self._spectra.copy()
+        for place_m, amplitude in zip(self._places_m, amplitudes):
+            echo = self._spectrum(place_m, self._present) * np.complex64(amplitude)
+            left[self._present] = left[self._present] - echo
+        traces = self._traces
+        shape = (*traces.height_m.shape, traces.sweep.count)
+        return replace(traces, s21=left.reshape(shape).astype(np.complex64))
+
+    def _spectrum(self, place_m: Sequence[float], which: np.ndarray) -> np.ndarray:
+        """Return the spectra (trace, frequency) of a point at some traces."""
+        depth_m, y_m, x_m = place_m
+        one_way_s = [
+            one_way_delay_s(
+                self._traces.height_m.ravel()[which],
+                depth_m,
+                np.hypot(
+                    self._x_m[which] + offset_m[0] - x_m, self._y_m[which] + offset_m[1] - y_m
+                ),
+                self._permittivity,
+            )
+            for offset_m in self._offsets_m
+        ]
+        delay_s = 2.0 * np.mean(one_way_s, axis=0)
+        # The same for all traces and for those that are fitted.
+        straight_s = 2.0 * one_way_delay_s(self._height_m, depth_m, 0.0, self._permittivity)
+        level = ((straight_s / delay_s) ** 2).astype(np.float32)
+        phase_rad = -2.0 * np.pi * delay_s[:, None] * self._traces.sweep.frequency_hz
+        spectra = level[:, None] * unit_phasor(phase_rad)
+        spectra -= spectra.mean(axis=0)
+        return spectra
+
+
+def local_clutter(
+    magnitude: np.ndarray,
+    axes_m: Sequence[np.ndarray],
+    resolution_m: float,
+    bodies_m: Optional[np.ndarray] = None,
+) -> np.ndarray:
+    """Return the standard magnitude of what is around each voxel (depth, y, x).
+
+    It is the root mean square of complex noise with the same geometric mean, which a few strong
+    voxels hardly move.
+
+    Args:
+        magnitude: Magnitudes (depth, y, x).
+        axes_m: Depths, positions along Y, positions along X [m].
+        resolution_m: Resolution of the depth [m].
+        bodies_m: Depth, y and x of bodies (body, 3) [m], whose surroundings are left out.
+    """
+    largest = float(magnitude.max(initial=0.0))
+    if largest == 0.0:
+        return np.ones(magnitude.shape)
+    level = np.log(np.maximum(magnitude, largest * SMALLEST_SHARE))
+    counted = np.ones(magnitude.shape)
+    for depth_m, y_m, x_m in [] if bodies_m is None else bodies_m:
+        away_m = np.hypot(axes_m[1][:, None] - y_m, axes_m[2][None, :] - x_m)
+        deep = np.abs(axes_m[0] - depth_m) < BODY_RESOLUTIONS * resolution_m
+        counted[deep] *= away_m >= BODY_M
+    local = _local_mean(level, counted, axes_m, RESOLUTIONS * resolution_m)
+    shallow = axes_m[0] < resolution_m
+    thin = _local_mean(level, counted, axes_m, SHALLOW_RESOLUTIONS * resolution_m)
+    local[shallow] = thin[shallow]
+    found: np.ndarray = np.exp(local + EULER / 2.0)
+    return found
+
+
+def _local_mean(
+    level: np.ndarray, counted: np.ndarray, axes_m: Sequence[np.ndarray], deep_m: float
+) -> np.ndarray:
+    sums, shares = level * counted, counted
+    plane = sums.mean(axis=(1, 2)), shares.mean(axis=(1, 2))
+    for number, width_m in enumerate((deep_m, ACROSS_M, ACROSS_M)):
+        sums, shares = (_smoothed(one, axes_m[number], number, width_m) for one in (sums, shares))
+    of_plane, share = (_smoothed(one, axes_m[0], 0, 2.0 * deep_m) for one in plane)
+    usual = (of_plane + 1e-9 * level.mean()) / (share + 1e-9)
+    local: np.ndarray = (sums + LEAST_SHARE * usual[:, None, None]) / (shares + LEAST_SHARE)
+    return local
+
+
+def _smoothed(values: np.ndarray, axis_m: np.ndarray, number: int, width_m: float) -> np.ndarray:
+    """Return running means along an axis, which is mirrored at its ends."""
+    count = len(axis_m)
+    if count == 1:
+        return values
+    width = round(width_m / float(np.ptp(axis_m)) * (count - 1)) | 1
+    smoothed: np.ndarray = uniform_filter1d(
+        values, min(width, 2 * count - 1), axis=number, mode="reflect"
+    )
+    return smoothed

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
-from typing import Any, Dict, Hashable, List, Sequence
+from typing import Any, Dict, Hashable, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -20,21 +21,25 @@ from gpr20_analysis.dataset import (
     POLARIZATION,
     X,
     Y,
+    described,
 )
-from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.clutter import local_clutter
-from gpr20_analysis.imaging.echoes import Echoes, find_echoes, maxima_only
-from gpr20_analysis.imaging.image_grid import image_axes
+from gpr20_analysis.errors import TooLargeError, WrongDatasetError
+from gpr20_analysis.imaging.echoes import (
+    Echoes,
+    PointEchoes,
+    find_echoes,
+    local_clutter,
+    maxima_only,
+)
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.methods import Method, Positions
-from gpr20_analysis.imaging.permittivity.permittivity_source import permittivity_of
-from gpr20_analysis.imaging.point_echoes import PointEchoes
+from gpr20_analysis.imaging.permittivity_source import permittivity_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
-from gpr20_analysis.processing.antenna_delay import delay_to_remove_s, recorded_separation_m
+from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import Progress, in_stages, no_progress
 from gpr20_analysis.sentences import with_notes
+from gpr20_analysis.work import MIB, Progress, available_bytes, in_stages, no_progress
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
@@ -45,12 +50,20 @@ NOTED_DEPTH_M = 0.001
 ECHO_VALUES = ("rotation_deg", "depth", "y", "x", "above_clutter_db", "level_db", "fitted")
 """Values of each echo of an image: rotation of the antennas, place [m], levels, and whether it is
 a point that was fitted to the traces and taken away before the clutter was measured."""
+VALUE = "value"
+"""Coordinate: the names of the values of an echo, as `image.echoes.sel(value="depth")`."""
 REST = "rest"
 """Variable: the image without its strong echoes."""
 # Of the delay of the deepest voxel, since waves arrive aslant too.
 LONGEST = 1.5
 # -3 dB width with a Hann window, in units of the inverse of the band.
 RESOLUTION = 1.44
+VOXEL_BYTES = 8
+# Of the image of each polarization: as computed, stacked with the others, and its magnitude. Of
+# the one that is being computed two more.
+COPIES, COPIES_OF_ONE = 2.5, 2.0
+# Of a step: positions are read from axes that count steps of 0.01 mm.
+ROUNDING = 1e-3
 
 
 def image_survey(
@@ -82,7 +95,7 @@ def image_survey(
     """
     if not options.separation_m:
         options = replace(options, separation_m=recorded_separation_m(survey))
-    x, y = image_axes(survey, options)
+    x, y = _image_axes(survey, options)
     traces, notes = traces_of(survey, options)
     focus = Focus(
         permittivity=1.0,
@@ -117,16 +130,17 @@ def image_survey(
     }
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
-    image[IMAGE].attrs.update(units="1", long_name="image")
     if with_echoes:
         image = image.assign(_echoes(traces, focus, options.method, image, at, with_rest))
-    described = with_notes(survey, notes)
+        image = image.assign_coords({VALUE: list(ECHO_VALUES)})
+    noted = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
     attributes["across_lines"] = _across_lines(image, options.method)
     attributes["relief_m"] = float(np.mean([np.std(one.height_m) for one in traces]))
     attributes["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     delay_s = delay_to_remove_s(survey, options.delay_s)
-    return image.assign_attrs({**described, **attributes, **_record(options, focus, delay_s)})
+    record = _record(options, focus, delay_s)
+    return described(image).assign_attrs({**noted, **attributes, **record})
 
 
 def _across_lines(image: xr.Dataset, method: Method) -> str:
@@ -222,14 +236,13 @@ def _echoes(
         planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
         if with_rest:
             rests.append(found.rest)
-    attributes = {"units": "1", "long_name": "clutter beside echoes", "factors": method.factors}
     kept: Dict[Hashable, Any] = {}
     if with_rest:
         kept = {REST: ((POLARIZATION, DEPTH, Y, X), np.stack(rests))}
     return {
         **kept,
-        CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), attributes),
-        ECHOES: (("echo", "value"), np.concatenate(rows), {"values": " ".join(ECHO_VALUES)}),
+        CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), {"factors": method.factors}),
+        ECHOES: (("echo", VALUE), np.concatenate(rows)),
     }
 
 
@@ -261,3 +274,48 @@ def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, ob
     }
     return {"permittivity": focus.permittivity, "method": options.method.name,
             "imaging": json.dumps(record)}  # fmt: skip
+
+
+def _image_axes(survey: xr.Dataset, options: ImageOptions) -> Tuple[xr.DataArray, xr.DataArray]:
+    """Return the positions of the image along X and along Y [m].
+
+    Raises:
+        TooLargeError: The image would not fit into the memory.
+    """
+    if options.grid_step_m is None:
+        return survey[X], survey[Y]
+    counts = [_count(survey[axis].values, options.grid_step_m) for axis in (X, Y)]
+    _require_room(counts, len(options.depth_m), survey.sizes[POLARIZATION])
+    x, y = (
+        xr.DataArray(
+            np.linspace(np.min(survey[axis].values), np.max(survey[axis].values), count),
+            dims=axis,
+            attrs=ATTRIBUTES[axis],
+        )
+        for axis, count in zip((X, Y), counts)
+    )
+    return x, y
+
+
+def _count(position_m: np.ndarray, step_m: float) -> int:
+    """Return how many positions cover the survey's from first to last, at most a step apart."""
+    return 1 + math.ceil(float(np.ptp(position_m)) / step_m - ROUNDING)
+
+
+def _require_room(counts: Sequence[int], depths: int, polarizations: int) -> None:
+    copies = COPIES * polarizations + COPIES_OF_ONE
+    needed = math.prod(counts) * depths * VOXEL_BYTES * copies
+    if needed > available_bytes():
+        raise TooLargeError(
+            Message(
+                "an image of {polarizations} x {depths} x {y} x {x} voxels needs "
+                "{needed_mib:.0f} MiB of memory, but only {free_mib:.0f} MiB are free; use a "
+                "larger --grid-step, fewer depths (--depth) or one polarization",
+                x=counts[0],
+                y=counts[1],
+                depths=depths,
+                polarizations=polarizations,
+                needed_mib=needed / MIB,
+                free_mib=available_bytes() / MIB,
+            )
+        )

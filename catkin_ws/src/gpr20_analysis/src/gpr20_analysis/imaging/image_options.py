@@ -10,10 +10,10 @@ import numpy as np
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
-from gpr20_analysis.imaging.permittivity.known_permittivity import GIVEN_UNCERTAINTY
+from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY
+from gpr20_analysis.imaging.permittivity_source import BuriedReference
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.antenna_delay import check_delay
+from gpr20_analysis.processing.delay import check_delay
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, with_unit

@@ -7,7 +7,7 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults, work
 from gpr20_analysis.dataset import (
     HEIGHT,
     MM_PER_M,
@@ -26,8 +26,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
-from gpr20_analysis.processing.antenna_delay import REMOVED, delay_to_remove_s
-from gpr20_analysis.processing.delay import ADVANCE, known_height
+from gpr20_analysis.processing.delay import ADVANCE, REMOVED, delay_to_remove_s, known_height
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
@@ -97,7 +96,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
             )
         )
     recorded = require(survey, S21, S21_DIMS)
-    lazy.require_room(recorded, COPIES, Message("an image"))
+    work.require_bytes(COPIES * recorded.nbytes, Message("an image"))
     measured = recorded.values
     with np.errstate(invalid="ignore"):
         # A sum is finite only if all of its values are.

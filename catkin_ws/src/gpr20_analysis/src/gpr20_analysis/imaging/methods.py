@@ -9,11 +9,11 @@ import numpy as np
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
+from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.projection.back_projection import back_projection_image
 from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 

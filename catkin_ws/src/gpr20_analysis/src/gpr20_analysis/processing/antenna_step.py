@@ -8,7 +8,7 @@ from typing import Sequence
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ANTENNA,
     ANTENNA_DIMS,
@@ -26,11 +26,14 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.antenna_delay import REMOVED
-from gpr20_analysis.processing.antenna_model import FEWEST_HEIGHTS, AntennaModel, fit_antenna
-from gpr20_analysis.processing.delay import known_height
+from gpr20_analysis.processing.antenna_model import (
+    FEWEST_HEIGHTS,
+    AntennaModel,
+    fit_antenna,
+    surface_permittivity,
+)
+from gpr20_analysis.processing.delay import REMOVED, known_height
 from gpr20_analysis.processing.surface_echo import MOST_COLUMNS, MOST_ROWS, SURFACE_DELAY, spread
-from gpr20_analysis.processing.surface_reflection import surface_permittivity
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.processing.time_zero import LEAST_SHARE, strongest_s
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
@@ -132,7 +135,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: The model is of another sweep or rotation, or the data were changed.
         DamagedSurveyError: A usable sample has no height.
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    measured = require(survey, S21, S21_DIMS)
     if not {ANTENNA, CENTRE, MISFIT, SEPARATION} <= {*model.variables, *model.attrs}:
         raise WrongDatasetError(
             Message("the file that was given as model is none: make one with gpr20 antenna"),

@@ -1,35 +1,56 @@
-"""Removal of what is the same at all positions: antenna coupling, echo of the surface."""
+"""Removal of what is the same at all positions: antenna coupling, echo of the surface.
+
+Coupling stays at its delay, while the surface echo moves with the height, so no mean over traces of
+different heights contains it. At each frequency the background is the sum of a constant, the echo
+of a level surface at each recorded height, and a change of that echo with the height (which takes
+up its strength, its delay and errors of the height's scale to the first order). The three factors
+are fitted to all traces by least squares.
+
+The noise of the height sensor is no reason to remove more than the mean. So the echo is fitted
+only if that removes clearly more than components without a meaning would by chance, of what the
+mean leaves.
+"""
 
 from __future__ import annotations
 
 import enum
-from typing import Tuple
+from typing import Iterator, Optional
 
 import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     FREQUENCY,
+    HEIGHT,
     POLARIZATION,
     S21,
     S21_DIMS,
+    SAMPLE_DIMS,
     X,
     Y,
     require,
     require_complete,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.surface_background import with_surface
+from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
+from gpr20_survey.radar.depth import two_way_delay_s
 
 # Of the sweep's step.
 FREQUENCY_TOLERANCE = 1e-3
 ROTATION_TOLERANCE_DEG = 0.5
-# Size of the part of a lazy survey of which a median is computed at once.
-BAND_BYTES = 128 << 20
+# A background of as many components as traces would be the traces themselves.
+TRACES_PER_COMPONENT = 10
+MOST_COMPONENTS = 3
+# Times the share that a component without a meaning removes, which is 1 / traces.
+LEAST_GAIN = 5.0
+# Standard deviation of heights that differ by rounding only.
+EQUAL_M = 1e-6
+# Components whose share is smaller are the same to within the rounding.
+SMALLEST_SHARE = 1e-9
 
 
 class Background(enum.Enum):
@@ -71,7 +92,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
             fault=faults.INPUT,
         )
     measured = require(survey, S21, S21_DIMS)
-    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True).compute()
+    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True)
     ours, theirs = survey[FREQUENCY].values, reference[FREQUENCY].values
     step_hz = abs(ours[-1] - ours[0]) / max(len(ours) - 1, 1)
     if ours.shape != theirs.shape or np.max(np.abs(ours - theirs)) > FREQUENCY_TOLERANCE * step_hz:
@@ -122,55 +143,40 @@ def remove_background(
         WrongDatasetError: Width or rank do not suit the survey.
         DamagedSurveyError: A sample is missing and the method is SVD.
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    measured = require(survey, S21, S21_DIMS)
+    s21 = measured.values
+    present = np.isfinite(s21).all(axis=-1)
+    cleaned: Optional[np.ndarray] = None
     if method is Background.SVD:
         require_complete(survey, Message("the background by SVD"))
-        return survey.assign({S21: _without_strongest(measured, rank)})
-    if method is Background.MOVING:
-        return survey.assign({S21: _without_moving(measured, width)})
-    if method is Background.SURFACE:
-        cleaned = with_surface(survey, measured, _present(measured))
-        if cleaned is not None:
-            return survey.assign({S21: cleaned})
-    background = _median(measured) if method is Background.MEDIAN else _mean(measured)
-    return survey.assign({S21: measured - background})
+        cleaned = _without_strongest(s21, rank)
+    elif method is Background.MOVING:
+        cleaned = s21 - _moving_mean(s21, present, width)
+    elif method is Background.SURFACE:
+        cleaned = _without_surface(survey, s21, present)
+    if cleaned is None:
+        average = _median if method is Background.MEDIAN else _mean
+        cleaned = s21 - average(s21, present)[:, None, None, :]
+    return survey.assign({S21: measured.copy(data=cleaned)})
 
 
-def _present(measured: xr.DataArray) -> xr.DataArray:
-    """Return which traces have finite values only, bool (polarization, y, x)."""
-    present: xr.DataArray = xr.apply_ufunc(np.isfinite, measured, dask="allowed").all(FREQUENCY)
-    return present
+def _mean(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return the mean trace of each polarization (polarization, frequency)."""
+    sums = np.where(present[..., None], s21, 0.0).sum(axis=2).sum(axis=1)
+    found: np.ndarray = sums / np.maximum(present.sum(axis=(1, 2)), 1)[:, None]
+    return found
 
 
-def _mean(measured: xr.DataArray) -> xr.DataArray:
-    present = _present(measured)
-    # Row by row, so that the last digit does not depend on the chunks.
-    of_rows = measured.where(present, 0.0).sum(X, skipna=False)
-    counts = present.sum([Y, X])
-    if measured.chunks is not None:
-        import dask  # its import takes 0.1 s
-
-        of_rows, counts = dask.compute(of_rows, counts)
-    return of_rows.sum(Y, skipna=False) / np.maximum(counts, 1)
-
-
-def _median(measured: xr.DataArray) -> xr.DataArray:
-    present = _present(measured).values
-    median = np.zeros((measured.shape[0], measured.shape[-1]), dtype=measured.dtype)
-    # A median needs all traces of a frequency, so lazy data are read band by band.
-    count = measured.shape[-1]
-    bands = 1 if measured.chunks is None else -(-measured[0].nbytes // BAND_BYTES)
-    width = -(-count // bands)
+def _median(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
+    median = np.zeros((s21.shape[0], s21.shape[-1]), dtype=s21.dtype)
     for turn in np.flatnonzero(present.any((1, 2))):
-        for first in range(0, count, width):
-            band = slice(first, first + width)
-            traces = measured[turn, ..., band].values[present[turn]]
-            median[turn, band] = np.median(traces.real, axis=0)
-            median[turn, band] += 1j * np.median(traces.imag, axis=0)
-    return xr.DataArray(median, dims=(POLARIZATION, FREQUENCY))
+        traces = s21[turn][present[turn]]
+        median[turn] = np.median(traces.real, axis=0) + 1j * np.median(traces.imag, axis=0)
+    return median
 
 
-def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
+def _moving_mean(s21: np.ndarray, present: np.ndarray, width: int) -> np.ndarray:
+    """Return the mean over a window around each position; missing traces are ignored."""
     if width < 3 or width % 2 == 0:
         raise WrongDatasetError(
             Message(
@@ -180,25 +186,19 @@ def _without_moving(measured: xr.DataArray, width: int) -> xr.DataArray:
             fault=NOT_ALLOWED,
         )
     # From the last position, so much reaches the first.
-    down, across = (min(width, 2 * measured.sizes[axis] - 1) for axis in (Y, X))
-    return lazy.with_neighbours(
-        lambda rows: rows - _moving_mean(rows, (1, down, across, 1)), measured, down // 2
-    )
-
-
-def _moving_mean(rows: np.ndarray, widths: Tuple[int, ...]) -> np.ndarray:
-    """Return the mean over a window around each position; missing traces are ignored."""
-    present = np.isfinite(rows).all(axis=-1, keepdims=True)
-    share = uniform_filter(present.astype(np.float64), widths, mode="constant")
+    down, across = (min(width, 2 * count - 1) for count in s21.shape[1:3])
+    widths = (1, down, across, 1)
+    share = uniform_filter(present[..., None].astype(np.float64), widths, mode="constant")
     share = np.maximum(share, 0.5 / np.prod(widths))
-    held = np.where(present, rows, 0.0)
+    held = np.where(present[..., None], s21, 0.0)
     means: np.ndarray = uniform_filter(held, widths, mode="constant")
     means /= share
     return means
 
 
-def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
-    traces, frequencies = measured.sizes[Y] * measured.sizes[X], measured.sizes[FREQUENCY]
+def _without_strongest(s21: np.ndarray, rank: int) -> np.ndarray:
+    """Return the traces of each polarization without their strongest components."""
+    traces, frequencies = s21.shape[1] * s21.shape[2], s21.shape[3]
     if not 1 <= rank < min(traces, frequencies):
         raise WrongDatasetError(
             Message(
@@ -211,27 +211,13 @@ def _without_strongest(measured: xr.DataArray, rank: int) -> xr.DataArray:
             ),
             fault=NOT_ALLOWED,
         )
-    return xr.concat(
-        [_projected(measured.isel({POLARIZATION: [turn]}), rank) for turn in range(len(measured))],
-        POLARIZATION,
-    )
-
-
-def _projected(measured: xr.DataArray, rank: int) -> xr.DataArray:
-    """Return the traces of one polarization without their strongest components."""
-    places = (0, 1, 2)
-    # The components over frequency are eigenvectors of a matrix as small as the sweep.
-    products = np.tensordot(measured.data.conj(), measured.data, axes=(places, places))
-    _, vectors = np.linalg.eigh(np.asarray(products))
-    strongest = vectors[:, -rank:]
-    return xr.apply_ufunc(
-        lambda rows: rows - rows @ strongest @ strongest.conj().T,
-        measured,
-        input_core_dims=[[FREQUENCY]],
-        output_core_dims=[[FREQUENCY]],
-        dask="parallelized",
-        output_dtypes=[measured.dtype],
-    )
+    cleaned = np.empty_like(s21)
+    for one, result in zip(s21, cleaned):
+        # The components over frequency are eigenvectors of a matrix as small as the sweep.
+        products = np.tensordot(one.conj(), one, axes=((0, 1), (0, 1)))
+        strongest = np.linalg.eigh(products)[1][:, -rank:]
+        result[:] = one - one @ strongest @ strongest.conj().T
+    return cleaned
 
 
 def _range(frequency_hz: np.ndarray) -> Message:
@@ -241,3 +227,102 @@ def _range(frequency_hz: np.ndarray) -> Message:
         stop_hz=frequency_hz[-1],
         count=len(frequency_hz),
     )
+
+
+def _without_surface(
+    survey: xr.Dataset, s21: np.ndarray, present: np.ndarray
+) -> Optional[np.ndarray]:
+    """Return the traces without coupling and surface echo, or None if the mean is as good.
+
+    That is so if the heights are equal or not all known, if there are few traces, or if the
+    surface echo does not follow the heights.
+    """
+    counts = present.sum(axis=(1, 2))
+    held = np.flatnonzero(counts)
+    if HEIGHT not in survey or not held.size:
+        return None
+    height_m = survey[HEIGHT].transpose(*SAMPLE_DIMS).values
+    components = min(int(counts[held].min()) // TRACES_PER_COMPONENT, MOST_COMPONENTS)
+    if components < 2 or not (height_m[present] > 0.0).all():
+        return None
+    if not min(np.std(height_m[turn][present[turn]]) for turn in held) > EQUAL_M:
+        return None
+    advance_s = np.zeros(present.shape)
+    if ADVANCE in survey:
+        advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+    cleaned, is_fitted = np.empty_like(s21), False
+    for turn in range(len(s21)):
+        rows = _Components(
+            survey[FREQUENCY].values, height_m[turn], advance_s[turn], present[turn], components
+        )
+        products = np.zeros((s21.shape[-1], components + 1, components + 1), s21.dtype)
+        for columns, traces, own in zip(rows, s21[turn], present[turn]):
+            both = np.concatenate([columns[:, own], traces[own][None]])
+            products += np.einsum("axf,bxf->fab", both.conj(), both)
+        factors = _fitted(products, int(counts[turn]))
+        is_fitted |= factors is not None
+        if factors is None:
+            # A polarization without a surface echo that follows the heights gets the mean.
+            factors = np.zeros((s21.shape[-1], components), dtype=np.complex128)
+            factors[:, 0] = products[:, 0, -1] / max(counts[turn], 1)
+        for row, columns in enumerate(rows):
+            cleaned[turn, row] = s21[turn, row] - np.einsum("axf,fa->xf", columns, factors)
+    return cleaned if is_fitted else None
+
+
+class _Components:
+    """Constant, surface and its change of one polarization, row by row (component, x, frequency).
+
+    All rows at once would be three times the survey.
+    """
+
+    def __init__(
+        self,
+        frequency_hz: np.ndarray,
+        height_m: np.ndarray,
+        advance_s: np.ndarray,
+        present: np.ndarray,
+        count: int,
+    ) -> None:
+        known_m = height_m[present] if present.any() else np.ones(1)
+        self._mean_m, self._spread_m = float(np.mean(known_m)), max(float(np.std(known_m)), EQUAL_M)
+        self._height_m = np.where(present, height_m, self._mean_m)
+        self._turn, self._advance_s, self._count = 2j * np.pi * frequency_hz, advance_s, count
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        for height_m, advance_s in zip(self._height_m[..., None], self._advance_s[..., None]):
+            constant = np.exp(self._turn * advance_s)
+            surface = constant * np.exp(-self._turn * two_way_delay_s(height_m))
+            surface *= self._mean_m / height_m
+            change = surface * (height_m - self._mean_m) / self._spread_m
+            yield np.stack([constant, surface, change])[: self._count]
+
+
+def _fitted(products: np.ndarray, traces: int) -> Optional[np.ndarray]:
+    """Return the factors (frequency, component) of a polarization; None if they gain too little.
+
+    Args:
+        products: Of components and traces with one another, summed over the traces (frequency,
+            component + 1, component + 1), of which the last row and column are the traces'.
+        traces: Number of traces.
+    """
+    if traces == 0:
+        return None
+    among, with_traces = products[..., :-1, :-1], products[..., :-1, -1]
+    factors = _solved(among, with_traces)
+    energy = float(np.sum(products[..., -1, -1].real))
+    explained = float(np.sum((factors * with_traces.conj()).real))
+    by_mean = float(np.sum(np.abs(with_traces[..., 0]) ** 2 / among[..., 0, 0].real))
+    chance = (factors.shape[-1] - 1) / traces
+    enough = explained - by_mean > LEAST_GAIN * chance * (energy - by_mean)
+    return factors if enough else None
+
+
+def _solved(among: np.ndarray, with_traces: np.ndarray) -> np.ndarray:
+    """Return the factors of least squares (..., component) from the products."""
+    shares, vectors = np.linalg.eigh(among)
+    held = shares > SMALLEST_SHARE * shares[..., -1:]
+    inverse = np.where(held, 1.0 / np.where(held, shares, 1.0), 0.0)
+    turned = np.swapaxes(vectors, -1, -2).conj() @ with_traces[..., None]
+    solved: np.ndarray = (vectors @ (inverse[..., None] * turned))[..., 0]
+    return solved

@@ -8,7 +8,7 @@ import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Type
+from typing import Any, Callable, Dict, List, Mapping, Sequence, Type
 
 import xarray as xr
 import yaml
@@ -16,7 +16,7 @@ import yaml
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import PROCESSING
 from gpr20_analysis.errors import RecipeError
-from gpr20_analysis.processing.step_functions import StepFunction, StepLibrary
+from gpr20_analysis.processing.step_functions import StepFunction, find_step
 from gpr20_analysis.processing.surface_echo import with_surface_delay
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
@@ -51,7 +51,7 @@ class Step:
         return {"step": self.name, **origin, **self.parameters}
 
 
-def step_from_text(text: str, library: Optional[StepLibrary] = None) -> Step:
+def step_from_text(text: str) -> Step:
     """Return the step of a text such as `background:method=svd,rank=2`.
 
     Raises:
@@ -70,10 +70,10 @@ def step_from_text(text: str, library: Optional[StepLibrary] = None) -> Step:
                 )
             )
         parameters[key.strip()] = value.strip()
-    return checked(name.strip(), parameters, library)
+    return checked(name.strip(), parameters)
 
 
-def steps_from_recipe(recipe: object, library: Optional[StepLibrary] = None) -> List[Step]:
+def steps_from_recipe(recipe: object) -> List[Step]:
     """Return the steps of a recipe: a list of mappings with `step` and its parameters.
 
     Raises:
@@ -96,7 +96,7 @@ def steps_from_recipe(recipe: object, library: Optional[StepLibrary] = None) -> 
             )
         known = ("step", ORIGIN)
         parameters = {str(key): value for key, value in item.items() if key not in known}
-        step = checked(item["step"], parameters, library)
+        step = checked(item["step"], parameters)
         _check_origin(step, item.get(ORIGIN))
         steps.append(step)
     return steps
@@ -117,21 +117,17 @@ def _check_origin(step: Step, recorded: object) -> None:
         )
 
 
-def checked(
-    name: str, parameters: Mapping[str, Any], library: Optional[StepLibrary] = None
-) -> Step:
+def checked(name: str, parameters: Mapping[str, Any]) -> Step:
     """Return a step after a check of its name and parameters.
 
     Args:
-        name: Name of the step.
+        name: Name of the step, of this package or of an installed one.
         parameters: Values by name, as texts or numbers.
-        library: Where its function is looked for; without it among the steps of this package and
-            of installed packages.
 
     Raises:
         RecipeError: The step or a parameter is unknown, or a value has the wrong type.
     """
-    function = (library or StepLibrary()).find(name)
+    function = find_step(name)
     known = function.parameters
     for key in parameters:
         if key not in known:

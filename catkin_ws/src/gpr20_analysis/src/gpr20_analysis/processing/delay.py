@@ -1,12 +1,15 @@
-"""The transform from frequency to time, and the origin of time."""
+"""The transform from frequency to time, and the origin of time: antennas, cables, surface."""
 
 from __future__ import annotations
+
+import math
+from typing import Optional
 
 import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import lazy
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -21,15 +24,22 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
-from gpr20_analysis.processing.antenna_delay import REMOVED, check_delay, recorded_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
 from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
-from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
+from gpr20_analysis.read.survey_attributes import (
+    ANTENNA_DELAY,
+    ANTENNA_SEPARATION,
+    WIDEST_SEPARATION_M,
+)
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
+REMOVED = "antenna_delay_removed_s"
+"""Attribute: the delay that the step `delay` removed from the spectra [s]."""
+LONGEST_DELAY_S = 1e-5
+"""The record of an impulse radar may begin microseconds before its pulse [s]."""
 ADVANCE = "advance"
 """Variable: delay of time zero after that of the antennas, (polarization, y, x) [s]."""
 
@@ -56,24 +66,16 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
             Message("the padding is {padding:g}; it must be 1 or more", padding=padding),
             fault=NOT_ALLOWED,
         )
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    measured = require(survey, S21, S21_DIMS)
     sweep = FrequencyGrid.of(survey)
     count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
-    found = xr.apply_ufunc(
-        lambda spectra: a_scans(spectra, sweep, count, window),
-        measured.drop_vars(FREQUENCY),
-        input_core_dims=[[FREQUENCY]],
-        output_core_dims=[[DELAY]],
-        dask="parallelized",
-        output_dtypes=[measured.dtype],
-        dask_gufunc_kwargs={"output_sizes": {DELAY: count}},
-    )
-    in_time = survey.drop_vars(S21).drop_vars(FREQUENCY)
+    found = a_scans(measured.values, sweep, count, window)
+    in_time = survey.drop_vars([S21, FREQUENCY])
     in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
     in_time = in_time.assign_coords(
         {DELAY: (DELAY, even_delays_s(sweep, count), ATTRIBUTES[DELAY])}
     )
-    return in_time.assign({A_SCAN: found.assign_attrs(ATTRIBUTES[A_SCAN])})
+    return in_time.assign({A_SCAN: ((*SAMPLE_DIMS, DELAY), found, ATTRIBUTES[A_SCAN])})
 
 
 def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
@@ -102,9 +104,8 @@ def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
             Message("time zero was set before; apply the step delay before time_zero")
         )
     turns = phase_advance(survey[FREQUENCY].values, np.asarray(delay_s))
-    shifted = lazy.in_rows(measured) * xr.DataArray(turns, dims=FREQUENCY)
-    attributes = {**survey.attrs, ANTENNA_DELAY: 0.0, REMOVED: delay_s}
-    return survey.assign({S21: shifted.assign_attrs(measured.attrs)}).assign_attrs(attributes)
+    shifted = measured.copy(data=measured.values * turns)
+    return survey.assign({S21: shifted}).assign_attrs({ANTENNA_DELAY: 0.0, REMOVED: delay_s})
 
 
 def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
@@ -133,19 +134,11 @@ def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
         survey: Dataset with `s21`.
         advance: The delay (polarization, y, x) [s].
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
-    frequency_hz = survey[FREQUENCY].values
-    shifted = xr.apply_ufunc(
-        lambda s21, s: s21 * phase_advance(frequency_hz, s),
-        measured,
-        lazy.beside(advance, measured),
-        input_core_dims=[[FREQUENCY], []],
-        output_core_dims=[[FREQUENCY]],
-        dask="parallelized",
-        output_dtypes=[measured.dtype],
-    )
+    measured = require(survey, S21, S21_DIMS)
+    advance = advance.transpose(*SAMPLE_DIMS)
+    turns = phase_advance(survey[FREQUENCY].values, advance.values)
     removed = advance.assign_attrs(units="s", long_name="delay that was removed: time zero")
-    return survey.assign({S21: shifted, ADVANCE: removed})
+    return survey.assign({S21: measured.copy(data=measured.values * turns), ADVANCE: removed})
 
 
 def known_height(survey: xr.Dataset) -> xr.DataArray:
@@ -168,3 +161,78 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
             fault=NOT_ALLOWED,
         )
     return height_m
+
+
+def recorded_delay_s(survey: xr.Dataset) -> float:
+    """Return the delay that the spectra contain as far as the survey knows [s]; 0 if unknown."""
+    try:
+        delay_s = float(survey.attrs.get(ANTENNA_DELAY, 0.0))
+    except (TypeError, ValueError):
+        delay_s = math.nan
+    check_delay(delay_s)
+    return delay_s
+
+
+def recorded_separation_m(survey: xr.Dataset) -> float:
+    """Return the distance between the antennas as far as the survey knows [m]; 0 if unknown.
+
+    Raises:
+        WrongDatasetError: It is no such distance.
+    """
+    found = survey.attrs.get(ANTENNA_SEPARATION, 0.0)
+    # Written so that NaN is refused too.
+    if not (isinstance(found, (int, float)) and 0.0 <= found <= WIDEST_SEPARATION_M):
+        raise WrongDatasetError(
+            Message(
+                "the survey says that its antennas are {found} m apart; give data with 0 to "
+                "{most:g} m",
+                found=str(found),
+                most=WIDEST_SEPARATION_M,
+            ),
+            fault=faults.INPUT,
+        )
+    return float(found)
+
+
+def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
+    """Return the delay that an image removes [s].
+
+    Args:
+        survey: The survey.
+        given_s: The delay of the image's options [s]; None: the recorded one.
+
+    Raises:
+        WrongDatasetError: A delay was given, but the step `delay` has removed one.
+    """
+    if given_s is None:
+        return recorded_delay_s(survey)
+    if given_s and REMOVED in survey.attrs:
+        raise WrongDatasetError(
+            Message(
+                "a step has removed {delay_ns:g} ns, so --delay would remove a second "
+                "delay; use one of them",
+                delay_ns=survey.attrs[REMOVED] * 1e9,
+            ),
+            fault=NOT_ALLOWED,
+        )
+    return given_s
+
+
+def check_delay(delay_s: float) -> None:
+    """Check the range of a delay.
+
+    Raises:
+        WrongDatasetError: It is NaN or outside the range.
+    """
+    # Written so that NaN is refused too.
+    if not -LONGEST_DELAY_S <= delay_s <= LONGEST_DELAY_S:
+        raise WrongDatasetError(
+            Message(
+                "the delay of cables and antennas is {delay_ns:g} ns; it must lie between "
+                "{lower_ns:g} and {upper_ns:g} ns",
+                delay_ns=delay_s * 1e9,
+                lower_ns=-LONGEST_DELAY_S * 1e9,
+                upper_ns=LONGEST_DELAY_S * 1e9,
+            ),
+            fault=NOT_ALLOWED,
+        )

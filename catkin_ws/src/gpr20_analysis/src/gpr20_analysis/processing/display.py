@@ -8,7 +8,6 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter1d
 
-from gpr20_analysis import lazy
 from gpr20_analysis.dataset import A_SCAN, DELAY, SAMPLE_DIMS
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.sentences import with_sentence
@@ -47,22 +46,13 @@ def apply_gain(
     delay_s = in_time[DELAY]
     if method is Gain.AGC:
         step_s = float(delay_s[1] - delay_s[0])
-        values = lazy.in_rows(values.transpose(*SAMPLE_DIMS, DELAY))
-        power = xr.apply_ufunc(
-            _mean_power,
-            values,
-            input_core_dims=[[DELAY]],
-            output_core_dims=[[DELAY]],
-            kwargs={"width": max(1, round(window_s / step_s))},
-            dask="parallelized",
-            output_dtypes=[np.float64],
-        )
-        raised = values / np.sqrt(power + 1e-12 * float(power.max()))
+        power = _mean_power(values.values, max(1, round(window_s / step_s)))
+        raised = values / np.sqrt(power + 1e-12 * power.max())
     elif method is Gain.EXPONENTIAL:
         raised = values * 10.0 ** (db_per_ns * delay_s * 1e9 / 20.0)
     else:
         raised = values * (delay_s / float(delay_s.max()))
-    result = in_time.assign({A_SCAN: raised.transpose(*values.dims)})
+    result = in_time.assign({A_SCAN: raised.assign_attrs(values.attrs)})
     reason = Message("gain {method}", method=method.value)
     return result.assign_attrs(with_sentence(result.attrs, DISPLAY_ONLY, reason))
 
@@ -81,16 +71,9 @@ def envelope(in_time: xr.Dataset) -> xr.Dataset:
     """
     from scipy.signal import hilbert  # its import takes half a second
 
-    values = lazy.in_rows(_a_scans(in_time, "envelope").transpose(*SAMPLE_DIMS, DELAY))
-    magnitude = xr.apply_ufunc(
-        lambda traces: np.abs(traces if np.iscomplexobj(traces) else hilbert(traces, axis=-1)),
-        values,
-        input_core_dims=[[DELAY]],
-        output_core_dims=[[DELAY]],
-        dask="parallelized",
-        output_dtypes=[np.float64],
-    )
-    result = in_time.assign({A_SCAN: magnitude.assign_attrs(values.attrs)})
+    values = _a_scans(in_time, "envelope")
+    traces = values.values if np.iscomplexobj(values) else hilbert(values.values, axis=-1)
+    result = in_time.assign({A_SCAN: values.copy(data=np.abs(traces))})
     return result.assign_attrs(with_sentence(result.attrs, DISPLAY_ONLY, Message("envelope")))
 
 
@@ -99,7 +82,7 @@ def _a_scans(in_time: xr.Dataset, step: str) -> xr.DataArray:
         raise WrongDatasetError(
             Message("the step {step} needs A-scans; apply the step 'time' before it", step=step)
         )
-    return in_time[A_SCAN]
+    return in_time[A_SCAN].transpose(*SAMPLE_DIMS, DELAY)
 
 
 def _mean_power(values: np.ndarray, width: int) -> np.ndarray:

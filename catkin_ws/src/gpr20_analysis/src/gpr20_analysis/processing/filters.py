@@ -9,17 +9,14 @@ import scipy.fft
 import xarray as xr
 from scipy.ndimage import uniform_filter1d
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
     DELAY,
     FREQUENCY,
-    POLARIZATION,
     S21,
     S21_DIMS,
     SAMPLE_DIMS,
-    X,
-    Y,
     require,
     require_complete,
 )
@@ -62,11 +59,10 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
             fault=NOT_ALLOWED,
         )
     if S21 in survey:
-        measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+        measured = require(survey, S21, S21_DIMS)
         kept = 1.0 - np.sinc(survey[FREQUENCY].values * window_s)
-        filtered = measured * xr.DataArray(kept, dims=FREQUENCY)
-        return survey.assign({S21: filtered.assign_attrs(measured.attrs)})
-    traces = lazy.in_rows(require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY)))
+        return survey.assign({S21: measured.copy(data=measured.values * kept)})
+    traces = require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY))
     step_s = float(survey[DELAY][1] - survey[DELAY][0])
     width = 2 * int(window_s / step_s / 2.0) + 1
     if width < 3:
@@ -79,15 +75,8 @@ def dewow(survey: xr.Dataset, window_s: float = 2e-9) -> xr.Dataset:
             ),
             fault=NOT_ALLOWED,
         )
-    filtered = xr.apply_ufunc(
-        lambda values: values - _running_mean(values, width),
-        traces,
-        input_core_dims=[[DELAY]],
-        output_core_dims=[[DELAY]],
-        dask="parallelized",
-        output_dtypes=[traces.dtype],
-    )
-    return survey.assign({A_SCAN: filtered.assign_attrs(traces.attrs)})
+    values = traces.values
+    return survey.assign({A_SCAN: traces.copy(data=values - _running_mean(values, width))})
 
 
 def _running_mean(values: np.ndarray, width: int) -> np.ndarray:
@@ -149,23 +138,12 @@ def filter_dips(
     )
     weights = fan(sine, least_deg, most_deg, taper_deg)
 
-    def filtered(values: np.ndarray) -> np.ndarray:
-        spectrum = scipy.fft.fft(values, count, axis=-2)
-        spectrum *= weights
-        kept: np.ndarray = scipy.fft.ifft(spectrum, axis=-2)[..., : values.shape[-2], :]
-        return kept
-
-    result = xr.apply_ufunc(
-        filtered,
-        _whole_along(measured, axis),
-        input_core_dims=[[axis, FREQUENCY]],
-        output_core_dims=[[axis, FREQUENCY]],
-        dask="parallelized",
-        output_dtypes=[measured.dtype],
-    ).transpose(*S21_DIMS)
-    if measured.chunks is not None:
-        result = lazy.in_rows(result.chunk({Y: measured.chunksizes[Y]}))
-    return survey.assign({S21: result.assign_attrs(measured.attrs)})
+    place = S21_DIMS.index(axis)
+    values = np.moveaxis(measured.values, place, -2)
+    spectrum = scipy.fft.fft(values, count, axis=-2)
+    spectrum *= weights
+    kept = scipy.fft.ifft(spectrum, axis=-2)[..., : values.shape[-2], :]
+    return survey.assign({S21: measured.copy(data=np.moveaxis(kept, -2, place))})
 
 
 def fan(sine: np.ndarray, least_deg: float, most_deg: float, taper_deg: float) -> np.ndarray:
@@ -192,12 +170,3 @@ def _even_step_m(survey: xr.Dataset, axis: str) -> float:
             fault=faults.STEPS,
         )
     return float(np.mean(steps_m))
-
-
-def _whole_along(measured: xr.DataArray, axis: str) -> xr.DataArray:
-    """Return lazy values in chunks that are whole along an axis, and no larger than before."""
-    if measured.chunks is None or axis == X:
-        return lazy.in_rows(measured)
-    rows = max(measured.chunksizes[Y])
-    columns = max(1, measured.sizes[X] * rows // measured.sizes[Y])
-    return measured.chunk({POLARIZATION: 1, Y: -1, X: columns, FREQUENCY: -1})

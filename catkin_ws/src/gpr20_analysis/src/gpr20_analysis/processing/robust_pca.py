@@ -8,9 +8,9 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import lazy
 from gpr20_analysis.dataset import S21, S21_DIMS, require, require_complete
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.work import require_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 
@@ -53,7 +53,7 @@ def remove_low_rank(survey: xr.Dataset, sparsity: float = 1.0) -> xr.Dataset:
     require_complete(survey, Message("robust PCA"))
     if measured.sizes["y"] * measured.sizes["x"] < 2:
         raise WrongDatasetError(Message("robust PCA needs two or more traces"))
-    lazy.require_room(measured, COPIES, Message("robust PCA"))
+    require_bytes(COPIES * measured[0].nbytes, Message("robust PCA"))
     values = measured.values.copy()
     for turn in range(len(values)):
         traces = values[turn].reshape(-1, values.shape[-1])
@@ -61,10 +61,7 @@ def remove_low_rank(survey: xr.Dataset, sparsity: float = 1.0) -> xr.Dataset:
         in_time = scipy.fft.ifft(traces, axis=-1, norm="ortho")
         low_rank, _ = principal_component_pursuit(in_time, sparsity / np.sqrt(max(traces.shape)))
         traces -= scipy.fft.fft(low_rank, axis=-1, norm="ortho")
-    cleaned = measured.copy(data=values)
-    if measured.chunks is not None:
-        cleaned = cleaned.chunk(measured.chunksizes)
-    return survey.assign({S21: cleaned})
+    return survey.assign({S21: measured.copy(data=values)})
 
 
 def principal_component_pursuit(matrix: np.ndarray, weight: float) -> Tuple[np.ndarray, np.ndarray]:

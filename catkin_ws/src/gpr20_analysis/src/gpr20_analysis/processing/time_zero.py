@@ -9,11 +9,9 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import lazy
-from gpr20_analysis.dataset import FREQUENCY, S21, S21_DIMS, SAMPLE_DIMS, require, usable
+from gpr20_analysis.dataset import S21, S21_DIMS, SAMPLE_DIMS, require, usable
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.antenna_delay import recorded_delay_s
-from gpr20_analysis.processing.delay import ADVANCE, advanced, known_height
+from gpr20_analysis.processing.delay import ADVANCE, advanced, known_height, recorded_delay_s
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.faults import NOT_ALLOWED
@@ -63,7 +61,7 @@ def pick_time_zero(
             found in too few traces.
         DamagedSurveyError: A usable sample has no height, which the surface needs.
     """
-    measured = lazy.in_rows(require(survey, S21, S21_DIMS))
+    measured = require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
@@ -80,8 +78,8 @@ def pick_time_zero(
         )
     if arrival is Arrival.FIRST:
         sweep = FrequencyGrid.of(survey)
-        picked = _of_traces(lambda spectra: first_arrival_s(spectra, sweep, share), measured)
-        return advanced(survey, picked)
+        picked_s = first_arrival_s(measured.values, sweep, share)
+        return advanced(survey, xr.DataArray(picked_s, dims=SAMPLE_DIMS))
     picked, count = _surface_picks(survey, measured, within_s)
     result = advanced(survey, picked)
     if not count:
@@ -180,9 +178,12 @@ def _surface_picks(
     """Return the picks, and how many of them are by the height only."""
     sweep = FrequencyGrid.of(survey)
     expected = two_way_delay_s(known_height(survey)) + recorded_delay_s(survey)
-    picked = _of_traces(
-        lambda spectra, near_s: strongest_s(spectra, near_s, sweep, within_s), measured, expected
-    )
+    expected = expected.transpose(*SAMPLE_DIMS)
+    # Row by row: the levels near each trace are many times the traces.
+    picked = xr.full_like(expected, np.nan)
+    for place in np.ndindex(*expected.shape[:2]):
+        own = strongest_s(measured.values[place], expected.values[place], sweep, within_s)
+        picked.values[place] = own
     present = usable(survey).transpose(*SAMPLE_DIMS)
     found = np.isfinite(picked) & present
     total, count = int(present.sum()), int(found.sum())
@@ -199,16 +200,3 @@ def _surface_picks(
         )
     median_s = float((picked - expected).where(found).median())
     return picked.where(found, expected + median_s), total - count
-
-
-def _of_traces(function, *values: xr.DataArray) -> xr.DataArray:  # type: ignore[no-untyped-def]
-    """Return a number of each trace, computed row by row."""
-    measured, *others = values
-    return xr.apply_ufunc(
-        function,
-        measured,
-        *(lazy.beside(one, measured) for one in others),
-        input_core_dims=[[FREQUENCY], *([] for _ in others)],
-        dask="parallelized",
-        output_dtypes=[np.float64],
-    ).compute()

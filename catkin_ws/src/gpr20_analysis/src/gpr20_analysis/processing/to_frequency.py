@@ -9,13 +9,14 @@ from typing import List, Optional
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults, work
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
     DELAY,
     FREQUENCY,
     S21,
+    S21_DIMS,
     SAMPLE_DIMS,
     require,
     usable,
@@ -84,7 +85,7 @@ def to_frequency(
             are not allowed.
         TooLargeError: The factors of all samples and frequencies do not fit into the memory.
     """
-    a_scans = lazy.in_rows(require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY)))
+    a_scans = require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY))
     delay_s = np.asarray(survey[DELAY].values, dtype=np.float64)
     step_s = _step_s(delay_s)
     recorded = Spectrum.of(survey)
@@ -107,29 +108,17 @@ def to_frequency(
     frequency_hz = spectrum.sweep.frequency_hz
     # Traces of others may have many samples, at each of which there is a factor for each frequency.
     needed = BYTES_PER_FACTOR * len(frequency_hz) * len(delay_s)
-    lazy.require_bytes(needed, Message("the transform to frequencies"))
+    work.require_bytes(needed, Message("the transform to frequencies"))
     matrix = phase_advance(frequency_hz, -delay_s)
     # The factor that `time` has applied, for a full period of it.
     matrix *= step_s * spectrum.sweep.step_hz / spectrum.window.shares(spectrum.sweep.count)
 
-    def transformed(values: np.ndarray) -> np.ndarray:
-        # A real trace has half of its spectrum at negative frequencies.
-        halves = 2.0 if not np.any(np.imag(values)) else 1.0
-        result: np.ndarray = (values @ matrix) * halves
-        return result
-
-    spectra = xr.apply_ufunc(
-        transformed,
-        a_scans.drop_vars(DELAY),
-        input_core_dims=[[DELAY]],
-        output_core_dims=[[FREQUENCY]],
-        dask="parallelized",
-        output_dtypes=[np.complex128],
-        dask_gufunc_kwargs={"output_sizes": {FREQUENCY: len(frequency_hz)}},
-    )
-    result = survey.drop_vars(A_SCAN).drop_vars(DELAY)
+    # A real trace has half of its spectrum at negative frequencies.
+    halves = 2.0 if not np.any(np.imag(a_scans.values)) else 1.0
+    spectra = (a_scans.values @ matrix) * halves
+    result = survey.drop_vars([A_SCAN, DELAY])
     result = result.assign_coords({FREQUENCY: (FREQUENCY, frequency_hz, ATTRIBUTES[FREQUENCY])})
-    result = result.assign({S21: spectra.assign_attrs(ATTRIBUTES[S21])})
+    result = result.assign({S21: (S21_DIMS, spectra, ATTRIBUTES[S21])})
     result.attrs.pop(SPECTRUM, None)
     return result.assign_attrs(with_notes(result, notes)) if notes else result
 

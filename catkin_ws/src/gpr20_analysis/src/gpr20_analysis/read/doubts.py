@@ -16,7 +16,7 @@ from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.sources import open_source
 from gpr20_analysis.read.survey_attributes import known_settings
-from gpr20_analysis.read.trace_table import Sample
+from gpr20_analysis.read.traces import Sample
 from gpr20_analysis.sentences import carried_doubts, first_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message

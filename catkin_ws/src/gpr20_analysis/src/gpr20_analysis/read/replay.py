@@ -1,60 +1,35 @@
-"""The messages of a recorded survey that a replay publishes."""
+"""What a replay publishes of a recorded survey, and when: its rate, pauses and start."""
 
 from __future__ import annotations
 
-import itertools
-import json
-import os
-from dataclasses import dataclass
+import threading
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Dict, Iterable, Iterator, Mapping, NamedTuple, Optional, Union
+from typing import Dict, Iterable, Iterator, Optional
 
-from gpr20_analysis.errors import DamagedSurveyError
-from gpr20_analysis.read.recordings import MCAP, is_metadata_topic, mcap_length_s, mcap_messages
-from gpr20_analysis.read.sources import RecordingSource, SurveySource, open_source
-from gpr20_common.message import in_a_row
-from gpr20_common.terminal_text import storable
-from gpr20_survey.folder import survey_folder, survey_metadata
-from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import (
-    METADATA_TOPIC,
-    REPLAY_TYPE,
-    SurveyTopics,
+from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.read.recordings import (
+    MCAP,
+    Lost,
+    all_messages,
+    is_metadata_topic,
+    mcap_length_s,
+    recording_of,
+    without_traces,
 )
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, in_a_row
+from gpr20_common.terminal_text import storable
+from gpr20_survey.folder import survey_metadata
+from gpr20_survey.recording.mcap_writer import RecordedMessage
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TYPE
 from gpr20_survey.trace import trace_message, utc_time
-from gpr20_survey.trace.trace import Trace
 
-Content = Union[RecordedMessage, Trace]
-FIRST_MESSAGES = 10
-"""Of a recording; the metadata of the survey are among them."""
-
-
-@dataclass(frozen=True)
-class Due:
-    """A message to publish, and when it was recorded [ns since 1970, UTC]."""
-
-    time_ns: int
-    content: Content
-
-
-class RecordedSurvey(NamedTuple):
-    """The survey of a recording.
-
-    Attributes:
-        survey_id: UUID.
-        started: Start of the survey, ISO 8601, UTC; empty if it is not known.
-        folder: Name of its folder; empty if it is not known.
-    """
-
-    survey_id: str
-    started: str = ""
-    folder: str = ""
-
-    @classmethod
-    def of(cls, description: Mapping[str, Any], folder: Path) -> RecordedSurvey:
-        """Return the survey of a folder, by what its log says."""
-        survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
-        return cls(survey_id, started, storable(folder.name))
+LONGEST_START_S = 1e9
+# A replay that is paused is woken by an event.
+PAUSED_WAIT_S = 3600.0
+# Shorter waits are none.
+RESOLUTION_S = 1e-9
 
 
 @dataclass(frozen=True)
@@ -62,14 +37,17 @@ class ReplayedSurvey:
     """What is known of a survey before its replay begins.
 
     Attributes:
-        survey: Which one it is.
-        namespace: Of the robot that recorded it, with a slash at its end; empty if it is not
-            recorded, as in JSON files.
+        survey_id: UUID; empty, as what follows, if it is not known.
+        started: Start of the survey, ISO 8601, UTC.
+        folder: Name of its folder.
+        namespace: Of the robot that recorded it, with a slash at its end.
         length_s: Length of the recording [s]; 0 if it is not known.
     """
 
-    survey: RecordedSurvey
-    namespace: str = ""
+    survey_id: str = ""
+    started: str = ""
+    folder: str = ""
+    namespace: str = "/"
     length_s: float = 0.0
 
     def name_in(self, namespace: str, name: str) -> str:
@@ -87,103 +65,217 @@ class ReplayedSurvey:
 
 
 def describe(survey: Path) -> ReplayedSurvey:
-    """Return what a survey is.
+    """Return what a survey is, by the first messages of its recording.
+
+    Args:
+        survey: Folder of a survey, or its recording.
 
     Raises:
-        AnalysisError: It is not a survey, or it is damaged.
+        AnalysisError: It is no recording of a survey; the message names its topics.
         OSError: It cannot be read.
     """
-    folder = survey.resolve()
-    path, own_name = _mcap(survey), not survey.is_dir()
-    if path is None:
-        return ReplayedSurvey(_survey_of_files(open_source(survey), folder))
-    next(RecordingSource(path).traces(), None)  # refuses a recording of somebody else
-    first = itertools.islice(mcap_messages(path, own_name), FIRST_MESSAGES)
-    own = next((one for one in first if is_metadata_topic(one.topic)), None)
-    description, namespace = {}, "/"
-    if own is not None:
-        text = own.data[4:].decode("utf-8", "replace")
-        description = survey_metadata.parse_object(text, METADATA_TOPIC)
-        namespace = own.topic[: own.topic.rindex("/") + 1]
-    recorded_survey = RecordedSurvey.of(description, folder if folder.is_dir() else Path())
-    return ReplayedSurvey(recorded_survey, namespace, mcap_length_s(path, own_name))
+    path, is_link = recording_of(survey), not survey.is_dir()
+    messages = all_messages(path, Lost(), follow_link=is_link)
+    one = next((one for one in messages if is_metadata_topic(one.topic) or _is_trace(one)), None)
+    if one is None:
+        raise without_traces(path)
+    found = ReplayedSurvey(
+        folder=storable(survey.resolve().name) if survey.is_dir() else "",
+        namespace=one.topic[: one.topic.rindex("/") + 1],
+        length_s=mcap_length_s(path, is_link) if path.suffix == MCAP else 0.0,
+    )
+    if _is_trace(one):
+        return found
+    text = one.data[4:].decode("utf-8", "replace")
+    description = survey_metadata.parse_object(text, METADATA_TOPIC)
+    survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
+    return replace(found, survey_id=survey_id, started=started)
 
 
-def recorded(survey: Path) -> Iterator[Due]:
-    """Yield the messages of a survey in order of time.
-
-    Of a folder its MCAP file is read, which holds every topic of the graph. Without one, or from
-    JSON files alone, only what its log says, if there is one, and the traces are yielded. Bags are
-    replayed by `rosbag play`.
+def recorded(survey: Path) -> Iterator[RecordedMessage]:
+    """Yield the messages of a survey's recording.
 
     Raises:
-        AnalysisError: It is not a survey or is damaged; messages before the damage are yielded.
+        AnalysisError: It is damaged; messages before the damage are yielded.
         OSError: It cannot be read.
     """
-    path = _mcap(survey)
-    if path is not None:
-        for message in mcap_messages(path, follow_link=not survey.is_dir()):
-            if message.datatype != REPLAY_TYPE:
-                yield Due(message.time_ns, message)
-        return
-    source = open_source(survey)
-    described = source.description is not None
-    for trace in source.traces():
-        time_ns = trace.timestamp_us * utc_time.NS_PER_US
-        if described:
-            described = False
-            text = json.dumps(source.description)
-            topics = SurveyTopics(resolve=str)
-            yield Due(time_ns, topics.metadata(text, time_ns))
-        yield Due(time_ns, trace)
-    if source.faults:
-        found = in_a_row(fault.message for fault in source.faults)
-        raise DamagedSurveyError(found.reporting_only(DamagedSurveyError.fault))
+    lost = Lost()
+    for message in all_messages(recording_of(survey), lost, follow_link=not survey.is_dir()):
+        if message.datatype != REPLAY_TYPE:
+            yield message
+    if lost.faults:
+        raise DamagedSurveyError(in_a_row(lost.faults).reporting_only(DamagedSurveyError.fault))
 
 
-def from_start(items: Iterable[Due], start_s: float) -> Iterator[Due]:
+def from_start(messages: Iterable[RecordedMessage], start_s: float) -> Iterator[RecordedMessage]:
     """Yield what a replay from a later moment publishes, in order of time.
 
     What was recorded before that moment is due at it, without delay: every trace and the survey's
     metadata, which a map needs, and the last message of each other topic.
 
     Args:
-        items: The whole recording.
+        messages: The whole recording.
         start_s: The moment, from the start of the recording [s].
     """
     start_ns: Optional[int] = None
-    last: Dict[str, Content] = {}
-    for item in items:
+    last: Dict[str, RecordedMessage] = {}
+    for one in messages:
         if start_ns is None:
-            start_ns = item.time_ns + round(start_s * utc_time.NS_PER_S)
-        if item.time_ns < start_ns:
-            content = item.content
-            if isinstance(content, Trace) or _is_kept(content):
-                yield Due(start_ns, content)
+            start_ns = one.time_ns + round(start_s * utc_time.NS_PER_S)
+        if one.time_ns >= start_ns:
+            yield from (replace(each, time_ns=start_ns) for each in last.values())
+            last = {}
+            yield one
+        elif is_metadata_topic(one.topic) or _is_trace(one):
+            yield replace(one, time_ns=start_ns)
+        else:
+            # Removed first, so that the topics are in the order of their last messages.
+            last.pop(one.topic, None)
+            last[one.topic] = one
+    yield from (replace(each, time_ns=start_ns or 0) for each in last.values())
+
+
+def _is_trace(message: RecordedMessage) -> bool:
+    return message.datatype == trace_message.DATATYPE
+
+
+def checked_rate(rate: float) -> float:
+    """Return the rate of a replay.
+
+    Raises:
+        AnalysisError: No replay can have it.
+    """
+    if not 0.0 < rate <= 1e6:
+        raise AnalysisError(
+            Message("the rate is {rate:g}; it must be more than 0, at most 1e6", rate=rate)
+        )
+    return rate
+
+
+@dataclass(frozen=True)
+class Pace:
+    """The speed of a replay.
+
+    Attributes:
+        rate: How many times faster than it was recorded.
+        longest_pause_s: Longer gaps of the recording are shortened to this [s]; None: they are not.
+        start_s: Where it begins, from the start of the recording [s].
+        paused: Whether it begins paused, behind the messages of its first moment.
+    """
+
+    rate: float = 1.0
+    longest_pause_s: Optional[float] = None
+    start_s: float = 0.0
+    paused: bool = False
+
+    def __post_init__(self) -> None:
+        checked_rate(self.rate)
+        if self.longest_pause_s is not None and not self.longest_pause_s >= 0.0:
+            raise AnalysisError(
+                Message(
+                    "the longest pause is {pause_s:g} s; it must be 0 or more",
+                    pause_s=self.longest_pause_s,
+                )
+            )
+        if not 0.0 <= self.start_s <= LONGEST_START_S:
+            raise AnalysisError(
+                Message(
+                    "the start is {start_s:g} s; it must be between 0 and {most_s:g}",
+                    start_s=self.start_s,
+                    most_s=LONGEST_START_S,
+                )
+            )
+
+
+class Playback:
+    """Gives out messages when they are due. Any thread may pause it and change its rate.
+
+    Attributes:
+        rate: How many times faster than it was recorded.
+        paused: Whether it is paused.
+        ended: Set when it was stopped.
+        position_s: Place of the last message, from the start of the recording [s].
+    """
+
+    def __init__(self, pace: Pace, clock: Clock) -> None:
+        self._clock = clock
+        self._longest_pause_s = pace.longest_pause_s
+        self._start_s = pace.start_s
+        self._changed = threading.Event()
+        self.ended = threading.Event()
+        self.rate = pace.rate
+        self.paused = pace.paused
+        self.position_s = pace.start_s
+        # Time of the recording by which the next message is overdue [s].
+        self._lead_s = 0.0
+        # The rate of the time that has passed since the clock was read last.
+        self._waiting_rate = pace.rate
+        self._looked_s = 0.0
+
+    @property
+    def stopped(self) -> bool:
+        """Whether it was stopped."""
+        return self.ended.is_set()
+
+    def set_paused(self, paused: bool) -> None:
+        """Pause, or continue."""
+        self.paused = paused
+        self._changed.set()
+
+    def set_rate(self, rate: float) -> None:
+        """Change the speed.
+
+        Raises:
+            AnalysisError: It is not allowed; the former one remains.
+        """
+        self.rate = checked_rate(rate)
+        self._changed.set()
+
+    def stop(self) -> None:
+        """Give out nothing more."""
+        self.ended.set()
+        self._changed.set()
+
+    def play(self, messages: Iterable[RecordedMessage]) -> Iterator[RecordedMessage]:
+        """Yield messages when they are due, until stopped.
+
+        Args:
+            messages: The whole recording.
+        """
+        now_ns: Optional[int] = None
+        self._looked_s = self._clock.now_s()
+        for one in from_start(messages, self._start_s):
+            # Recorders may swap messages of the same instant: for messages out of order the
+            # latest time counts, so that no gap is waited for twice.
+            if now_ns is None:
+                now_ns = one.time_ns
+            gap_s = max(0, one.time_ns - now_ns) / utc_time.NS_PER_S
+            if not self._wait(gap_s):
+                return
+            now_ns = max(now_ns, one.time_ns)
+            self.position_s += gap_s
+            yield one
+
+    def _wait(self, gap_s: float) -> bool:
+        """Wait for a gap of the recording; return False once stopped."""
+        self._count_passed()
+        if self._longest_pause_s is None:
+            self._lead_s -= gap_s
+        else:
+            self._lead_s -= min(gap_s, self._longest_pause_s * self.rate)
+        while not self.ended.is_set():
+            self._changed.clear()
+            if self.paused and gap_s > 0.0:
+                self._clock.wait_s(self._changed, PAUSED_WAIT_S)
+                self._looked_s = self._clock.now_s()
+            elif self._lead_s >= -RESOLUTION_S:
+                return True
             else:
-                # Removed first, so that the topics are in the order of their last messages.
-                last.pop(content.topic, None)
-                last[content.topic] = content
-            continue
-        yield from (Due(start_ns, content) for content in last.values())
-        last = {}
-        yield item
-    yield from (Due(start_ns or 0, content) for content in last.values())
+                self._waiting_rate = self.rate
+                self._clock.wait_s(self._changed, -self._lead_s / self._waiting_rate)
+                self._count_passed()
+        return False
 
-
-def _is_kept(message: RecordedMessage) -> bool:
-    return is_metadata_topic(message.topic) or message.datatype == trace_message.DATATYPE
-
-
-def _mcap(survey: Path) -> Optional[Path]:
-    path = survey / survey_folder.MCAP_FILE if survey.is_dir() else survey
-    return path if path.suffix == MCAP and os.path.lexists(str(path)) else None
-
-
-def _survey_of_files(source: SurveySource, folder: Path) -> RecordedSurvey:
-    if folder.name == survey_folder.TRACES_FOLDER:
-        folder = folder.parent
-    if source.description is not None:
-        return RecordedSurvey.of(source.description, folder)
-    first = next(source.traces(), None)
-    return RecordedSurvey("" if first is None else first.survey_id, folder=storable(folder.name))
+    def _count_passed(self) -> None:
+        looked_s, self._looked_s = self._looked_s, self._clock.now_s()
+        self._lead_s += (self._looked_s - looked_s) * self._waiting_rate

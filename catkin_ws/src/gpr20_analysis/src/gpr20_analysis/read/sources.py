@@ -6,20 +6,28 @@ import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
 
 from gpr20_analysis import faults
-from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
-from gpr20_analysis.read import recordings
+from gpr20_analysis.errors import AnalysisError, not_there
+from gpr20_analysis.read.recordings import (
+    Lost,
+    all_messages,
+    is_metadata_topic,
+    is_recording,
+    without_traces,
+)
 from gpr20_common.errors import os_reason
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import storable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_VERSION
 from gpr20_survey.files.regular_file import check_regular
-from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
+from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
 from gpr20_survey.folder.recovery import recover
+from gpr20_survey.folder.trace_files import read_trace
+from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
@@ -29,6 +37,7 @@ INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
 Position = Tuple[float, float, float]
 """Rotation [deg], y and x [mm]."""
+ReadTrace = Callable[[Path], Trace]
 
 
 @dataclass(frozen=True)
@@ -40,35 +49,43 @@ class Damage:
     position: Optional[Position] = None
 
 
-class JsonSource:
-    """The JSON files of a survey.
+class SurveySource:
+    """What holds a survey.
 
     Attributes:
         name: Its name in messages.
-        description: Content of survey.json, if it is there.
+        description: What its log says of the survey, if it is there.
         count: Expected number of traces; 0 if unknown.
         faults: What is damaged in the part that `traces` has read.
         notes: What else a user should know.
     """
 
     def __init__(
-        self,
-        name: str,
-        files: List[Path],
-        description: Optional[Dict[str, Any]],
-        read: Callable[[Path], Trace],
+        self, name: str, description: Optional[Dict[str, Any]] = None, count: int = 0
     ) -> None:
-        """Make the source; `traces` reads the files, each with `read`."""
-        self.name = storable(name)
-        self.description = description
-        self.count = len(files)
+        self.name, self.description, self.count = name, description, count
         self.faults: List[Damage] = []
         self.notes: List[Message] = []
-        self._files = files
-        self._read = read
 
     def traces(self) -> Iterator[Trace]:
         """Yield every intact trace; damaged ones are left out and named in `faults`."""
+        raise NotImplementedError
+
+
+class JsonSource(SurveySource):
+    """The JSON files of a survey, each read by a function."""
+
+    def __init__(
+        self,
+        name: str,
+        files: List[Path],
+        read: ReadTrace,
+        description: Optional[Dict[str, Any]] = None,
+    ) -> None:
+        super().__init__(name, description, len(files))
+        self._files, self._read = files, read
+
+    def traces(self) -> Iterator[Trace]:
         for path in self._files:
             try:
                 yield self._read(path)
@@ -80,88 +97,74 @@ class JsonSource:
                 self.faults.append(Damage(message, index))
 
 
-class RecordingSource:
-    """A bag or an MCAP file; its attributes are those of `JsonSource`."""
+class RecordingSource(SurveySource):
+    """A bag or an MCAP file."""
 
     def __init__(self, path: Path) -> None:
-        """Open the recording.
+        """Read what the recording says of the survey.
 
         Raises:
             UnreadableFileError: It is neither.
             OSError: It cannot be read.
         """
-        self._recording = recordings.open_recording(path)
+        super().__init__(storable(path.name))
         self._path = path
-        self.name = storable(path.name)
-        self.count = 0
-        self.faults: List[Damage] = []
-        self.notes: List[Message] = list(self._recording.notes)
-        self.description = self._description(self._recording.metadata)
+        lost, texts, records = Lost(), [], []
+        for one in all_messages(path, lost, TEXT_TYPE):
+            record = recorded_log(one)
+            if is_metadata_topic(one.topic):
+                texts.append(one.data[4:].decode("utf-8", "replace"))
+            elif record is not None:
+                records.append(record)
+        self.notes += lost.missing
+        if texts:
+            self._describe(texts[0], records)
 
     def traces(self) -> Iterator[Trace]:
-        """Yield every intact trace; damaged ones are left out and named in `faults`.
-
-        Raises:
-            UnreadableFileError: It is whole, but no recording of a survey.
-        """
-        number = -1
-        try:
-            for number, recorded in enumerate(self._recording.traces):
-                try:
-                    yield trace_message.decode(recorded.data, recorded.md5sum)
-                except TraceRefusedError as error:
-                    message = Message(
-                        "{file}: recorded trace {number}: {reason}",
-                        file=self.name,
-                        number=number,
-                        reason=error.message,
-                    )
-                    self.faults.append(Damage(message))
-        except UnreadableFileError as error:
+        lost, number = Lost(), -1
+        recorded = all_messages(self._path, lost, trace_message.DATATYPE)
+        for number, one in enumerate(recorded):
+            try:
+                yield trace_message.decode(one.data, one.md5sum)
+            except TraceRefusedError as error:
+                message = Message(
+                    "{file}: recorded trace {number}: {reason}",
+                    file=self.name,
+                    number=number,
+                    reason=error.message,
+                )
+                self.faults.append(Damage(message))
+        if lost.faults:
+            reason = in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED)
             message = Message(
-                "{file} cannot be read to its end: {reason}", file=self.name, reason=error.message
+                "{file} cannot be read to its end: {reason}", file=self.name, reason=reason
             )
             self.faults.append(Damage(message))
         if number < 0 and not self.faults:
-            raise recordings.without_traces(self._path)
+            raise without_traces(self._path)
 
-    def _description(self, metadata: Optional[str]) -> Optional[Dict[str, Any]]:
-        if metadata is None:
-            return None
+    def _describe(self, text: str, records: Sequence[LogRecord]) -> None:
+        file = f"survey.json in {self.name}"
         try:
-            found = survey_metadata.parse_object(metadata, f"survey.json in {self.name}")
+            found = survey_metadata.parse_object(text, file)
             if found.get("format") != survey_metadata.FORMAT:
                 raise SurveyRefusedError(
                     Message(
                         "the format of {file} is {found}; this software reads {expected}",
-                        file=f"survey.json in {self.name}",
+                        file=file,
                         found=repr(found.get("format"))[:64],
                         expected=repr(survey_metadata.FORMAT),
                     ),
                     fault=OTHER_VERSION,
                 )
-            for record in self._recording.log:
+            for record in records:
                 add_to(found, record)
-            return whole_description(found, self._recording.log)
+            self.description = whole_description(found, records)
         except SurveyRefusedError as error:
             self.faults.append(Damage(error.message))
-            return None
 
 
-SurveySource = Union[JsonSource, RecordingSource]
-
-
-def read_trace(path: Path) -> Trace:
-    """Return the trace of a file.
-
-    Raises:
-        TraceRefusedError: It holds no whole trace.
-        OSError: It cannot be read.
-    """
-    return trace_files.read_trace(path)
-
-
-def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> SurveySource:
+def open_source(path: Path, read: ReadTrace = read_trace) -> SurveySource:
     """Return the source at a path.
 
     Args:
@@ -176,10 +179,10 @@ def open_source(path: Path, read: Callable[[Path], Trace] = read_trace) -> Surve
         return _folder_source(path, read)
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.INPUT)
-    if recordings.is_recording(path):
+    if is_recording(path):
         return RecordingSource(path)
     if path.suffix == ".json":
-        return JsonSource(path.name, [path], None, read)
+        return JsonSource(storable(path.name), [path], read)
     raise AnalysisError(
         Message(
             "{path} is not a survey; give its folder, the folder of its JSON files, its .bag or "
@@ -195,44 +198,35 @@ def whole_description(described: Dict[str, Any], records: Sequence[LogRecord]) -
     return {**described, LOG: [one.as_json() for one in records if one.kind in FACTS]}
 
 
-def _folder_source(folder: Path, read: Callable[[Path], Trace]) -> JsonSource:
+def _folder_source(folder: Path, read: ReadTrace) -> JsonSource:
     traces = folder / survey_folder.TRACES_FOLDER
     logs = [folder / name for name in survey_folder.LOG_FILES]
     for one in (traces, *logs):
         check_regular(one)
-    files = _trace_files(traces if traces.is_dir() else folder)
-    description, damage = None, []
+    with os.scandir(str(traces if traces.is_dir() else folder)) as entries:
+        files = [Path(one.path) for one in entries if one.name.endswith(".json")]
+    files = sorted(one for one in files if one.name != survey_folder.SURVEY_FILE)
     is_described = any(one.exists() for one in logs)
-    if is_described:
-        try:
-            recovered = recover(folder)
-            description = whole_description(recovered.description, recovered.found.records)
-        except SurveyRefusedError as error:
-            damage.append(Damage(error.message))
-    if not files and is_described:
-        raise AnalysisError(
+    if not files:
+        message = (
             Message(
                 "{folder} holds a survey without traces; resume it, or choose another",
                 folder=folder,
-            ),
-            fault=faults.INPUT,
-        )
-    if not files:
-        raise AnalysisError(
-            Message(
+            )
+            if is_described
+            else Message(
                 "{folder} contains no survey: there are no JSON files of traces in it or in its "
                 "folder {traces}/",
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
-            ),
-            fault=faults.INPUT,
+            )
         )
-    source = JsonSource(folder.name, files, description, read)
-    source.faults += damage
+        raise AnalysisError(message, fault=faults.INPUT)
+    source = JsonSource(storable(folder.name), files, read)
+    if is_described:
+        try:
+            recovered = recover(folder)
+            source.description = whole_description(recovered.description, recovered.found.records)
+        except SurveyRefusedError as error:
+            source.faults.append(Damage(error.message))
     return source
-
-
-def _trace_files(folder: Path) -> List[Path]:
-    with os.scandir(str(folder)) as entries:
-        names = [entry.name for entry in entries if entry.name.endswith(".json")]
-    return [folder / name for name in sorted(names) if name != survey_folder.SURVEY_FILE]

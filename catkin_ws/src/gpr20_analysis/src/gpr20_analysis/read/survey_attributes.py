@@ -20,7 +20,7 @@ from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 if TYPE_CHECKING:
-    from gpr20_analysis.read.trace_table import Sample
+    from gpr20_analysis.read.traces import Sample
 
 NAME, OPERATOR, SITE, NOTES = "survey_name", "operator", "site", "survey_notes"
 LATITUDE, LONGITUDE, HEADING = "latitude_deg", "longitude_deg", "heading_deg"

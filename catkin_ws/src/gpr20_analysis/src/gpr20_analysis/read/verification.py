@@ -8,13 +8,12 @@ from typing import Any, Dict, List, Optional, Union
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read import description_check, doubts, manifest_check
-from gpr20_analysis.read.recording_check import RecordingCheck, check_bag
+from gpr20_analysis.read import checks, doubts
 from gpr20_analysis.read.sources import whole_description
 from gpr20_analysis.read.survey_grid import Plan
-from gpr20_analysis.read.trace_table import Sample
-from gpr20_analysis.read.verification_result import Verification
+from gpr20_analysis.read.traces import Sample
+from gpr20_analysis.read.verdict import Verification
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import MANIFEST_DAMAGED
@@ -35,7 +34,7 @@ FILES = (
     survey_folder.MCAP_FILE,
 )
 REMEDY = Message(
-    "gpr20 repair compares everything else and, if all of it agrees, writes the manifest again"
+    "gpr20 verify --repair compares everything else and, if all of it agrees, writes it again"
 )
 
 
@@ -123,26 +122,35 @@ class _Verifier:
             lambda trace: self._check_trace(plan, trace),
         )
         for path, reason in files.damaged:
-            self._found.fault(
+            self._found.faults.append(
                 Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
             )
         self._doubt()
-        recording = RecordingCheck(
-            self._folder, self._survey_id, self._indexed, self._found, self._progress
+        records, is_written = self._recovered.found.records, bool(self._found.writer)
+        self._found.take(
+            checks.check_recording(
+                self._folder,
+                self._survey_id,
+                files.prints,
+                self._indexed,
+                is_written,
+                self._progress,
+            )
         )
-        recording.check(files.prints, self._recovered.found.records)
-        if not self._found.writer:
+        if not is_written:
+            named = self._found.unconfirmed
+            self._found.take(checks.check_recorded_log(self._folder, records, named))
             has_bag = self._indexed and self._found.imported is None
-            check_bag(self._folder, self._recovered.found.records, has_bag, self._found)
+            self._found.take(checks.check_bag(self._folder, records, has_bag))
         self._check_description(len(files.prints))
         return self._found
 
     def _check_manifest(self) -> None:
-        found = manifest_check.check_manifest(self._folder, self._recovered)
+        found = checks.check_manifest(self._folder, self._recovered)
         self._found.sealed = found.is_binding
         self._found.faults += found.differences
         if found.damage is not None:
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "manifest.json is damaged: {reason}; {remedy}",
                     reason=found.damage,
@@ -150,7 +158,7 @@ class _Verifier:
                 ).reporting_only(MANIFEST_DAMAGED)
             )
         elif found.manifest is None and self._found.closed:
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "manifest.json is missing, so changes to files cannot be detected: it was "
                     "removed, or the survey was cut off while it was closed; {remedy}",
@@ -158,24 +166,29 @@ class _Verifier:
                 ).with_fault(MANIFEST_DAMAGED)
             )
         elif found.manifest is None:
-            self._found.note(Message("the survey was not closed, so there is no manifest"))
+            self._found.notes.append(Message("the survey was not closed, so there is no manifest"))
         else:
             self._note_manifest(found.manifest)
             self._check_content(found.manifest)
-        self._note_damaged()
-        self._note_name()
+        if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
+            self._found.notes.append(
+                Message(
+                    "{folder}/ contains damaged files that were replaced",
+                    folder=survey_folder.DAMAGED_FOLDER,
+                )
+            )
 
     def _note_manifest(self, sealed: Manifest) -> None:
         for one in self._recovered.found.records:
             if one.kind == Kind.RESUME.value and one.number > sealed.log.number:
-                self._found.note(
+                self._found.notes.append(
                     Message(
                         "the manifest is from before the survey was reopened at {time}",
                         time=moment_text(one.time),
                     )
                 )
             elif one.kind == Kind.SEAL.value:
-                self._found.note(
+                self._found.notes.append(
                     Message(
                         "the manifest was written again at {time}: {reason}; what was changed "
                         "before is not covered",
@@ -185,34 +198,13 @@ class _Verifier:
                 )
 
     def _check_content(self, sealed: Manifest) -> None:
-        is_named = manifest_check.DATA in self._description.get(UNCONFIRMED, {})
-        is_other = manifest_check.has_other_data(self._description, sealed.files)
+        is_named = checks.DATA in self._description.get(UNCONFIRMED, {})
+        is_other = checks.has_other_data(self._description, sealed.files)
         if self._found.sealed and is_other and not is_named:
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "traces or recordings were replaced, and the manifest was written again: the "
                     "log of the survey names other ones"
-                )
-            )
-
-    def _note_damaged(self) -> None:
-        if (self._folder / survey_folder.DAMAGED_FOLDER).is_dir():
-            self._found.note(
-                Message(
-                    "{folder}/ contains damaged files that were replaced",
-                    folder=survey_folder.DAMAGED_FOLDER,
-                )
-            )
-
-    def _note_name(self) -> None:
-        name = self._folder.resolve().name
-        is_survey_name = survey_folder.FOLDER_NAME.fullmatch(name) is not None
-        if is_survey_name and not name.endswith(f"_{self._survey_id[:8]}"):
-            self._found.note(
-                Message(
-                    "the folder has the name {name} of another survey; it contains survey {survey}",
-                    name=name,
-                    survey=self._survey_id,
                 )
             )
 
@@ -220,7 +212,7 @@ class _Verifier:
         try:
             plan = Plan(self._description)
         except AnalysisError as error:
-            self._found.fault(error.message)
+            self._found.faults.append(error.message)
             return None
         if self._found.imported is None:
             self._found.planned = len(plan.points)
@@ -230,7 +222,7 @@ class _Verifier:
 
     def _note_import(self, places: int) -> None:
         found = import_of(self._description)
-        self._found.note(
+        self._found.notes.append(
             Message(
                 "imported by {software} at {time} from {source} (files: {files}, SHA-256 {sha256})",
                 software=str(found.get("software")),
@@ -242,7 +234,7 @@ class _Verifier:
         )
         absent = places - int(self._description.get("stored_traces") or 0)
         if absent > 0:
-            self._found.note(
+            self._found.notes.append(
                 Message("the source has no data at {count} places of its grid", count=absent)
             )
 
@@ -266,7 +258,7 @@ class _Verifier:
             self._found.faults += [
                 Message(
                     "{file} is damaged; its entries are whole in the other file of the log: "
-                    "resuming the survey, or gpr20 repair, writes it again",
+                    "resuming the survey, or gpr20 verify --repair, writes it again",
                     file=one,
                 )
                 for one in log.damaged
@@ -289,9 +281,9 @@ class _Verifier:
         recorded = self._description
         if self._found.writer:
             return
-        self._found.faults += description_check.contradictions(recorded)
+        self._found.faults += checks.contradictions(recorded)
         if self._indexed and recorded.get("stored_traces") != readable:
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "the log records {recorded} stored traces, but {readable} are readable",
                     recorded=recorded.get("stored_traces"),
@@ -302,7 +294,7 @@ class _Verifier:
             return  # it claims nothing else
         planned = recorded.get("planned_traces", self._found.planned)
         if self._found.planned is not None and planned != self._found.planned:
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "the log records {recorded} planned traces, but its parameters give {planned}",
                     recorded=planned,
@@ -311,14 +303,14 @@ class _Verifier:
             )
         missing = self._found.planned is None or self._found.stored < self._found.planned
         if missing and recorded.get("outcome") == "finished":
-            self._found.fault(
+            self._found.faults.append(
                 Message(
                     "the log records the outcome finished, but planned traces are missing or "
                     "unreadable"
                 )
             )
         if missing and _claims_complete(recorded):
-            self._found.fault(
+            self._found.faults.append(
                 Message("the report in the log is complete, but planned traces are missing")
             )
 

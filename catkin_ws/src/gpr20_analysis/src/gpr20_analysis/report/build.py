@@ -13,11 +13,11 @@ from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import Step, step_from_text
-from gpr20_analysis.progress import Progress, no_progress
 from gpr20_analysis.report.page import page
 from gpr20_analysis.report.records import Report
 from gpr20_analysis.report.sections import sections_of
 from gpr20_analysis.report.summary import SIMULATED
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.catalogue import Catalogue, Language, language_from_code, read_catalogue
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hiding_map import HidingMap

@@ -18,8 +18,8 @@ from gpr20_analysis.candidates.table import (
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import permittivity_line
 from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.permittivity import permittivity_line
 from gpr20_analysis.plotting import projections, scans
 from gpr20_analysis.plotting.ranges import last_delay_s, surface_delay_s, until
 from gpr20_analysis.processing.chain import Step, apply_steps

@@ -18,9 +18,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting import maps
 from gpr20_analysis.plotting.hiding import hiding_figure
 from gpr20_analysis.processing.chain import Step
-from gpr20_analysis.progress import Progress, no_progress
-from gpr20_analysis.read.verification import FILES, verify_survey
-from gpr20_analysis.read.verification_result import Verification
+from gpr20_analysis.read.verification import FILES, Verification, verify_survey
 from gpr20_analysis.report import pictures
 from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows
 from gpr20_analysis.report.records import Section
@@ -35,6 +33,7 @@ from gpr20_analysis.sentences import (
     sentences_of,
     shown,
 )
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message, numeral, verbatim
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap

@@ -14,9 +14,8 @@ from survey_kit import POINTS, SURVEY, describe_again, make_survey
 from gpr20_analysis import survey_markers
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.read.checks import found_in
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.read.manifest_check import found_in
-from gpr20_analysis.verify import main as gpr20_verify
 from gpr20_common.faults import IN_USE
 from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
@@ -63,7 +62,7 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
     ):
         assert annotate(folder, *options) == 0
         assert stored(folder) == wanted, options
-    assert gpr20_verify([str(folder)]) == 0
+    assert main(["verify", str(folder)]) == 0
     capsys.readouterr()
     before = (folder / "log.jsonl").read_bytes()
     assert annotate(folder) == 0
@@ -206,7 +205,7 @@ def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_an
     assert (one.candidate, one.who, one.notes) == ("C02", "Ana", "PMN")
     assert len(one.list_sha256) == 64
     assert (folder / "photos" / one.photo).read_bytes() == PHOTO
-    assert gpr20_verify([str(folder)]) == 0
+    assert main(["verify", str(folder)]) == 0
     # A correction is a new record, and the former one stays.
     assert note(folder, listed, "C02", "scrap") == note(folder, listed, "C03", "device") == 0
     records = read_found(folder)
@@ -227,7 +226,7 @@ def test_verify_finds_a_photograph_that_is_not_the_one_of_the_log(folder, listed
     ):
         damage()
         capsys.readouterr()
-        assert gpr20_verify([str(folder)]) == 2
+        assert main(["verify", str(folder)]) == 2
         assert f"photos/{stored.name}" in capsys.readouterr().out
 
 
@@ -235,7 +234,7 @@ def test_a_folder_of_photographs_that_leads_elsewhere_is_refused(folder, listed,
     (tmp_path / "elsewhere").mkdir()
     (folder / "photos").symlink_to(tmp_path / "elsewhere")
     assert note(folder, listed, "C01", "scrap", "--photo", str(photo)) == 3
-    assert list((tmp_path / "elsewhere").iterdir()) == [] and gpr20_verify([str(folder)]) == 2
+    assert list((tmp_path / "elsewhere").iterdir()) == [] and main(["verify", str(folder)]) == 2
 
 
 def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, tmp_path, capsys):
@@ -267,7 +266,7 @@ def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(fo
     for values, status in (({"format": "gpr20-found/9"}, 0), ({**one.values(), "who": ""}, 2)):
         fact = Fact(Kind.FOUND, values)
         recovery.add_to_survey(folder, lambda _description, fact=fact: fact, one.time)
-        assert gpr20_verify([str(folder)]) == status
+        assert main(["verify", str(folder)]) == status
         if status == 0:
             assert read_found(folder) == [one]
     assert main(["found", str(folder)]) == 3

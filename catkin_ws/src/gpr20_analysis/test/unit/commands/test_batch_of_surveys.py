@@ -1,21 +1,20 @@
 """gpr20 batch: many surveys at once, whatever becomes of one of them or of a worker."""
 
-import argparse
 import json
 import os
 import signal
+import sys
 
-import dask
 import psutil
 import pytest
-from command_kit import TIME_LIMIT_S, begun
+from command_kit import TIME_LIMIT_S, begun, install
 from distributed import Client, LocalCluster
 from random_surveys import noise_survey
 from run_seed import LONG
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import batch_work
+from gpr20_analysis.commands import batch_command
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.faults import NOT_ALLOWED
@@ -94,43 +93,41 @@ def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
     assert (into / "whole.csv").stat().st_mtime_ns > made
 
 
-def test_a_result_of_another_command_or_an_earlier_state_is_not_taken_for_this_one(
+def test_a_result_of_an_earlier_state_of_the_survey_is_not_taken_for_this_one(
     tmp_path, batch, scheduler
 ):
     survey, into = tmp_path / "one.nc", tmp_path / "into"
     write_noise(survey, 6)
-    arguments = [survey, "--into", into, *scheduler, "--command"]
-    assert batch(*arguments, IMAGE)[0] == 0
-    assert batch(*arguments, "process --step window")[1][0]["state"] == "failed"
-    status, (other,) = batch(*arguments, IMAGE.replace("4", "9", 1))
-    assert (status, other["error"]["fault"]["code"]) == (1, NOT_ALLOWED.code)
-    assert [one["state"] for one in batch(*arguments, IMAGE)[1]] == ["exists"]
+    arguments = [survey, "--into", into, *scheduler, "--command", IMAGE]
+    assert batch(*arguments)[0] == 0
     write_noise(survey, 7)
-    assert batch(*arguments, IMAGE)[0] == 1
-    assert batch(*arguments, IMAGE, "--overwrite")[0] == 0
+    status, (other,) = batch(*arguments)
+    assert (status, other["error"]["fault"]["code"]) == (1, NOT_ALLOWED.code)
+    assert batch(*arguments, "--overwrite")[0] == 0
 
 
-def test_what_a_survey_below_a_folder_lacks_is_said_each_time(tmp_path, batch, scheduler):
+def test_what_a_survey_below_a_folder_lacks_is_said(tmp_path, batch, scheduler):
     data = make_survey(tmp_path / "data", len(POINTS) - 1, "stopped").parent
     arguments = [data, "--into", tmp_path / "into", *scheduler, "--command", "plot coverage"]
-    for state in ("not_complete", "exists_not_complete"):
-        status, (record,) = batch(*arguments)
-        assert (status, record["state"]) == (0, state)
-        assert any("NO DATA" in remark for remark in record["remarks"])
+    status, (record,) = batch(*arguments)
+    assert (status, record["state"]) == (0, "not complete")
+    assert any("NO DATA" in remark for remark in record["remarks"])
     # A trace less or more is another state, though the description is the same.
     next((data / record["survey"] / "traces").iterdir()).unlink()
     assert batch(*arguments)[1][0]["state"] == "failed"
 
 
 @pytest.mark.timeout(300)
-def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(surveys, tmp_path, batch):
+def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(
+    surveys, tmp_path, batch, monkeypatch
+):
     (tmp_path / "deadly.py").write_text(DEADLY)
-    command = f"process --steps-from {tmp_path}/deadly.py --step deadly"
+    install(tmp_path, "[gpr20_analysis.steps]\ndeadly = deadly:deadly\n", "deadly")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    command = "process --step deadly"
     arguments = [*surveys, "--into", tmp_path / "into", "--workers", 1, "--command", command]
-    # As on a busy computer: a worker takes longer to start again than dask waits for it.
-    settings = {"deploy.lost-worker-timeout": "10ms", "scheduler.allowed-failures": 1}
-    with dask.config.set({f"distributed.{key}": value for key, value in settings.items()}):
-        status, records = batch(*arguments)
+    status, records = batch(*arguments)
     assert status == 1
     assert [one["state"] for one in records] == ["done"] * (len(COLUMNS) - 1) + ["failed"]
     assert records[-1]["error"]["fault"]["code"] == faults.TOO_LARGE.code
@@ -143,43 +140,28 @@ def cluster():
         yield cluster
 
 
-def lost_surveys(client, folder):
-    jobs = [batch_work.Job(name, folder / name, "report", None, "") for name in ("a", "b")]
-    for job, outcome in batch_work.outcomes(client, jobs, folder):
+def lost_surveys(client, folder, limit_s):
+    jobs = [batch_command.Job(name, folder / name, "report", None) for name in ("a", "b")]
+    for job, outcome in batch_command.outcomes(client, jobs, folder, limit_s):
         yield job.name, outcome.error.fault_code
 
 
 def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(
     cluster, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr(batch_work, "POLL_S", 0.01)
-    with monkeypatch.context() as patched, Client(cluster.scheduler_address) as client:
-        patched.setattr(batch_work, "IDLE_LIMIT_S", 0.0)
-        found = dict(lost_surveys(client, tmp_path))
+    with Client(cluster.scheduler_address) as client:
+        found = dict(lost_surveys(client, tmp_path, 0.1))
     assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
-    waited = batch_work.wait
+    waited = batch_command.wait
 
     def wait(*arguments, **named):
         cluster.close()
         return waited(*arguments, **named)
 
-    monkeypatch.setattr(batch_work, "wait", wait)
+    monkeypatch.setattr(batch_command, "wait", wait)
     with Client(cluster.scheduler_address, timeout=0.5) as client:
-        found = dict(lost_surveys(client, tmp_path))
+        found = dict(lost_surveys(client, tmp_path, 60.0))
     assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
-
-
-def test_a_worker_that_was_given_up_is_replaced(tmp_path, monkeypatch):
-    monkeypatch.setattr(batch_work, "POLL_S", 0.01)
-    local = LocalCluster(n_workers=1, processes=False, dashboard_address=None)
-    with local as cluster, Client(cluster) as client:
-        # Dask's own way when a worker stays away: nothing starts another one.
-        cluster.sync(cluster.workers.pop(0).close)
-        call = argparse.Namespace(survey="a", output=None, language="en")
-        job = batch_work.Job("a", tmp_path / "a", "report", call, "")
-        ((found, outcome),) = batch_work.outcomes(client, [job], tmp_path)
-    assert found is job
-    assert outcome.error.fault_code not in ("", faults.TOO_LARGE.code)
 
 
 def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surveys, tmp_path):
@@ -199,7 +181,7 @@ def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surve
 
 
 def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, monkeypatch):
-    monkeypatch.setattr("gpr20_analysis.commands.batch_work.TIME_LIMIT_S", 0.5)
+    monkeypatch.setattr("gpr20_analysis.commands.batch_command.CONNECT_LIMIT_S", 0.5)
     arguments = ["batch", *surveys, "--into", str(tmp_path), "--scheduler", "tcp://127.0.0.1:9"]
     assert main(arguments) == 3
     assert refusals == [NOT_ALLOWED.code]
@@ -210,10 +192,8 @@ def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, mo
     [
         ["a.nc", "--command", "image --figures f"],
         ["a.nc", "--command", "verify"],
-        ["a.nc", "--workers", "0"],
         ["one/a.nc", "two/a.nc"],
         ["a.nc", "--ending", "/../../a.pdf"],
-        ["a.nc", "--command", "plot 'coverage"],
     ],
 )
 def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals, arguments):

@@ -45,6 +45,18 @@ def test_the_example_of_the_document_runs(tmp_path, monkeypatch):
     assert names["survey"].s21.shape == (2, 4, 3, 101)
     assert names["image"].image.dims == ("polarization", "depth", "y", "x")
     assert gpr20_analysis.load_survey("survey.nc").equals(names["survey"])
+    assert {"x_m", "y_m", "depth_m"} <= set(names["table"].columns)
+
+
+def test_the_interface_lists_its_names_alone_and_every_variable_says_what_it_is():
+    assert dir(gpr20_analysis) == gpr20_analysis.__all__
+    survey = load_survey(gpr20_analysis.sample_survey())
+    image = gpr20_analysis.image_survey(survey, gpr20_analysis.ImageOptions(permittivity=5.0))
+    for data in (survey, image, gpr20_analysis.to_time(survey)):
+        unnamed = [name for name in data.variables if not data[name].attrs.get("long_name")]
+        assert unnamed == []
+    assert image.depth.units == "m" and survey.frequency.units == "Hz"
+    assert float(image.echoes.sel(value="depth").max()) <= float(image.depth[-1]) + 0.01
 
 
 def test_every_public_name_is_there_documented_and_told():

@@ -97,7 +97,7 @@ def test_what_is_added_is_not_signed_before_somebody_signs(folder, keys, verify,
     assert verify(folder) == (0, "valid", "")
     (folder / "manifest.json").unlink()
     assert verify(folder)[:2] == (2, "unsigned")
-    assert main(["repair", str(folder)]) == 0
+    assert main(["verify", "--repair", str(folder)]) == 0
     assert verify(folder)[:2] == (2, "wrong")
     assert main(["sign", str(folder), key]) == 0
     assert verify(folder) == (0, "valid", "")

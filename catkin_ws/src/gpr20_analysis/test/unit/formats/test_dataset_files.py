@@ -1,21 +1,19 @@
-"""NetCDF files keep the conventions, and a Zarr folder from elsewhere cannot run code."""
+"""NetCDF files keep the conventions; no text in a CSV file is a formula."""
 
 import csv
 import io
-import json
 import math
 import os
-import pickle
 import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
 from candidate_examples import candidate_list
 from case_kit import each_case
-from fault_kit import raises_fault
 from hypothesis import example, given
 from hypothesis import strategies as st
 from random_surveys import random_survey
@@ -24,7 +22,6 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis import (
     cell_text,
     export_survey,
-    faults,
     load_survey,
     write_candidates,
     write_markers,
@@ -32,10 +29,8 @@ from gpr20_analysis import (
 from gpr20_analysis.candidates.marker_list import MarkerList
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.checksums import SUMS_FILE
-from gpr20_analysis.formats.csv_cells import csv_cell
-from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
-from gpr20_analysis.formats.zarr_codecs import refuse_unsafe_codecs
+from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
@@ -86,54 +81,14 @@ def test_xarray_reads_numbers_flags_and_times(tmp_path):
         assert survey.attrs["survey_id"] in found.attrs["title"]
 
 
-class Trap:
-    """Makes a folder when it is unpickled."""
-
-    def __init__(self, path):
-        self._path = path
-
-    def __reduce__(self):
-        return os.mkdir, (str(self._path),)
-
-
-@pytest.fixture
-def trapped(tmp_path):
-    """Return a Zarr folder with an array of pickled objects, and what appears if they are read."""
-    path, trace = tmp_path / "s.zarr", tmp_path / "code_ran"
-    write_dataset(xr.Dataset({"a": ("x", np.arange(3.0))}), path)
-    # The author of such a folder leaves our checksum out.
-    (path / SUMS_FILE).unlink()
-    (path / ".zmetadata").unlink()
-    place = path / "a" / ".zarray"
-    array = json.loads(place.read_text())
-    array.update(dtype="|O", compressor=None, filters=[{"id": "pickle", "protocol": 5}])
-    place.write_text(json.dumps({**array, "fill_value": None}))
-    (path / "a" / "0").write_bytes(pickle.dumps([Trap(trace), None, None]))
-    return path, trace
-
-
-def test_pickled_objects_are_refused_unread(trapped, tmp_path):
-    path, trace = trapped
-    with raises_fault(faults.INPUT, "needs the codec 'pickle', which is not known"):
-        read_dataset(path)
-    assert not trace.exists()
-    # Metadata behind a link are checked too.
-    linked = tmp_path / "linked.zarr"
-    linked.mkdir()
-    (linked / "a").symlink_to(path / "a", target_is_directory=True)
-    with raises_fault(faults.INPUT):
-        refuse_unsafe_codecs(linked)
-
-
-def test_a_codec_that_is_not_known_is_refused_wherever_it_is_named(tmp_path):
-    for metadata in (
-        {"metadata": {"a/.zarray": {"filters": [{"id": "pickle"}]}}},
-        {"codecs": [{"name": "sharding_indexed", "configuration": {"codecs": ["python"]}}]},
-        {"compressor": {}},
-    ):
-        (tmp_path / "zarr.json").write_text(json.dumps(metadata))
-        with raises_fault(faults.INPUT):
-            refuse_unsafe_codecs(tmp_path)
+def test_h5py_reads_an_export_as_hdf5(tmp_path):
+    survey = random_survey(4)
+    export_survey(survey, tmp_path / "s.nc", "netcdf")
+    with h5py.File(tmp_path / "s.nc") as file:
+        own = file["s21_real"][:] + 1j * file["s21_imag"][:]
+        np.testing.assert_array_equal(own, survey.s21.values)
+        np.testing.assert_array_equal(file["frequency"][:], survey.frequency.values)
+        assert file["s21_real"].fletcher32 and file["height"].fletcher32
 
 
 SEPARATORS = (",", ";", "\t")

@@ -1,13 +1,12 @@
-"""Others read what is exported; it has its checksum, and says that it is simulated."""
+"""Others read what is exported; it says that it is simulated."""
 
-from xml.etree import ElementTree
+import json
 
 import numpy as np
 import pandas as pd
 import pytest
 import segyio
 import skrf
-from checksum_kit import check_with_sha256sum
 from fault_kit import raises_fault
 from obspy.io.segy.segy import _read_segy
 from random_surveys import random_survey
@@ -17,8 +16,8 @@ from survey_kit import POINTS, make_survey
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import usable
-from gpr20_analysis.formats.conversion import export_survey
-from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.formats.exports import export_survey
+from gpr20_analysis.formats.facts import facts_beside
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
 from gpr20_survey.radar.frequency_to_delay import Window
@@ -61,42 +60,15 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
     assert row["imag_6000000000.0_hz"] == own[-1].imag
 
 
-IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.03")
-
-
-def read_vtr(path):
-    """Return the arrays of a VTK file by name, from its XML alone."""
-    head, _, data = path.read_bytes().partition(b'<AppendedData encoding="raw">')
-    data = data[data.index(b"_") + 1 :]
-    root = ElementTree.fromstring(head + b"</VTKFile>")
-    assert (root.get("type"), root.get("byte_order")) == ("RectilinearGrid", "LittleEndian")
-    size_type = {"UInt32": "<u4", "UInt64": "<u8", None: "<u4"}[root.get("header_type")]
-    found = {}
-    for one in root.iter("DataArray"):
-        start = int(one.get("offset"))
-        (size,) = np.frombuffer(data, size_type, 1, start)
-        start += np.dtype(size_type).itemsize
-        kind = {"Float64": "<f8", "Float32": "<f4", "Int64": "<i8"}[one.get("type")]
-        found[one.get("Name")] = np.frombuffer(data[start : start + int(size)], kind)
-    return found
-
-
-def test_vtk_files_hold_the_image_and_say_that_it_is_simulated(folder, tmp_path):
-    paths = [tmp_path / name for name in ("i.vtr", "i.nc")]
-    outputs = [word for path in paths for word in ("-o", str(path))]
-    assert main(["image", str(folder), *IMAGE, *outputs]) == 0
-    found, image = read_vtr(paths[0]), read_dataset(paths[1])
-    own = np.abs(image.image.values[1])[::-1].reshape(-1)  # x fastest, z upwards
-    np.testing.assert_array_equal(found["magnitude_90deg"], own)
-    np.testing.assert_allclose(found["z_coordinates"], -image.depth.values[::-1], atol=1e-12)
-    assert found["simulated"].tolist() == [1]
-
-
-def test_sha256sum_checks_an_export(tmp_path):
-    for form, name in (("touchstone", "out"), ("csv", "out.csv")):
-        (tmp_path / form).mkdir()
-        export_survey(random_survey(1, one_polarization=True), tmp_path / form / name, form)
-        check_with_sha256sum(tmp_path / form)
+def test_what_a_format_has_no_place_for_is_beside_it_as_json(tmp_path):
+    survey = random_survey(1, one_polarization=True).assign_attrs(operator="Ana")
+    for form, name in (("touchstone", "out"), ("csv", "out.csv"), ("segy", "out.sgy")):
+        for path in export_survey(survey, tmp_path / name, form):
+            facts = json.loads((tmp_path / f"{path.name}.json").read_text())
+            assert (facts["survey_id"], facts["operator"]) == ("survey-1", "Ana"), form
+            assert facts["x_mm"] == (survey.x.values * 1000.0).tolist(), form
+            found = facts_beside(path).restored(survey.assign_attrs(operator=""))
+            assert found.attrs["operator"] == "Ana"
 
 
 SEEDS = range(draws(2))

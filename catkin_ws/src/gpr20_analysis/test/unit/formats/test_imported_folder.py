@@ -20,15 +20,15 @@ from run_seed import draws
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import BESIDE
-from gpr20_analysis.commands.batch_command import _surveys
+from gpr20_analysis.commands.batch_command import surveys_at
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS, Quality
 from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import INCOMPLETE
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 TIME_LIMIT_S = 60.0
@@ -91,7 +91,7 @@ def test_a_missing_trace_is_named_and_the_survey_is_to_be_imported_again(tmp_pat
 def test_a_lost_manifest_is_repaired_and_notes_can_be_added(tmp_path, capsys):
     folder = imported_folder(tmp_path)
     (folder / "manifest.json").unlink()
-    assert main(["repair", str(folder)]) == INCOMPLETE
+    assert main(["verify", "--repair", str(folder)]) == INCOMPLETE
     assert main(["annotate", str(folder), "--name", "Line 7"]) == 0
     assert verify_survey(folder).faults == []
     assert load_survey(folder).attrs["survey_name"] == "Line 7"
@@ -122,7 +122,7 @@ def test_an_import_that_is_killed_leaves_nothing_that_is_listed(tmp_path, seed):
     others = {one.name for one in tmp_path.iterdir()} - {one.name for one in listed}
     assert all(one.startswith(BESIDE) for one in others)
     listed.append(imported_folder(tmp_path))
-    assert {one for one, _ in _surveys(tmp_path, tmp_path / "into")} == set(listed)
+    assert {one for one, _ in surveys_at(tmp_path, tmp_path / "into")} == set(listed)
 
 
 def test_data_that_a_survey_cannot_hold_leave_nothing(tmp_path):

@@ -18,8 +18,7 @@ from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.read.growing_survey import GrowingSurvey
-from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.load import GrowingSurvey, load_survey
 from gpr20_common.faults import BUSY
 from gpr20_survey.folder.survey_folder import trace_file_name
 from gpr20_survey.trace import trace_json

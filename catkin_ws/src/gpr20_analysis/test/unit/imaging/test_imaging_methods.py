@@ -10,21 +10,18 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from run_seed import draws
 
-from gpr20_analysis import faults, lazy
+from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.imaging.back_projection import back_projection_image, pair_image
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.lattice import even_step_m, lattice_image
 from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.projection.back_projection import back_projection_image
-from gpr20_analysis.imaging.projection.lattice import even_step_m
-from gpr20_analysis.imaging.projection.lattice_projection import lattice_image
-from gpr20_analysis.imaging.projection.pair_projection import pair_image
-from gpr20_analysis.imaging.projection.projection_scene import scene_of
+from gpr20_analysis.imaging.projection_scene import scene_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.progress import no_progress
-from gpr20_analysis.threads import on_threads
+from gpr20_analysis.work import no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.world.scene import Surface
@@ -170,7 +167,7 @@ def test_a_finer_image_has_the_same_values_and_shows_a_target_nearer_to_its_plac
 
 def test_an_image_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
     survey = survey_with(point(200, 200, 0.1))
-    monkeypatch.setattr(lazy, "available_bytes", lambda: 20_000_000)
+    monkeypatch.setattr("gpr20_analysis.imaging.image.available_bytes", lambda: 20_000_000)
     for step_m in (0.0009, 1.1, float("nan")):
         with raises_fault(NOT_ALLOWED):
             ImageOptions(Method.PHASE_SHIFT, 4.0, grid_step_m=step_m)

@@ -108,8 +108,6 @@ def test_coupling_and_surface_echo_are_removed_at_any_height(seed):
     cleaned = remove_background(survey)
     assert left_db(survey) < -150.0
     np.testing.assert_array_equal(np.isnan(cleaned.s21), np.isnan(survey.s21))
-    lazy = survey.assign(s21=survey.s21.chunk({"polarization": 1, "y": 4}))
-    np.testing.assert_allclose(remove_background(lazy).s21, cleaned.s21, atol=1e-12)
 
 
 def test_the_surface_is_the_mean_where_heights_say_nothing():

@@ -11,9 +11,9 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.image_output import permittivity_line, permittivity_range
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.permittivity.buried_reference import BuriedReference
+from gpr20_analysis.imaging.permittivity import permittivity_line, permittivity_range
+from gpr20_analysis.imaging.permittivity_source import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.faults import NOT_ALLOWED

@@ -91,9 +91,9 @@ def test_what_makes_no_sense_is_refused(monkeypatch):
     ):
         with raises_fault(fault):
             refused()
-    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 0)
+    monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 0)
     with raises_fault(faults.TOO_LARGE):
-        remove_low_rank(empty.chunk())
+        remove_low_rank(empty)
 
 
 def test_pursuit_recovers_both_parts():

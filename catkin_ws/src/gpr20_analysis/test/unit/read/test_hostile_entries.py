@@ -15,7 +15,7 @@ from storage_kit import with_bag
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands import main
-from gpr20_analysis.read.recordings import open_recording
+from gpr20_analysis.read.sources import open_source
 from gpr20_survey.errors import IrregularFileError
 
 LIMIT_S = 60
@@ -27,7 +27,7 @@ FILES = (
     *("log.copy.jsonl", "one trace", "damaged/old.json", "notes.txt"),
 )
 COMMANDS = (
-    *(["verify"], ["repair"], ["info"], ["info", "--accept-damaged"]),
+    *(["verify"], ["verify", "--repair"], ["info"], ["info", "--accept-damaged"]),
     *(["markers"], ["annotate"], ["replay"]),
 )
 
@@ -68,7 +68,7 @@ KINDS = {
 KNOWN = [
     *(
         (outcome, name, kind, command)
-        for outcome, command in (("finished", ["verify"]), (UNSEALED, ["repair"]))
+        for outcome, command in (("finished", ["verify"]), (UNSEALED, ["verify", "--repair"]))
         for name in ("survey.bag", "survey.mcap")
         for kind in ("pipe", "link to zeros", "hole behind content")
     ),
@@ -161,7 +161,7 @@ def test_a_command_ends_soon_and_believes_nothing_irregular(surveys, tmp_path):
         if command[0] == "verify" and outcome == "finished" and status == 1:
             broken.append(f"{case}: only incomplete")
         # What repair writes is the manifest; what lay there instead is then in damaged/.
-        may_write = command[0] == "repair" and (outcome == UNSEALED or name == "manifest.json")
+        may_write = "--repair" in command and (outcome == UNSEALED or name == "manifest.json")
         if not may_write and (snapshot(folder), snapshot(elsewhere)) != before:
             broken.append(f"{case}: something was changed")
         if (outcome, name, kind, command) in KNOWN and status not in (2, 3):
@@ -174,7 +174,7 @@ def test_a_command_ends_soon_and_believes_nothing_irregular(surveys, tmp_path):
 def test_a_recording_that_is_named_may_be_a_link_but_no_pipe(surveys, tmp_path, name):
     link, pipe = tmp_path / name, tmp_path / f"pipe-{name}"
     link.symlink_to(surveys["finished"] / name)
-    assert len(list(open_recording(link).traces)) == len(POINTS)
+    assert len(list(open_source(link).traces())) == len(POINTS)
     os.mkfifo(str(pipe))
     with pytest.raises(IrregularFileError):
-        open_recording(pipe)
+        open_source(pipe)

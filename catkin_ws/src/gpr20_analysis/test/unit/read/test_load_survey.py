@@ -1,10 +1,9 @@
-"""A survey becomes the same Dataset from whatever holds it, also one too large for the memory."""
+"""A survey becomes the same Dataset from whatever holds it."""
 
 import csv
 import json
 from dataclasses import astuple
 
-import dask.array
 import numpy as np
 import pytest
 from fault_kit import raises_fault
@@ -17,14 +16,11 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.formats.plain_csv import write_plain_csv
 from gpr20_analysis.formats.touchstone import write_touchstone
-from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.lazy import available_bytes
-from gpr20_analysis.processing.chain import apply_steps, step_from_text
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
 from gpr20_analysis.report.sections import _sensors
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes.axis_id import ZeroEpoch
 from gpr20_survey.trace.aux_value import AuxValue
@@ -57,16 +53,11 @@ def settings_in(attributes):
     return {name: attributes[name] for name in SETTINGS if name in attributes}
 
 
-def test_every_source_gives_the_same_dataset_also_as_a_lazy_one(folder, tmp_path):
+def test_every_source_gives_the_same_dataset(folder):
     for name in (".", "traces", "survey.bag", "survey.mcap"):
-        found, lazy = load_survey(folder / name), load_survey(folder / name, lazy_bytes=0)
+        found = load_survey(folder / name)
         assert found.equals(load_survey(folder)), name
         assert settings_in(found.attrs) == SETTINGS, name
-        assert isinstance(lazy.s21.data, dask.array.Array), name
-        assert lazy.compute().identical(found), name
-    stopped = make_survey(tmp_path, ALL - 5, "stopped")
-    for place in (stopped, stopped / "traces"):
-        assert load_survey(place, lazy_bytes=0).compute().identical(load_survey(place)), place
 
 
 def test_every_sample_lies_at_its_place_in_si_units(folder):
@@ -126,30 +117,11 @@ def test_missing_heights_and_remarks_of_the_robot_are_marked(tmp_path):
     assert survey.remarks.values[marked(Quality.REMARKED)].tolist() == ["VNA was slow; again"]
 
 
-@pytest.mark.parametrize("ending", ["nc", "zarr"])
-def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path, ending):
+def test_a_dataset_comes_back_from_its_file_unchanged(folder, tmp_path):
     with_holes = load_survey(make_survey(tmp_path, ALL - 5, "stopped"))
     for number, survey in enumerate((load_survey(folder), with_holes)):
-        write_dataset(survey, tmp_path / f"{number}.{ending}")
-        assert load_survey(tmp_path / f"{number}.{ending}").identical(survey), number
-    # And a lazy one goes through steps to a file.
-    steps = [step_from_text(one) for one in ("window", "time", "gain:method=agc")]
-    first, second, third = (tmp_path / f"{name}.{ending}" for name in (0, "lazy", "steps"))
-    write_dataset(apply_steps(load_survey(folder), steps, None), third)
-    lazy = load_survey(first, lazy_bytes=0)
-    assert isinstance(lazy.s21.data, dask.array.Array) and lazy.s21.data.chunks[0] == (1, 1)
-    write_dataset(apply_steps(lazy, steps, None), second)
-    found = load_survey(second, lazy_bytes=0)
-    assert found.chunks and found.compute().identical(load_survey(third))
-
-
-def test_the_temporary_file_goes_with_the_survey(folder, tmp_path, monkeypatch):
-    monkeypatch.setenv("TMPDIR", str(tmp_path))
-    monkeypatch.setattr("tempfile.tempdir", None)
-    lazy = load_survey(folder, lazy_bytes=0)
-    assert list(tmp_path.iterdir())
-    del lazy
-    assert not list(tmp_path.iterdir())
+        write_dataset(survey, tmp_path / f"{number}.nc")
+        assert load_survey(tmp_path / f"{number}.nc").identical(survey), number
 
 
 def test_an_image_that_cannot_be_is_refused_before_it_is_computed(folder, refusals, monkeypatch):
@@ -158,10 +130,9 @@ def test_an_image_that_cannot_be_is_refused_before_it_is_computed(folder, refusa
     assert available_bytes() > 1 << 20
     monkeypatch.setattr("resource.getrlimit", lambda kind: (4096, 4096))
     assert available_bytes() == 4096
-    monkeypatch.setattr("gpr20_analysis.lazy.available_bytes", lambda: 1000)
+    monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 1000)
     with raises_fault(faults.TOO_LARGE):
-        options = ImageOptions(permittivity=4.0, height_m=0.2)
-        image_survey(load_survey(folder, lazy_bytes=0), options)
+        load_survey(folder)
 
 
 def test_what_is_no_survey_is_refused_by_name(tmp_path):

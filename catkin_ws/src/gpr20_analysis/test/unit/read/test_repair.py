@@ -20,8 +20,8 @@ from survey_kit import (
 )
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.read.manifest_check import DATA
-from gpr20_analysis.read.manifest_repair import OTHERS, VOUCHED
+from gpr20_analysis.read.checks import DATA
+from gpr20_analysis.read.repair import OTHERS, VOUCHED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import CAN_RESUME, MANIFEST_DAMAGED, UNCONFIRMED
 from gpr20_survey.folder import manifest
@@ -74,7 +74,7 @@ def change_both(folder, number):
 def test_a_record_that_is_damaged_in_both_files_is_unconfirmed_for_ever(copy, number):
     change_both(copy, number)
     assert verify_survey(copy).status == DAMAGED
-    assert main(["repair", str(copy)]) == NOT_COMPLETE
+    assert main(["verify", "--repair", str(copy)]) == NOT_COMPLETE
     ((name, entry),) = read_description(copy)["unconfirmed"].items()
     changed = f"9{str(marker(number).x_mm)[1:]}"
     assert all(changed in (copy / "damaged" / one).read_text() for one in FILES)
@@ -87,7 +87,7 @@ def test_a_record_that_is_damaged_in_both_files_is_unconfirmed_for_ever(copy, nu
         assert description["unconfirmed"] == {name: entry}
         ids = {one.marker_id for one in markers_of(description)}
         assert ids == {marker(one).marker_id for one in range(1, 6) if one != number}
-        assert main(["repair", str(copy)]) == NOT_COMPLETE
+        assert main(["verify", "--repair", str(copy)]) == NOT_COMPLETE
     assert main(["annotate", str(copy), "--site", "here"]) == DONE
     assert verify_survey(copy).unconfirmed == (name,)
 
@@ -97,10 +97,10 @@ def test_the_last_entry_of_the_manifest_that_is_damaged_in_both_files_is_named(c
         content = (copied / name).read_bytes()
         (copied / name).write_bytes(content.replace(b'"kind":"end"', b'"kind":"And"'))
     assert verify_survey(copied).status == DAMAGED
-    assert main(["repair", str(copied)]) == NOT_COMPLETE
+    assert main(["verify", "--repair", str(copied)]) == NOT_COMPLETE
     found = verify_survey(copied)
     assert (found.faults, len(found.unconfirmed)) == ([], 1)
-    assert main(["repair", str(copied)]) == NOT_COMPLETE
+    assert main(["verify", "--repair", str(copied)]) == NOT_COMPLETE
     assert main(["annotate", str(copied), "--site", "here"]) == NOT_COMPLETE + 2  # it never ended
 
 
@@ -125,17 +125,17 @@ def replaced(tmp_path):
 def test_a_manifest_is_left_alone_or_written_again_and_the_damaged_one_kept(copied, capsys):
     path, before = copied / "manifest.json", files(copied)
     whole = path.read_bytes()
-    assert main(["repair", str(copied)]) == 0 and path.read_bytes() == whole
+    assert main(["verify", "--repair", str(copied)]) == 0 and path.read_bytes() == whole
     path.unlink()
     assert verify_survey(copied).status == 2
-    assert main(["repair", str(copied)]) == 0 and is_added_to(copied, before)
+    assert main(["verify", "--repair", str(copied)]) == 0 and is_added_to(copied, before)
     content = bytearray(path.read_bytes())
     content[len(content) // 3] ^= 8
     path.write_bytes(content)
     found = verify_survey(copied)
     assert found.status == 2 and found.faults[0].fault_code == MANIFEST_DAMAGED.code
     capsys.readouterr()
-    assert main(["repair", str(copied)]) == 0
+    assert main(["verify", "--repair", str(copied)]) == 0
     assert str(VOUCHED) in capsys.readouterr().out
     assert is_added_to(copied, {**before, "damaged/manifest.json": bytes(content)})
     rewritten = recover(copied).found.records[-1]
@@ -150,7 +150,7 @@ def test_the_manifest_of_another_survey_is_replaced_and_vouches_for_nothing(copi
     path.write_bytes(foreign.encode())
     (fault,) = verify_survey(copied).faults
     assert SURVEY[::-1] in str(fault)
-    assert main(["repair", str(copied)]) == DONE
+    assert main(["verify", "--repair", str(copied)]) == DONE
     assert is_added_to(copied, {**before, "damaged/manifest.json": foreign.encode()})
     assert verify_survey(copied).status == DONE
 
@@ -166,7 +166,7 @@ def test_a_manifest_of_another_version_is_refused_but_not_one_whose_digit_flippe
     changed = encode({**values, "sha256": own_sum}) if is_own else with_own_sum(values)
     path.write_bytes(changed)
     assert verify_survey(copied).status == DAMAGED
-    assert main(["repair", str(copied)]) == code
+    assert main(["verify", "--repair", str(copied)]) == code
     assert ("gpr20-manifest/3" in capsys.readouterr().err) != is_own
     assert (path.read_bytes() == changed) != is_own
 
@@ -180,7 +180,7 @@ def test_a_file_of_the_log_that_lacks_the_last_entry_of_the_manifest_is_written_
     whole = path.read_bytes()
     path.write_bytes(whole[: -cut if cut else whole.rindex(b"\n", 0, -1) + 1])
     assert verify_survey(stopped_without_bag).status == DAMAGED
-    assert main(["repair", str(stopped_without_bag)]) == NOT_COMPLETE
+    assert main(["verify", "--repair", str(stopped_without_bag)]) == NOT_COMPLETE
     assert path.read_bytes() == whole
 
 
@@ -200,7 +200,7 @@ def test_nothing_is_sealed_that_disagrees(copied, capsys, name, keep):
     if not keep:
         (copied / "manifest.json").unlink()
     before = files(copied)
-    assert main(["repair", str(copied)]) in (2, 3)
+    assert main(["verify", "--repair", str(copied)]) in (2, 3)
     assert files(copied) == before
     assert (copied / "manifest.json").exists() == keep
 
@@ -210,13 +210,13 @@ def test_data_that_were_replaced_as_a_whole_are_named_for_ever(copied, replaced,
         for path in [copied / name] if name != "traces" else (copied / name).iterdir():
             shutil.copy(str(replaced / path.relative_to(copied)), str(path))
     (copied / "manifest.json").unlink()
-    assert main(["repair", str(copied)]) == 1
+    assert main(["verify", "--repair", str(copied)]) == 1
     printed = capsys.readouterr().out
     assert str(OTHERS) in printed and str(VOUCHED) not in printed
     for _ in range(2):
         found = verify_survey(copied)
         assert (found.status, found.unconfirmed) == (1, (DATA,))
-        assert main(["repair", str(copied)]) == 1
+        assert main(["verify", "--repair", str(copied)]) == 1
 
 
 def test_data_that_were_replaced_with_the_manifest_are_found(copied, replaced):
@@ -231,5 +231,5 @@ def test_data_that_were_replaced_with_the_manifest_are_found(copied, replaced):
 
 def test_a_survey_that_is_not_closed_is_refused(tmp_path, refusals):
     folder = make_survey(tmp_path, 4, None)
-    assert main(["repair", str(folder)]) == 3
+    assert main(["verify", "--repair", str(folder)]) == 3
     assert refusals == [CAN_RESUME.code]

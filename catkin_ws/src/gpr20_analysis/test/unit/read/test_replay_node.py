@@ -17,8 +17,7 @@ from survey_kit import POINTS, SURVEY, planned_trace
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.high import graph as other_nodes
-from gpr20_analysis.high import replay_marker, replay_node
+from gpr20_analysis.high import replay_node
 from gpr20_common.errors import NodeGoneError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
@@ -58,8 +57,8 @@ def graph(monkeypatch):
         (rospy, "on_shutdown", lambda _stop: None),
         (rosgraph, "is_master_online", lambda: True),
         (rosgraph, "Master", lambda _caller: state),
-        (other_nodes, "NodeProbe", made.probe),
-        (replay_marker, "advertise", lambda name, _kind, do: made.services.setdefault(name, do)),
+        (replay_node, "NodeProbe", made.probe),
+        (replay_node, "advertise", lambda name, _kind, do: made.services.setdefault(name, do)),
         (replay_node, "subscriber_count", lambda _name: 0),
         *((replay_node, f"{name}_S", 0.0) for name in ("CONNECT_WAIT", "FIRST_WAIT", "LINGER")),
     ):
@@ -67,8 +66,8 @@ def graph(monkeypatch):
     return made
 
 
-def test_every_trace_comes_back_from_mcap_and_from_json_files(graph, finished):
-    for number, part in enumerate((finished, finished / "traces")):
+def test_every_trace_comes_back_from_mcap_and_from_a_bag(graph, finished):
+    for number, part in enumerate((finished, finished / "survey.bag")):
         assert main(["replay", str(part), "--rate", "1e4", "--ns", f"r{number}"]) == 0
         found = graph.received(f"/r{number}/trace", Trace)
         assert len(found) == len(POINTS)
@@ -93,9 +92,8 @@ def test_an_imported_survey_comes_back_without_a_plan(graph, tmp_path):
 
 def test_it_is_refused_on_topics_of_others_but_not_of_the_dead(graph, finished, refusals):
     graph.others["/trace"] = ["/robot"]
-    for part in (finished, finished / "traces"):
-        assert main(["replay", str(part), "--ns", "/", "--rate", "1e4"]) == 3
-    assert refusals == [faults.ROBOT_RUNS.code] * 2 and graph.sent == {}
+    assert main(["replay", str(finished), "--ns", "/", "--rate", "1e4"]) == 3
+    assert refusals == [faults.ROBOT_RUNS.code] and graph.sent == {}
     for name in ("a b", "1st", "../x", "a//b"):
         assert main(["replay", str(finished), "--ns", name]) == 3 and graph.sent == {}, name
     assert main(["replay", str(finished), "--rate", "1e4"]) == 0

@@ -3,8 +3,7 @@
 import pytest
 from fault_kit import raises_fault
 
-from gpr20_analysis.read.playback import Pace, Playback
-from gpr20_analysis.read.replay import Due, from_start
+from gpr20_analysis.read.replay import Pace, Playback, from_start
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 
@@ -28,7 +27,7 @@ class JumpingClock:
 
 
 def test_messages_are_due_at_their_recorded_times():
-    items = [Due(int(time_s * 1e9), time_s) for time_s in (50.0, 52.0, 51.0, 62.0)]
+    items = [message("/it", time_s) for time_s in (50.0, 52.0, 51.0, 62.0)]
     for pace, expected_s in (
         (Pace(1.0), [0.0, 2.0, 2.0, 12.0]),
         (Pace(4.0), [0.0, 0.5, 0.5, 3.0]),
@@ -60,8 +59,8 @@ def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
         return 1.0
 
     clock.on_wait = wait
-    items = [Due(0, "a"), Due(12 * 10**9, "b")]
-    assert list(playback.play(items)) == ["a", "b"]
+    items = [message("/a", 0.0), message("/b", 12.0)]
+    assert [one.topic for one in playback.play(items)] == ["/a", "/b"]
     # 1 s, paused for 1 s, another 1 s, then the remaining 10 s ten times as fast.
     assert clock.now - 100.0 == pytest.approx(4.0)
     assert playback.position_s == 12.0
@@ -70,15 +69,15 @@ def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
 def test_a_replay_that_starts_paused_shows_its_first_moment():
     clock = JumpingClock()
     playback = Playback(Pace(paused=True), clock)
-    contents = playback.play([Due(5, "a"), Due(5, "b"), Due(10**9, "c")])
-    assert (next(contents), next(contents)) == ("a", "b")
+    contents = playback.play([message(f"/{one}", at) for one, at in (("a", 5), ("b", 5), ("c", 9))])
+    assert (next(contents).topic, next(contents).topic) == ("/a", "/b")
     clock.on_wait = lambda _timeout_s: playback.stop() or 0.0
     assert list(contents) == []
 
 
 def message(topic, time_s, data=b""):
     kind = "gpr20_msgs/Trace" if topic == "/trace" else "std_msgs/String"
-    return Due(round(time_s * 1e9), RecordedMessage(topic, kind, "", "", data, round(time_s * 1e9)))
+    return RecordedMessage(topic, kind, "", "", data, round(time_s * 1e9))
 
 
 def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once():
@@ -91,9 +90,7 @@ def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once()
         message("/trace", 54.0, b"2"),
         message("/control_status", 60.0, b"finished"),
     ]
-    found = [
-        (due.content.topic, due.content.data, due.time_ns / 1e9) for due in from_start(items, 4.0)
-    ]
+    found = [(one.topic, one.data, one.time_ns / 1e9) for one in from_start(items, 4.0)]
     assert found == [
         ("/survey_metadata", b"", 54.0),
         ("/trace", b"0", 54.0),
@@ -104,5 +101,5 @@ def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once()
     ]
     # Behind the end: everything at once.
     late = list(from_start(items, 1000.0))
-    assert [due.content.data for due in late][-1] == b"finished"
-    assert len({due.time_ns for due in late}) == 1
+    assert [one.data for one in late][-1] == b"finished"
+    assert len({one.time_ns for one in late}) == 1

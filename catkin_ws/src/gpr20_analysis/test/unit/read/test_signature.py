@@ -12,7 +12,7 @@ from run_seed import SEED, draws
 from signing_kit import fingerprint, make_key, signers_line
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.signature_check import Signature, check_signature
+from gpr20_analysis.read.signature import Signature, check_signature
 from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError, StorageFailedError

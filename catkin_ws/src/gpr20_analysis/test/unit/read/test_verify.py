@@ -19,8 +19,8 @@ from survey_kit import (
 from trace_examples import SURVEY
 
 from gpr20_analysis import faults
+from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.verify import main
 from gpr20_survey.faults import LOG_LOST
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import open_log, recover
@@ -59,24 +59,24 @@ def test_only_a_closed_survey_with_every_trace_is_complete(finished, stopped, tm
         (make_survey(tmp_path / "a", len(POINTS), None), 1, "the survey was not closed"),
         (make_survey(tmp_path / "b", len(POINTS), "interrupted"), 1, "18 of 18"),
     ):
-        assert main([str(folder)]) == status, said
+        assert main(["verify", str(folder)]) == status, said
         printed = capsys.readouterr().out
         assert said in printed and ("complete" in printed) == (status == 0), said
 
 
 def test_a_survey_that_was_cut_off_is_judged_by_what_is_whole(tmp_path, capsys):
     folder = make_survey(tmp_path, 7, None)
-    assert main([str(folder)]) == 1
+    assert main(["verify", str(folder)]) == 1
     assert "7 of 18 planned traces are stored and readable, and the survey was not closed" in (
         capsys.readouterr().out
     )
     mcap = folder / "survey.mcap"
     content = mcap.read_bytes()
     cut_to(mcap, content, 6)
-    assert main([str(folder)]) == 1
+    assert main(["verify", str(folder)]) == 1
     assert "trace 6 is not in survey.mcap yet" in capsys.readouterr().out
     cut_to(mcap, content, 5)
-    assert main([str(folder)]) == 2
+    assert main(["verify", str(folder)]) == 2
 
 
 def test_damage_is_found_without_the_manifest_too(copied):
@@ -227,13 +227,13 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
         (stopped, 1, faults.NOT_COMPLETE.code),
         (copied, 2, faults.NOT_INTACT.code),
     ):
-        assert main([str(folder), "--json"]) == status
+        assert main(["verify", str(folder), "--json"]) == status
         answer = json.loads(capsys.readouterr().out)
         assert (answer["status"], answer["verdict"]["fault"].get("code", "")) == (status, code)
         assert all(one["fault"]["code"] and one["message"] for one in answer["faults"])
         assert bool(answer["faults"]) == (status == 2)
     for none in (copied.parent, copied / "missing"):
-        assert main([str(none), "--json"]) == 3
+        assert main(["verify", str(none), "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
         assert answer["error"]["fault"]["code"] == faults.INPUT.code
 
@@ -241,9 +241,9 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
 def test_many_faults_are_counted_and_told_on_request(copied, capsys):
     for path in (copied / "traces").iterdir():
         path.write_text("{")
-    assert main([str(copied)]) == 2
+    assert main(["verify", str(copied)]) == 2
     assert "more; --all prints all of them" in capsys.readouterr().out
-    assert main(["--all", str(copied)]) == 2
+    assert main(["verify", "--all", str(copied)]) == 2
     assert "--all" not in capsys.readouterr().out
 
 
@@ -251,7 +251,7 @@ def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
     for module in FOLDER_MODULES:
         (tmp_path / f"{module}.py").write_text("raise ImportError('no ROS here')\n")
     answer = subprocess.run(
-        [sys.executable, "-m", "gpr20_analysis.verify", str(finished)],
+        [sys.executable, "-m", "gpr20_analysis.commands.main", "verify", str(finished)],
         env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])},
         capture_output=True,
         text=True,

@@ -42,8 +42,8 @@ from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, trace_files
 from gpr20_survey.folder.log_record import Kind, LogHead

@@ -21,7 +21,7 @@ from run_seed import draws
 from storage_kit import Kit, with_bag
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.manifest_check import check_manifest
+from gpr20_analysis.read.checks import check_manifest
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder.log_record import Kind, LogRecord

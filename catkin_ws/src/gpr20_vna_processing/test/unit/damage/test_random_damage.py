@@ -15,8 +15,8 @@ from run_seed import SEED, draws
 from storage_kit import Kit
 from trace_examples import assert_same_numbers, read_json
 
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import annotation_of

@@ -23,8 +23,8 @@ from run_seed import LONG, SEED
 from storage_kit import Kit
 from trace_examples import SURVEY
 
+from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_analysis.read.verification_result import COMPLETE
 from gpr20_survey.errors import StorageFailedError
 from gpr20_survey.files import regular_file
 from gpr20_survey.folder import survey_log

@@ -1,18 +1,21 @@
 """What a file of another format must keep of a survey besides its numbers.
 
-Most formats have no place for it: it is then in the file of checksums beside the export, and what
+Most formats have no place for it: it is then in the file NAME.json beside the export NAME. What
 must never be lost, that data are simulated, is also in the names or contents of the files.
 """
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.to_frequency import SPECTRUM
 from gpr20_analysis.read import survey_attributes
@@ -26,7 +29,7 @@ from gpr20_analysis.sentences import (
     with_doubts,
     with_notes,
 )
-from gpr20_common.message import verbatim
+from gpr20_common.message import Message, verbatim
 
 SIMULATED = "SIMULATED"
 """Word in names, titles and comments of files whose data are simulated."""
@@ -79,16 +82,12 @@ def restored(data: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
     attributes.update({one: values[one] for one in TEXTS if isinstance(values.get(one), str)})
     for one in NUMBERS:
         value = values.get(one)
-        if _is_number(value):
-            attributes[one] = float(value)  # type: ignore[arg-type]
+        if isinstance(value, (int, float, np.integer, np.floating)) and np.isfinite(value):
+            attributes[one] = float(value)
     if isinstance(values.get(SIMULATED_KEY), (bool, int, np.integer, np.bool_)):
         # What says that it is simulated wins over what says that it is not.
         attributes[SIMULATED_KEY] = int(bool(values[SIMULATED_KEY]) or is_simulated(data))
     return with_doubts(data.assign_attrs(attributes), *carried_doubts(values))
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, (int, float, np.integer, np.floating)) and bool(np.isfinite(value))
 
 
 @dataclass(frozen=True)
@@ -108,13 +107,10 @@ class Facts:
     @classmethod
     def of(cls, data: xr.Dataset) -> Facts:
         """Return those of a survey."""
-        turns, ys, xs = (
-            tuple(float(one) for one in data[axis].values) for axis in dataset.SAMPLE_DIMS
-        )
-        ys, xs = (tuple(one * dataset.MM_PER_M for one in axis) for axis in (ys, xs))
-        return cls(
-            kept(data), SurveyGrid(turns, ys, xs), tuple(map(str, sentences_of(data, NOTES)))
-        )
+        turns, ys, xs = (data[axis].values.astype(float) for axis in dataset.SAMPLE_DIMS)
+        ys, xs = ys * dataset.MM_PER_M, xs * dataset.MM_PER_M
+        grid = SurveyGrid(*(tuple(axis.tolist()) for axis in (turns, ys, xs)))
+        return cls(kept(data), grid, tuple(map(str, sentences_of(data, NOTES))))
 
     def as_json(self) -> Dict[str, Any]:
         """Return them as values of JSON."""
@@ -127,25 +123,47 @@ class Facts:
             )
         return found
 
-    @classmethod
-    def from_json(cls, found: Mapping[str, Any]) -> Facts:
-        """Return the facts that `as_json` gave.
-
-        Raises:
-            KeyError, TypeError, ValueError: They are malformed.
-        """
-        axes = [
-            tuple(float(one) for one in found[name])
-            for name in ("polarization_deg", "y_mm", "x_mm")
-        ]
-        return cls(found, SurveyGrid(*axes), [str(one) for one in found[NOTES]])
-
     def restored(self, data: xr.Dataset) -> xr.Dataset:
         """Return imported data with these facts."""
         present = set(map(str, sentences_of(data, NOTES)))
         more = [verbatim(one) for one in self.notes if one not in present]
         data = restored(data, self.values)
         return data.assign_attrs(with_notes(data, more)) if more else data
+
+
+def facts_path(export: Path) -> Path:
+    """Return the path of the file beside an export."""
+    return export.with_name(f"{export.name}.json")
+
+
+def write_facts(survey: xr.Dataset, path: Path) -> None:
+    """Write the facts of an exported survey to a new file.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    path.write_text(json.dumps(Facts.of(survey).as_json(), indent=1), encoding="utf-8")
+
+
+def facts_beside(export: Path) -> Optional[Facts]:
+    """Return what the file beside an export says of it; None if there is no such file.
+
+    Raises:
+        UnreadableFileError: It is not as it was written.
+        OSError: It cannot be read.
+    """
+    path = facts_path(export)
+    if not path.is_file():
+        return None
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        axes = (found[name] for name in ("polarization_deg", "y_mm", "x_mm"))
+        grid = SurveyGrid(*(tuple(map(float, axis)) for axis in axes))
+        return Facts(found, grid, [str(one) for one in found[NOTES]])
+    except (KeyError, TypeError, ValueError) as error:
+        raise UnreadableFileError(
+            Message("{file} is damaged; delete it, or export the survey again", file=path.name)
+        ) from error
 
 
 def snapped(positions: np.ndarray, grid: Optional[SurveyGrid]) -> Optional[np.ndarray]:

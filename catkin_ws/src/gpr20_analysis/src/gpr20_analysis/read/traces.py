@@ -1,32 +1,44 @@
-"""The table in which the traces of a survey are collected."""
+"""The traces of a survey: the table in which they are collected, and the variables of a Dataset."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Optional, Set, Tuple
+from typing import Any, Collection, Dict, List, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
+from gpr20_analysis.dataset import AXIS, HEIGHT, SAMPLE_DIMS
 from gpr20_analysis.read.sources import Damage, Position
+from gpr20_analysis.read.survey_attributes import OF_ANALYZER
 from gpr20_analysis.read.survey_grid import Plan, planned_grid
+from gpr20_analysis.work import require_bytes
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import Zeros
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
-from gpr20_survey.trace.trace_form import FLOATS
+from gpr20_survey.trace.trace_form import FLOATS, TraceField
+from gpr20_survey.trace.utc_time import NS_PER_US
 
 EMPTY = complex(math.nan, math.nan)
 _SINGLE = [one.attribute for one in TRACE_FIELDS if one.form is not FLOATS]
 COLUMNS = {attribute: place for place, attribute in enumerate(_SINGLE)}
 """The places in a sample of what is not an array of the sweep, by their attributes."""
-Allocate = Callable[[Tuple[int, int]], np.ndarray]
-"""Makes an array of complex128 of a shape (samples, frequencies), filled with NaN."""
+# They are coordinates, attributes, or the variables `aux_<name>`.
+ELSEWHERE = ("format", "survey_id", "x_coord_mm", "y_coord_mm", "z_coord_deg", "aux")
+NAMES = {"antennae_height_m": HEIGHT, "quality": "remarks"}
+NEVER = np.datetime64("NaT", "ns")
+COMPLEX_BYTES = 16
 
 
-def in_memory(shape: Tuple[int, int]) -> np.ndarray:
-    """Return an array of NaN."""
-    return np.full(shape, EMPTY, np.complex128)
+def empty_rows(samples: int, frequencies: int) -> np.ndarray:
+    """Return the values (sample, frequency) of samples without data.
+
+    Raises:
+        TooLargeError: They do not fit into the memory.
+    """
+    require_bytes(samples * frequencies * COMPLEX_BYTES, Message("the survey"))
+    return np.full((samples, frequencies), EMPTY, np.complex128)
 
 
 @dataclass
@@ -60,7 +72,7 @@ class Sample:
 class TraceTable:
     """Collects the traces of one Dataset; a trace that does not fit becomes a fault."""
 
-    def __init__(self, count: int, plan: Optional[Plan], allocate: Allocate) -> None:
+    def __init__(self, count: int, plan: Optional[Plan]) -> None:
         self.faults: List[Damage] = []
         self.samples: Dict[int, Sample] = {}
         """The samples by index."""
@@ -74,7 +86,6 @@ class TraceTable:
         # With a plan the values are written to their place at once, which saves a copy.
         self._cells = planned_grid(plan).places(plan.positions) if plan else None
         self._capacity = max(count, 1) if plan is None else planned_grid(plan).cells
-        self._allocate = allocate
         self._repeated = 0
 
     def add(self, trace: Trace) -> None:
@@ -82,7 +93,7 @@ class TraceTable:
         if self.frequency_hz is None:
             self.frequency_hz = trace.frequency_hz
             self.survey_id = trace.survey_id
-            self.rows = self._allocate((self._capacity, len(trace.frequency_hz)))
+            self.rows = empty_rows(self._capacity, len(trace.frequency_hz))
         if trace.survey_id != self.survey_id:
             self.faults.append(Damage(of_other_survey(trace)))
         elif not np.array_equal(trace.frequency_hz, self.frequency_hz):
@@ -114,7 +125,7 @@ class TraceTable:
     def _take(self, trace: Trace) -> None:
         row = len(self.samples) if self._cells is None else int(self._cells[trace.index])
         if row >= len(self.rows):
-            grown = self._allocate((2 * row, self.rows.shape[1]))
+            grown = empty_rows(2 * row, self.rows.shape[1])
             grown[:row] = self.rows
             self.rows = grown
         values = self.rows[row]
@@ -164,3 +175,51 @@ def _span(frequency_hz: np.ndarray) -> Message:
         first_hz=frequency_hz[0],
         last_hz=frequency_hz[-1],
     )
+
+
+def trace_variables(
+    samples: Sequence[Sample],
+    cells: np.ndarray,
+    shape: Tuple[int, ...],
+    unknown_times: Collection[str],
+) -> Dict[str, Tuple[Tuple[str, ...], np.ndarray]]:
+    """Return dimensions and values of each variable.
+
+    What no sample knows is left out, but for the height, and so is a setting of the analyzer that
+    all samples share: it is an attribute.
+
+    Args:
+        samples: The samples.
+        cells: The place of each in the flat grid.
+        shape: Shape of the grid.
+        unknown_times: Names of the times that the traces have because they must have some.
+    """
+    found = {}
+    for one in TRACE_FIELDS:
+        if one.attribute not in COLUMNS or one.name in ELSEWHERE:
+            continue
+        values = [sample[one.attribute] for sample in samples]
+        name = NAMES.get(one.name, one.name)
+        is_shared = name in OF_ANALYZER and len(set(values)) == 1
+        if is_shared or (name != HEIGHT and all(map(one.is_unknown, values))):
+            continue
+        own, empty = _array(one, len(values) * [0] if name in unknown_times else values)
+        placed = np.full((math.prod(shape), *own.shape[1:]), empty, own.dtype)
+        placed[cells] = own
+        dims = (*SAMPLE_DIMS, AXIS)[: len(shape) + own.ndim - 1]
+        found[name] = dims, placed.reshape(*shape, *own.shape[1:])
+    return found
+
+
+def _array(field: TraceField, values: List[Any]) -> Tuple[np.ndarray, Any]:
+    """Return an array, and what it holds where there is no sample or the value is not known."""
+    kind = field.form.ros.partition("[")[0]
+    if kind == "time":
+        times_ns = np.array(values, np.int64) * NS_PER_US
+        return np.where(times_ns == 0, NEVER, times_ns.astype("datetime64[ns]")), NEVER
+    if kind == "string":
+        texts = [one if isinstance(one, str) else "; ".join(one) for one in values]
+        return np.array(texts, np.str_), ""
+    if kind == "float64":
+        return np.array([math.nan if field.is_unknown(one) else one for one in values]), math.nan
+    return np.array(values, np.int64), -1 if field.unknown is None else field.unknown

@@ -1,4 +1,4 @@
-"""The result of the verification of a survey's folder."""
+"""The result of the verification of a survey's folder, and its verdict in one sentence."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
+from gpr20_analysis.read.checks import Checked
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.message import Message
 from gpr20_survey.faults import LOCKED, UNCONFIRMED
@@ -42,13 +43,11 @@ class Verification:
     imported: Optional[Message] = None
     """From what an imported survey was made, which has no plan; None: a survey of the robot."""
 
-    def fault(self, message: Message) -> None:
-        """Note what is damaged or contradictory."""
-        self.faults.append(message)
-
-    def note(self, message: Message) -> None:
-        """Note what else a user should know."""
-        self.notes.append(message)
+    def take(self, found: Checked) -> None:
+        """Add what a check found."""
+        self.faults += found.faults
+        self.notes += found.notes
+        self.unconfirmed += tuple(found.unconfirmed)
 
     def record(self) -> Dict[str, Any]:
         """Return everything as JSON holds it, each sentence with the code of its fault."""

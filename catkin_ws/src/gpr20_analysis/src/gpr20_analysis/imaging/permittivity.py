@@ -1,4 +1,4 @@
-"""How the permittivity of an image is known."""
+"""The permittivity of an image, how it is known, and what depths are worth by it."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Dict, Tuple
 
 import numpy as np
+import xarray as xr
 
 from gpr20_common.message import Message
 from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN
@@ -88,3 +89,32 @@ def depth_shares(permittivity: float, lowest: float, highest: float) -> Tuple[fl
     deeper = float(np.sqrt(permittivity / lowest)) - 1.0
     shallower = 1.0 - float(np.sqrt(permittivity / highest))
     return max(deeper, shallower), deeper, shallower
+
+
+def permittivity_line(image: xr.Dataset) -> Message:
+    """Return the permittivity of an image, where it is from, and the uncertainty of depths.
+
+    Args:
+        image: Dataset with `image`.
+    """
+    value = float(image.attrs["permittivity"])
+    lowest, highest = permittivity_range(image)
+    _, deeper, shallower = depth_shares(value, lowest, highest)
+    return Message(
+        "relative permittivity {permittivity:.3g}, {source}; {lowest:.3g} to {highest:.3g} is "
+        "likely, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
+        permittivity=value,
+        source=Source(image.attrs.get("permittivity_source", Source.GIVEN.value)).message,
+        lowest=lowest,
+        highest=highest,
+        shallower=-100.0 * shallower,
+        deeper=100.0 * deeper,
+    )
+
+
+def permittivity_range(image: xr.Dataset) -> Tuple[float, float]:
+    """Return the lowest and highest likely permittivity of an image, also of other programs."""
+    value = float(image.attrs["permittivity"])
+    lowest = float(image.attrs.get("permittivity_lowest", value * (1.0 - GIVEN_UNCERTAINTY)))
+    highest = float(image.attrs.get("permittivity_highest", value * (1.0 + GIVEN_UNCERTAINTY)))
+    return max(lowest, 1.0), highest

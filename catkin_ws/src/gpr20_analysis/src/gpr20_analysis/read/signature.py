@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional
 
 from gpr20_analysis import faults
-from gpr20_analysis.read.verification_result import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED

@@ -1,70 +1,26 @@
-"""What a format of files is, and the formats that installed packages add."""
+"""The formats of other programs that installed packages import."""
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, Union
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import AnalysisError, ExportError
-from gpr20_analysis.progress import Progress
+from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.read.doubts import survey_doubts
+from gpr20_analysis.sentences import FAULTS, with_doubts
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
+from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
 
-Writer = Callable[[xr.Dataset, Path, Progress], Message]
-RecordingExport = Tuple[Message, Mapping[str, Any]]
-WING = "gpr20_foreign_formats"
-
-
-@dataclass(frozen=True)
-class ExportFormat:
-    """A format that a survey can be written in.
-
-    Attributes:
-        write: Writes a survey to a new path, and returns what was written.
-        ending: Ending of the file's name; empty: a folder with one file per sample.
-        holds: Patterns of the file names in the folder.
-        has_own_checksum: Its files contain their checksum, so that none is needed beside them.
-        over_time: It can hold A-scans over time.
-        of_recording: Writes the recording of a survey in place of its Dataset; returns what was
-            written and, as attributes of a Dataset, what is missing, damaged or doubted.
-        in_survey: Writes it into the survey's folder.
-    """
-
-    write: Writer
-    ending: str = ""
-    holds: Tuple[str, ...] = ()
-    has_own_checksum: bool = False
-    over_time: bool = False
-    of_recording: Optional[Callable[[Path, Path, Progress], RecordingExport]] = None
-    in_survey: Optional[Callable[[Path], RecordingExport]] = None
-
-
-def files_of(write: Callable[[xr.Dataset, Path, Progress], int]) -> Writer:
-    """Return the writer of a folder, from a function that returns the number of files."""
-    return lambda survey, path, progress: Message(
-        "{count} files", count=write(survey, path, progress)
-    )
-
-
-def only_recordings(form: str) -> Writer:
-    """Return what a format refuses a Dataset with that holds the messages of a recording."""
-
-    def refuse(_survey: xr.Dataset, _path: Path, _progress: Progress) -> Message:
-        raise ExportError(
-            Message(
-                "the format {format} holds the messages of a recording, which a Dataset does not "
-                "have; use `gpr20 export` with the survey's folder or recording",
-                format=form,
-            ),
-            fault=faults.INPUT,
-        )
-
-    return refuse
+OUTPUT = "survey.nc"
+"""In the command that a refusal names."""
 
 
 @dataclass(frozen=True)
@@ -163,8 +119,69 @@ IMPORTS = ExtensionPoint(
             *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
             *("dt1", "dzt", "rd3", "segy", "touchstone"),
         ),
-        WING,
+        "gpr20_foreign_formats",
     ),
     kind=ImportFormat,
 )
 """By this, other packages add formats that can be imported."""
+
+
+def import_survey(
+    path: Union[str, Path], form: str, progress: Progress = no_progress, **options: Any
+) -> xr.Dataset:
+    """Read measurements and simulations of other programs as the Dataset of a survey.
+
+    Args:
+        path: File, or folder of files.
+        form: Name of a format of an installed package.
+        progress: Shows the progress.
+        **options: Those of `ImportOptions`, such as height_m.
+
+    Raises:
+        AnalysisError: It does not have this format, is damaged, or differs from what is said beside
+            it; or the format cannot use an option.
+        MissingLibraryError: The package of the format, or a library, is not installed.
+    """
+    chosen, place = ImportOptions(**options), Path(path).expanduser()
+    refuse_device(place)
+    importer: ImportFormat = IMPORTS.find(form)
+    importer.check(form, chosen)
+    found = importer.read(place, chosen, progress)
+    # A Dataset has no times in place of those that are not known.
+    entry = {"source": place.name, "format": form, TIMES_KNOWN: True}
+    damaged = len(found.attrs.get(FAULTS, ()))
+    return with_doubts(found, *survey_doubts({IMPORTED: entry}, (), damaged))
+
+
+def refuse_device(path: Path) -> None:
+    """Refuse pipes, devices and the like, which some readers would wait for.
+
+    Raises:
+        AnalysisError: There is something, but neither a file nor a folder.
+    """
+    if path.exists() and not (path.is_file() or path.is_dir()):
+        raise AnalysisError(
+            Message("{path} is neither a file nor a folder, so it is not a survey", path=path),
+            fault=faults.INPUT,
+        )
+
+
+def refuse_importable(path: Path) -> None:
+    """Refuse files of the formats of installed packages with the command that imports them.
+
+    Raises:
+        AnalysisError: It is such a file or folder.
+    """
+    for form in IMPORTS.added():
+        whole = IMPORTS.find(form).whole(path)
+        if whole is not None:
+            command = f"gpr20 import {shlex.quote(str(whole))} {OUTPUT} --format {form}"
+            raise AnalysisError(
+                Message(
+                    "{path} has the format {format}; import it first: {command}",
+                    path=path,
+                    format=form,
+                    command=command,
+                ),
+                fault=faults.INPUT,
+            )

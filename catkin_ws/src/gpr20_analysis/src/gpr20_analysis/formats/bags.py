@@ -1,0 +1,100 @@
+"""The recording of a survey as a bag of ROS 1 or ROS 2, message by message.
+
+The messages keep their order and times. What cannot be read is left out and named.
+"""
+
+from __future__ import annotations
+
+import inspect
+import tempfile
+from pathlib import Path
+from typing import Any, Dict, Tuple
+
+from gpr20_analysis import faults
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.errors import MissingLibraryError, UnreadableFileError, library_missing
+from gpr20_analysis.read.doubts import recording_doubts
+from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
+from gpr20_analysis.sentences import with_sentences
+from gpr20_analysis.work import Progress
+from gpr20_common.message import Message
+from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
+from gpr20_survey.recording.bag import make_bag, write_bag
+
+RecordingExport = Tuple[Message, Dict[str, Any]]
+"""What was written, and as attributes of a Dataset what is missing, damaged or doubted."""
+BAG_OF_ROS2 = 8
+"""The version of its metadata whose names of qualities are numbers, which all releases know."""
+
+
+def make_survey_bag(survey: Path) -> RecordingExport:
+    """Make the bag in the folder of a survey, as the storage does when a survey has ended.
+
+    Raises:
+        AnalysisError: It is not the folder of a survey, or has no MCAP.
+        ProcessingError: Somebody writes the survey, or the disk refused.
+    """
+    recording, lost = recording_of(survey / MCAP_FILE), Lost()
+    make_bag(survey)
+    for _message in all_messages(recording, lost):
+        pass  # what of it is damaged is known behind its end
+    return _export(recording, lost, Message("all messages of {file}", file=MCAP_FILE))
+
+
+def export_recording(survey: Path, path: Path, form: str, progress: Progress) -> RecordingExport:
+    """Write every whole message of a survey's recording; the bag is complete or does not exist.
+
+    Args:
+        survey: Folder of a survey, bag or MCAP file, finished or cut off.
+        path: File of a bag of ROS 1, or folder of one of ROS 2; it is replaced.
+        form: "bag" or "ros2".
+        progress: Shows the progress.
+
+    Raises:
+        AnalysisError: It has no recording of ROS 1, no message of it can be read, or the bag
+            cannot be written.
+        OSError: It cannot be read.
+    """
+    recording, lost = recording_of(survey), Lost()
+    messages = progress(all_messages(recording, lost), None)
+    size = 2 * recording.stat().st_size
+    with tempfile.TemporaryDirectory() as beside, atomic_output(path, size) as place:
+        bag = place if form == "bag" else Path(beside) / BAG_FILE
+        count = write_bag(messages, bag)
+        if not count:
+            raise UnreadableFileError(
+                Message("{file} has no message that can be read", file=recording.name),
+                fault=faults.FILE_DAMAGED,
+            )
+        if form == "ros2":
+            _convert(bag, place)
+    return _export(recording, lost, Message("{count} messages", count=count))
+
+
+def _convert(bag: Path, folder: Path) -> None:
+    from rosbags.convert import convert  # its import takes 0.1 s
+    from rosbags.convert.converter import ConverterError
+
+    options: Dict[str, Any] = {
+        **{"dst_storage": "mcap", "dst_version": BAG_OF_ROS2, "compress": None},
+        **{"compress_mode": "file", "default_typestore": None, "typestore": None},
+        **{f"{word}_{what}": () for word in ("exclude", "include") for what in WHAT},
+    }
+    if set(options) - inspect.signature(convert).parameters.keys():
+        raise MissingLibraryError(library_missing("rosbags 0.10 or later"))
+    try:
+        convert([bag], folder, **options)
+    except ConverterError as error:
+        raise UnreadableFileError(
+            Message("the recording cannot be converted to ROS 2", details=error),
+            fault=faults.INPUT,
+        ) from error
+
+
+WHAT = ("topics", "msgtypes")
+"""What a conversion could leave out."""
+
+
+def _export(recording: Path, lost: Lost, content: Message) -> RecordingExport:
+    doubts = recording_doubts(recording)
+    return content, with_sentences({}, missing=lost.missing, faults=lost.faults, doubts=doubts)

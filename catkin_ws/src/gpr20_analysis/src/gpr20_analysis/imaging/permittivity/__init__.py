@@ -1,1 +1,0 @@
-"""The permittivity of the ground, and how it is known."""
