@@ -61,14 +61,16 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
 
 
 def test_what_a_format_has_no_place_for_is_beside_it_as_json(tmp_path):
-    survey = random_survey(1, one_polarization=True).assign_attrs(operator="Ana")
+    survey = random_survey(1, one_polarization=True)
+    survey = survey.assign_attrs(operator="Ana", notes=["measured twice"])
     for form, name in (("touchstone", "out"), ("csv", "out.csv"), ("segy", "out.sgy")):
         for path in export_survey(survey, tmp_path / name, form):
             facts = json.loads((tmp_path / f"{path.name}.json").read_text())
             assert (facts["survey_id"], facts["operator"]) == ("survey-1", "Ana"), form
             assert facts["x_mm"] == (survey.x.values * 1000.0).tolist(), form
-            found = facts_beside(path).restored(survey.assign_attrs(operator=""))
+            found = facts_beside(path).restored(survey.assign_attrs(operator="", notes=[]))
             assert found.attrs["operator"] == "Ana"
+            assert "measured twice" in found.attrs["notes"]
 
 
 SEEDS = range(draws(2))
