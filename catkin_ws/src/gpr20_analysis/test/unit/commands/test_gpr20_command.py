@@ -41,7 +41,7 @@ def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_pa
     (tmp_path / "broken.bag").write_text("#ROSBAG V2.0\n")
     assert main(["info", str(tmp_path / "broken.bag")]) == 3
     error = capsys.readouterr().err
-    assert error.startswith("gpr20 info: ") and "broken.nc" in error
+    assert error.startswith("gpr20 info: ") and "broken.bag" in error
     assert error.splitlines()[1] == f"First: {faults.FILE_DAMAGED.remedy}"
     assert main(["report", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
