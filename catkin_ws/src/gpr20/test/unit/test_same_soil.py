@@ -173,7 +173,7 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
             enter(folder, one)
         lists, page, _window = answers(folder, capsys)
         for name, found in lists.items():
-            rows = [candidate_row(one) for one in found.shown(None)]
+            rows = [candidate_row(one) for one in found.candidates]
             assert said_of(found) == pytest.approx(expected), name
             assert rows == rows_of(page), name
         assert f"relative permittivity {words}" in page

@@ -117,7 +117,7 @@ def test_without_a_stick_one_file_of_the_analysis_is_in_the_answer(exporter, fol
         name, content = exporter.make(request_for(folder, "", kind), Cancellation())
         assert name == f"{folder.name}_SIMULATED_{kind.ending}"
         assert content.decode().startswith(f"{folder} 4.0 es")
-    for kinds in ((ZIP,), (ExportKind.REPORT_PDF, REPORT)):
+    for kinds in ((ZIP,), (ExportKind.CANDIDATES_CSV, REPORT)):
         with raises_fault(NOT_ALLOWED, error=ImagingError):
             exporter.make(request_for(folder, "", *kinds), Cancellation())
 
@@ -303,7 +303,7 @@ def test_a_refused_or_cancelled_export_leaves_nothing(
 ):
     analysis.mode = "refuse"
     with raises_fault("test.refused"):
-        exporter.export(request_for(folder, stick, ExportKind.REPORT_PDF), Cancellation())
+        exporter.export(request_for(folder, stick, ExportKind.REPORT_HTML), Cancellation())
     with monkeypatch.context() as patched:
         cancellation = Cancellation()
         at_write(patched, cancellation.cancel)

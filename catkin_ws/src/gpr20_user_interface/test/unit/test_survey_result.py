@@ -278,10 +278,10 @@ def test_other_files_are_written_only_after_a_choice(result, node, now):
     look_again(result, node, now, BLUE)
     assert len(node.of("export")) == 1
     result.export.write(BLUE.path)
-    assert node.of("export")[-1].kinds == ["report-pdf", "survey-zip"]
+    assert node.of("export")[-1].kinds == ["report-html", "survey-zip"]
     node.ticket("export").fail(Message("failed"))
     result.export.toggle(ExportPart.SURVEY_ZIP)
-    result.export.toggle(ExportPart.REPORT_PDF)
+    result.export.toggle(ExportPart.REPORT_HTML)
     result.export.write(BLUE.path)
     assert len(node.of("export")) == 2
 

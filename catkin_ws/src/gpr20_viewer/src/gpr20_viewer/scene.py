@@ -179,17 +179,10 @@ class Scene:
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
         """Return the marks of candidates in section and slice.
 
-        All that are not doubtful, and those doubtful ones that tables show; these have no name,
-        except the brightest, which is the first.
+        Those of the places to check; weaker echoes are in the table only.
         """
         near_m = self._step_m(Y if self.display.along == X else X)
-        places = [
-            (
-                Place(one.x_m, one.y_m, one.depth_m),
-                "" if one.is_doubtful and one.number > 1 else one.id,
-            )
-            for one in self._marked()
-        ]
+        places = [(Place(one.x_m, one.y_m, one.depth_m), one.id) for one in self._marked()]
         in_section = [
             Mark(self.along_of(place) * MM_PER_M, place.depth_m * MM_PER_M, name)
             for place, name in places

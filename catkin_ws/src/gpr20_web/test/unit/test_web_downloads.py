@@ -127,7 +127,7 @@ def test_a_large_survey_comes_as_it_is_and_what_fails_is_never_taken_for_a_whole
 
 
 def test_a_report_is_made_as_the_window_makes_it_one_at_a_time(surveys):
-    for kind in ("survey-zip", "report", "..%2f", "report-pdf/"):
+    for kind in ("survey-zip", "report", "..%2f", "report-html/"):
         with pytest.raises(LookupError):
             surveys.get(surveys.whole, f"/made/{kind}")
 
@@ -138,11 +138,11 @@ def test_a_report_is_made_as_the_window_makes_it_one_at_a_time(surveys):
 
     surveys.services.export = second
     for _ in range(2):
-        body = surveys.get(surveys.whole, "/made/report-pdf")
+        body = surveys.get(surveys.whole, "/made/report-html")
         assert (body.content, body.name) == (b"%PDF", "a.pdf")
     asked = [one for one in surveys.services.asked if one[0] is Service.EXPORT]
     _service, survey, fields = asked[0]
-    assert (survey, fields["kinds"], fields["volume"]) == (surveys.whole, ["report-pdf"], "")
+    assert (survey, fields["kinds"], fields["volume"]) == (surveys.whole, ["report-html"], "")
     assert (fields["language"], fields["permittivity"]) == ("en", NOT_KNOWN)
 
 

@@ -273,7 +273,7 @@ TABLE = (
     Row("GET", f"{S}/candidates", VIEW),
     Row("POST", f"{S}/candidates", VIEW),
     Row("GET", f"{S}/zip", VIEW),
-    Row("GET", f"{S}/made/report-pdf", VIEW),
+    Row("GET", f"{S}/made/report-html", VIEW),
     Row("GET", f"{S}/files/survey.json", VIEW),
     Row("POST", "/api/ground/focus", VIEW),
     # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
@@ -311,7 +311,7 @@ def least_right(method: str, path: str) -> Optional[Role]:
         path: Of the request; names in it may be any.
     """
     for row in TABLE:
-        pattern = re.sub("{folder}|eva|(?<=files/).*|report-pdf", "[^/]+", row.path)
+        pattern = re.sub("{folder}|eva|(?<=files/).*|report-html", "[^/]+", row.path)
         if row.method == method and re.fullmatch(pattern, unquote(path)):
             return row.right
     return None

@@ -45,8 +45,6 @@ NOTED_DEPTH_M = 0.001
 ECHO_VALUES = ("rotation_deg", "depth", "y", "x", "above_clutter_db", "level_db", "fitted")
 """Values of each echo of an image: rotation of the antennas, place [m], levels, and whether it is
 a point that was fitted to the traces and taken away before the clutter was measured."""
-REST = "rest"
-"""Variable: the image without its strong echoes."""
 # Of the delay of the deepest voxel, since waves arrive aslant too.
 LONGEST = 1.5
 # -3 dB width with a Hann window, in units of the inverse of the band.
@@ -58,7 +56,6 @@ def image_survey(
     options: ImageOptions,
     progress: Progress = no_progress,
     with_echoes: bool = True,
-    with_rest: bool = False,
 ) -> xr.Dataset:
     """Return the image of a survey.
 
@@ -67,7 +64,6 @@ def image_survey(
         options: How the image is made.
         progress: Shows the progress over all polarizations.
         with_echoes: Find the echoes and the clutter, without which there are no candidates.
-        with_rest: Keep the image without its strong echoes, too.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex or
@@ -119,7 +115,7 @@ def image_survey(
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     image[IMAGE].attrs.update(units="1", long_name="image")
     if with_echoes:
-        image = image.assign(_echoes(traces, focus, options.method, image, at, with_rest))
+        image = image.assign(_echoes(traces, focus, options.method, image, at))
     described = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
     attributes["across_lines"] = _across_lines(image, options.method)
@@ -193,7 +189,6 @@ def _echoes(
     method: Method,
     image: xr.Dataset,
     at: Positions,
-    with_rest: bool,
 ) -> Dict[Hashable, Any]:
     def imager(some: Traces) -> np.ndarray:
         return method.image(some, focus, at, no_progress)[0]
@@ -207,7 +202,7 @@ def _echoes(
             focus.permittivity,
         )
     )
-    rows, planes, rests = [], [], []
+    rows, planes = [], []
     for turn, one in enumerate(traces):
         volume = image[IMAGE].values[turn]
         magnitude = np.abs(volume)
@@ -220,14 +215,8 @@ def _echoes(
         bodies_m = found.place_m[found.fitted]
         clutter = local_clutter(magnitude, axes_m, resolution_m, bodies_m)
         planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
-        if with_rest:
-            rests.append(found.rest)
     attributes = {"units": "1", "long_name": "clutter beside echoes", "factors": method.factors}
-    kept: Dict[Hashable, Any] = {}
-    if with_rest:
-        kept = {REST: ((POLARIZATION, DEPTH, Y, X), np.stack(rests))}
     return {
-        **kept,
         CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), attributes),
         ECHOES: (("echo", "value"), np.concatenate(rows), {"values": " ".join(ECHO_VALUES)}),
     }

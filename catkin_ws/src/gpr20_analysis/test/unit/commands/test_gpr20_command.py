@@ -84,8 +84,8 @@ HOSTILE = (
     *("\nFAULT: faked\n", "a\u202eb", "\u2028line", "\ud800", "\udcff"),
 )
 COMMANDS = (
-    *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["repair"], ["markers"]),
-    *(["annotate"], ["info", "--json"], ["verify", "--json"], ["markers", "--json"]),
+    *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["repair"]),
+    *(["annotate"], ["info", "--json"], ["verify", "--json"], ["annotate", "--json"]),
 )
 MORE = {
     "instrument": {"identity": "ANRITSU,MS2026C,1,1", "calibration": "applied"},

@@ -28,7 +28,7 @@ FILES = (
 )
 COMMANDS = (
     *(["verify"], ["repair"], ["info"], ["info", "--accept-damaged"]),
-    *(["markers"], ["annotate"], ["replay"]),
+    *(["annotate"], ["replay"]),
 )
 
 

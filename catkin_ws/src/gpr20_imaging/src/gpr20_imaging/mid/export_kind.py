@@ -13,7 +13,6 @@ class ExportKind(enum.Enum):
     """One file of an export."""
 
     REPORT_HTML = "report-html"
-    REPORT_PDF = "report-pdf"
     CANDIDATES_CSV = "candidates-csv"
     CANDIDATES_GEOJSON = "candidates-geojson"
     SURVEY_ZIP = "survey-zip"
@@ -23,7 +22,6 @@ class ExportKind(enum.Enum):
         """End of the file's name."""
         return {
             ExportKind.REPORT_HTML: "report.html",
-            ExportKind.REPORT_PDF: "report.pdf",
             ExportKind.CANDIDATES_CSV: "candidates.csv",
             ExportKind.CANDIDATES_GEOJSON: "candidates.geojson",
             ExportKind.SURVEY_ZIP: "survey.zip",
@@ -34,15 +32,13 @@ class ExportKind(enum.Enum):
         """What the analysis writes: "report" or "candidates"; empty: it is not needed."""
         if self is ExportKind.SURVEY_ZIP:
             return ""
-        is_report = self in (ExportKind.REPORT_HTML, ExportKind.REPORT_PDF)
-        return "report" if is_report else "candidates"
+        return "report" if self is ExportKind.REPORT_HTML else "candidates"
 
     @property
     def message(self) -> Message:
         """What people call it."""
         return {
             ExportKind.REPORT_HTML: Message("report as HTML"),
-            ExportKind.REPORT_PDF: Message("report as PDF"),
             ExportKind.CANDIDATES_CSV: Message("candidates as CSV"),
             ExportKind.CANDIDATES_GEOJSON: Message("candidates as GeoJSON"),
             ExportKind.SURVEY_ZIP: Message("whole survey as ZIP"),

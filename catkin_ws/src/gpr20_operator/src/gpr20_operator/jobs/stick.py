@@ -19,14 +19,13 @@ NO_STICKS = Sticks("", ())
 class ExportPart(enum.Enum):
     """What can be exported, as the imaging node calls it."""
 
-    REPORT_PDF = "report-pdf"
     REPORT_HTML = "report-html"
     CANDIDATES_CSV = "candidates-csv"
     CANDIDATES_GEOJSON = "candidates-geojson"
     SURVEY_ZIP = "survey-zip"
 
 
-REPORT = frozenset({ExportPart.REPORT_PDF})
+REPORT = frozenset({ExportPart.REPORT_HTML})
 
 
 class StickExport:

@@ -15,7 +15,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
+from gpr20_analysis.candidates.table import candidate_heading, candidate_row, places_sentence
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 from gpr20_viewer.views.colours import QUIET, SMALL
@@ -75,7 +75,7 @@ class CandidatesTable(QWidget):
     def _notes(self, found: Optional[CandidateList]) -> List[str]:
         if found is None:
             return ["No search was made for the image that is shown."]
-        messages = [*tail_sentences(found, found.candidates), *found.notes]
+        messages = [places_sentence(found), *found.notes]
         return [shown(one) for one in messages]
 
     def _selected(self) -> None:

@@ -89,7 +89,6 @@ class SurveysPage(WebPage):
         "searching": Message("Searching for places: {seconds} s", seconds="{seconds}"),
         "downloads": Message("Downloads"),
         "whole": Message("whole survey as ZIP"),
-        "report-pdf": Message("report as PDF"),
         "report-html": Message("report as HTML"),
         "candidates-csv": Message("candidates as CSV"),
         "candidates-geojson": Message("candidates as GeoJSON"),

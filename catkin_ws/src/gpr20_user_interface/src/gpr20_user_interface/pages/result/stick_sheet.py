@@ -63,7 +63,6 @@ class StickSheet(ResultSheet):
         self.cancel.setText(self.tr("CANCEL"))
         self.cancel.setVisible(running)
         names = {
-            ExportPart.REPORT_PDF: self.tr("Report\nPDF"),
             ExportPart.REPORT_HTML: self.tr("Report\nHTML"),
             ExportPart.CANDIDATES_CSV: self.tr("Places\nCSV"),
             ExportPart.CANDIDATES_GEOJSON: self.tr("Places\nGeoJSON"),

@@ -4,7 +4,7 @@ import { ask, button, element, field, write } from "../dom.js";
 
 const LISTED = ["all", "not complete", "imported"];
 const FINDS = ["nothing", "scrap", "device"];
-const MADE = ["report-pdf", "report-html", "candidates-csv", "candidates-geojson"];
+const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
 const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
 const ENOUGH = 20;
