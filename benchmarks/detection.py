@@ -15,8 +15,8 @@ gprMax: 14 lines by that program.
 Each is imaged with the default command's steps and method and its true permittivity. A candidate
 within 30 mm of a body's width and between 30 mm above its top and 60 mm below its bottom is that
 body; all other places to check are false. "Listed" is a place to check. The settings of the list
-were chosen on the scenes with even numbers; --half reports the others. Intervals are 95 %: Clopper-Pearson for shares,
-Poisson's for densities. Per m2 of a line is per 0.3 m of its width.
+were chosen on the scenes with even numbers; --half reports the others. Intervals are 95 %:
+Clopper-Pearson for shares, Poisson's for densities. Per m2 of a line is per 0.3 m of its width.
 """
 
 from __future__ import annotations

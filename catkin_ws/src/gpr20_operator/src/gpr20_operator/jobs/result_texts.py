@@ -93,8 +93,12 @@ def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> 
     counted = Message("{shown} of {total} places to check", shown=last - first, total=places)
     if first:
         counted = Message("{first}-{last} of {total}", first=first + 1, last=last, total=places)
-    weaker = [Message("{count} weaker echoes", count=found.weaker)] if found.weaker else []
-    return in_a_row([counted, *weaker])
+    return in_a_row([counted, *([weaker_line(found)] if found.weaker else [])])
+
+
+def weaker_line(found: CandidateList) -> Message:
+    """Return how many echoes are below the cut of the list."""
+    return Message("{count} weaker echoes", count=found.weaker)
 
 
 def doubts(result: SurveyResult) -> List[Message]:
