@@ -1,7 +1,6 @@
 """How many bodies are found, against false candidates, in ground that the imaging did not make.
 
-Usage: scripts/bench.sh detection [--lines 200] [--permittivity] [--half 1] [--figure PNG]
-       [--json FILE]
+Usage: scripts/bench.sh detection [--lines 200] [--permittivity] [--half 1]
 
 Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (benchmarks/worlds), over
 clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
@@ -22,10 +21,8 @@ Clopper-Pearson for shares, Poisson's for densities. Per m2 of a line is per 0.3
 from __future__ import annotations
 
 import argparse
-import json
 from collections import defaultdict
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -276,46 +273,10 @@ def of_buried_metal(count: int) -> str:
     )
 
 
-def curve(count: int, path: Path) -> None:
-    """Draw the share of bodies found against false candidates, by the length of the list."""
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(7.0, 4.5), layout="constrained")
-    axes = figure.add_subplot()
-    points: Dict[str, List[Tuple[float, bool]]] = defaultdict(list)
-    areas: Dict[str, float] = defaultdict(float)
-    bodies: Dict[str, int] = defaultdict(int)
-    for number in range(count):
-        survey, truth, there = scene(LINES, number)
-        found = candidates(survey, truth["permittivity"])
-        areas[truth["ground"]] += found.area_m2
-        bodies[truth["ground"]] += len(truth["bodies"])
-        seen = [False] * len(there)
-        for one in found.candidates:
-            own = [place for place, body in enumerate(there) if is_at(one, body)]
-            new = [place for place in own if not seen[place]]
-            for place in new:
-                seen[place] = True
-            if new or not own:
-                points[truth["ground"]].append((one.above_clutter_db, bool(new)))
-    for ground, listed in points.items():
-        hits = np.array([is_body for _, is_body in sorted(listed, reverse=True)])
-        axes.plot(
-            np.cumsum(~hits) / areas[ground], 100.0 * np.cumsum(hits) / bodies[ground], label=ground
-        )
-    axes.set(xlabel="false candidates per m2", ylabel="bodies found [%]", xlim=(0.0, 20.0),
-             ylim=(0.0, 100.0))  # fmt: skip
-    axes.grid(alpha=0.3)
-    axes.legend(loc="lower right")
-    figure.savefig(path, dpi=120)
-
-
 def main() -> None:
     """Print the scores."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--lines", type=int, default=200)
-    parser.add_argument("--figure", type=Path)
-    parser.add_argument("--json", type=Path)
     parser.add_argument(
         "--permittivity", action="store_true", help="score it by buried metal, and unknown, too"
     )
@@ -332,14 +293,6 @@ def main() -> None:
         print(of_buried_metal(chosen.lines))
         unknown = of_scenes(LINES, chosen.lines, is_known=False)
         print("\nlines, permittivity unknown\n", *rows(unknown), sep="\n")
-    if chosen.json:
-        counts = {
-            name: {kind: vars(one) for kind, one in scores.items()}
-            for name, scores in every.items()
-        }
-        chosen.json.write_text(json.dumps(counts), encoding="utf-8")
-    if chosen.figure:
-        curve(chosen.lines, chosen.figure)
 
 
 if __name__ == "__main__":

@@ -104,8 +104,9 @@ def site_false_alarms_per_m2(survey: xr.Dataset) -> float:
     """Return the rate of false alarms that the site of a survey has set, else the usual one."""
     found = mapping_of(description_of(survey), "site").get("false_alarms_per_m2")
     lowest, highest = FALSE_ALARMS_PER_M2
-    is_rate = isinstance(found, (int, float)) and lowest <= found <= highest
-    return float(found) if is_rate else USUAL_FALSE_ALARMS_PER_M2
+    if isinstance(found, (int, float)) and lowest <= found <= highest:
+        return float(found)
+    return USUAL_FALSE_ALARMS_PER_M2
 
 
 def with_height(survey: xr.Dataset, height_m: Optional[float]) -> xr.Dataset:

@@ -44,7 +44,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         outputs.check([Output(output)], read, chosen.overwrite)
     plan = read_plan(chosen.plan)
     targets = read_truth(chosen.truth, plan)
-    lists = [read_list(*own[:2], path, plan) for own, path in zip(chosen.list, paths)]
+    lists = [read_list(method, lane, Path(one), plan) for method, lane, one in chosen.list]
     score = score_trial(plan, targets, lists)
     report = trial_report(plan, score, language_from_code(chosen.language), catalogue)
     first, second = report.sections

@@ -139,7 +139,7 @@ def sections_of(
         lambda: _table(Message("Measurement settings"), settings_of(survey), catalogue),
         lambda: _drift(survey, catalogue),
         lambda: _sensors(survey, catalogue),
-        *[lambda one=one: one for one in verification],  # type: ignore[misc]
+        *[lambda one=one: one for one in verification],
         lambda: _table(Message("Software versions"), versions(survey), catalogue),
     ]
     made = [part() for part in progress(parts, len(parts))]
@@ -173,7 +173,7 @@ def _believed(
 ) -> List[Section]:
     """Return how far the data can be believed, and the verification."""
     warnings = [SIMULATED] if survey.attrs.get("simulated") else []
-    good = []
+    good: List[Message] = []
     checked: Optional[Verification] = None
     if path.is_dir() and any((path / name).exists() for name in FILES):
         checked = verify_survey(path)
