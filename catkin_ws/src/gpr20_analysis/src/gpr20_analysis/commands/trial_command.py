@@ -13,8 +13,8 @@ from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.report.page import HTML, save_report
+from gpr20_analysis.report.trial_report import froc_figure, trial_report
 from gpr20_analysis.trial.plan import read_list, read_plan, read_truth
-from gpr20_analysis.trial.report import froc_figure, trial_report
 from gpr20_analysis.trial.score import score_trial
 from gpr20_common.catalogue import Catalogue, language_from_code
 from gpr20_common.terminal_text import say
