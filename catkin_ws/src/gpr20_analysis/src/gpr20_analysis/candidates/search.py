@@ -30,8 +30,9 @@ from gpr20_survey.results.candidates import DOUBTFUL, Candidate, CandidateList, 
 CLUTTER_DB = (8.0, 12.0, 15.0, 20.0, 25.0, 30.0)
 CLUTTER_PER_M2 = (20.0, 10.0, 6.0, 3.0, 1.5, 0.3)
 # That holds for so many maxima per m2 of an image; where it has ten times as many, the highest are
-# so much higher.
+# so much higher. Images with fewer or more than these were not scored.
 USUAL_MAXIMA_PER_M2, OF_TEN_TIMES_DB = 1000.0, 6.5
+SCORED_MAXIMA_PER_M2 = (100.0, 2500.0)
 # Echoes nearer than that across are one place, to which a person goes: about the radius of a mine.
 PLACE_M = 0.06
 # A body's echo is its brightest among those that are nearly as far above the clutter as its first.
@@ -68,7 +69,9 @@ def least_level_db(false_alarms_per_m2: float, maxima_per_m2: float = USUAL_MAXI
     """
     rates = np.log(CLUTTER_PER_M2[::-1])
     level_db = np.interp(math.log(false_alarms_per_m2), rates, CLUTTER_DB[::-1])
-    return float(level_db + OF_TEN_TIMES_DB * math.log10(maxima_per_m2 / USUAL_MAXIMA_PER_M2))
+    fewest, most = SCORED_MAXIMA_PER_M2
+    share = min(max(maxima_per_m2, fewest), most) / USUAL_MAXIMA_PER_M2
+    return float(level_db + OF_TEN_TIMES_DB * math.log10(share))
 
 
 def surveyed_m2(x_m: np.ndarray, y_m: np.ndarray) -> float:
@@ -96,7 +99,7 @@ def find_candidates(
     """
     echoes = _Echoes(image)
     area_m2 = surveyed_m2(image[X].values, image[Y].values)
-    maxima_per_m2 = max(len(echoes.above_db) / max(area_m2, LEAST_M2), 1.0)
+    maxima_per_m2 = len(echoes.above_db) / max(area_m2, LEAST_M2)
     least_db = least_level_db(false_alarms_per_m2, maxima_per_m2)
     places = _places(echoes)
     flags = _flags(places, echoes, image, least_db)

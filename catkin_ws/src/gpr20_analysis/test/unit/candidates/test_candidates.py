@@ -163,6 +163,8 @@ def test_the_depth_has_the_uncertainty_of_permittivity_height_and_band(lowest, h
 def test_a_lower_rate_of_false_alarms_cuts_the_list_higher():
     assert [least_level_db(one) for one in CLUTTER_PER_M2] == pytest.approx(CLUTTER_DB)
     assert least_level_db(10.0, 100.0) == pytest.approx(least_level_db(10.0) - 6.5)
+    # What was not scored moves the cut no further.
+    assert least_level_db(10.0, 1e5) == least_level_db(10.0, 2500.0) < 15.0
     random = np.random.default_rng(1)
     for low, high in np.sort(random.uniform(0.3, 20.0, (50, 2)), axis=1):
         assert least_level_db(low) >= least_level_db(high)
