@@ -28,13 +28,9 @@ import xarray as xr
 from recorded_worlds import DISCS, UNIANDES, area, dataset, disc, truths
 from scipy.constants import epsilon_0, speed_of_light
 
-from gpr20_analysis.hiding.detector import Detector, is_found
-from gpr20_analysis.hiding.runs import HidingOptions
-from gpr20_analysis.hiding.search import map_hidden
+from gpr20_analysis.hiding.search import Detector, HidingOptions, is_found, map_hidden
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.trial.statistics import detection_interval
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
@@ -67,7 +63,7 @@ def detector(permittivity: float) -> Detector:
     options = ImageOptions(
         permittivity=permittivity, permittivity_uncertainty=0.01, ground=Ground.LEVEL
     )
-    return Detector(lambda one: process_survey(one, *DEFAULT_STEPS), options)
+    return Detector(options)
 
 
 @lru_cache(maxsize=None)

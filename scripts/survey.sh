@@ -84,7 +84,7 @@ traces="$(find "$survey/traces" -name '*.json' | wc -l)"
 report="$survey.html"
 write_report() {
     local permittivity
-    if ! python -c 'import gpr20_analysis.report.build' 2>"$logs/report.log"; then
+    if ! python -c 'import gpr20_analysis.report.sections' 2>"$logs/report.log"; then
         echo "No report: the packages of the analysis are missing; run scripts/setup.sh."
         return 1
     fi

@@ -45,7 +45,7 @@ def targets_of(scene: Dict[str, Any]) -> Dict[str, Place]:
 
 
 def candidates_of(listed: Dict[str, Any]) -> List[Place]:
-    """Return where the candidates of an image are that are no clutter and no sidelobe."""
+    """Return where the places to check of an image are."""
     doubtful = {"clutter", "sidelobe"}
     return [
         Place(1000.0 * one["x_m"], 1000.0 * one["y_m"], 1000.0 * one["depth_m"])

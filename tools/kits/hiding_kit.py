@@ -37,6 +37,6 @@ def a_map(found: Any, tried: Any, needed: float = 0.8, **changes: Any) -> Hiding
         "permittivity": 5.0,
         "permittivity_range": (4.0, 6.0),
         "loss_tangent": 0.05,
-        **{"seed": 0, "checked": 0, "agreed": 0, "by_whole_m": (), "position": None},
+        **{"seed": 0, "position": None},
     }
     return HidingMap(**{**values, **changes})

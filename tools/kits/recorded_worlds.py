@@ -1,8 +1,8 @@
 """Radar data that the project's imaging did not make, as Datasets, with what is in the ground.
 
 Lines and areas were computed from Maxwell's equations, those named born and the discs by an
-integral over the body in place of a grid over the ground, the real line was measured
-(benchmarks/worlds/data/README.md).
+integral over the body in place of a grid over the ground, those named gprmax by the program of that
+name; the real line was measured (benchmarks/worlds/data/README.md).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 
 DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
 LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"
-BORN, DISCS = "born", "discs"
+BORN, DISCS, GPRMAX = "born", "discs", "gprmax"
 # Of the largest value, which is the coupling of the antennas: a usual analyzer's.
 NOISE_DB = -65.0
 LARGEST_PART = 32767.0
@@ -64,12 +64,13 @@ def truths(name: str) -> List[Dict[str, Any]]:
     return found
 
 
-def line(number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:
-    """Return a computed line, and its truth."""
-    arrays, truth = _arrays(LINES), truths(LINES)[number]
+def line(number: int, name: str = LINES) -> Tuple[xr.Dataset, Dict[str, Any]]:
+    """Return a computed line, and its truth; those of gprMax have one height."""
+    arrays, truth = _arrays(name), truths(name)[number]
     s21 = _noisy(arrays, number)[None]
     x_m, frequency_hz = arrays["x_m"][number], arrays["frequency_hz"][number]
-    return dataset(s21, arrays["height_m"][number], x_m, np.zeros(1), frequency_hz), truth
+    height_m = arrays["height_m"][number] if name == LINES else truth["height_m"]
+    return dataset(s21, height_m, x_m, np.zeros(1), frequency_hz), truth
 
 
 def area(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any]]:

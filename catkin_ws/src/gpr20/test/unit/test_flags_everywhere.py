@@ -14,15 +14,17 @@ from candidate_examples import POSITIONS, candidate, candidate_list, candidate_l
 from hypothesis import HealthCheck, given, settings
 from visualization_msgs.msg import Marker
 
+from gpr20_analysis.candidates.answer import Answer
 from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.candidates.table import (
-    DOUBTFUL_TITLE,
+    WEAKER_TITLE,
     candidate_lines,
     candidate_row,
-    tail_sentences,
+    places_sentence,
 )
 from gpr20_analysis.high import candidate_topics
-from gpr20_analysis.report import pictures
+from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.report import places
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
@@ -30,14 +32,14 @@ from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import Flag, json_text, list_from
 
 # As it is documented: docs/imaging.md.
-DOUBTFUL = {"clutter", "sidelobe"}
+WEAKER = {"clutter", "sidelobe"}
 LABELS = {
     "surface-residue": "surface residue",
     "edge": "edge",
     "one-polarization": "one polarization",
     "clutter": "clutter",
     "sidelobe": "sidelobe",
-    "unrated": "not rated",
+    "brightest": "only the brightest",
     "of-a-later-version": "of-a-later-version",
 }
 HERE = AreaPosition(4.6, -74.1, 30.0)
@@ -64,11 +66,9 @@ def labels_of(text):
 
 def check(found, folder):
     flags = {one.id: [flag.value for flag in one.flags] for one in found.candidates}
-    doubtful = {name for name, own in flags.items() if DOUBTFUL & set(own)}
-    shown = [name for name in flags if name not in doubtful]
-    shown += [name for name in flags if name in doubtful][:10]
+    weaker = {name for name, own in flags.items() if WEAKER & set(own)}
+    shown = [name for name in flags if name not in weaker]
     labels = {name: [LABELS[one] for one in own] for name, own in flags.items()}
-    primary = len(flags) - len(doubtful) + found.omitted_primary
 
     # Files, for programs: everything that is listed.
     for facts, rows in (csv_rows(found, folder), geojson(found, folder)):
@@ -76,40 +76,37 @@ def check(found, folder):
         for one in rows:
             own = one["flags"].split() if isinstance(one["flags"], str) else one["flags"]
             assert own == flags[one["id"]]
-            assert bool(int(one["doubtful"])) == (one["id"] in doubtful)
-        counts = [int(facts[name]) for name in ("listed", "omitted", "omitted_primary")]
-        assert counts == [len(flags), found.omitted, found.omitted_primary]
+            assert bool(int(one["doubtful"])) == (one["id"] in weaker)
+        assert [int(facts[name]) for name in ("listed", "omitted")] == [len(flags), found.omitted]
 
     # Terminal and report.
-    lines = candidate_lines(found)
-    head = lines.index(str(DOUBTFUL_TITLE)) if str(DOUBTFUL_TITLE) in lines else None
-    places = {one.split()[0]: at for at, one in enumerate(lines) if one.split()[0] in flags}
-    assert list(places) == shown
-    assert {one for one in shown if head is not None and places[one] > head} == doubtful & {*shown}
+    for all_of_them in (False, True):
+        lines = candidate_lines(found, weaker=all_of_them)
+        rows = [one.split()[0] for one in lines if one.split()[0] in flags]
+        assert rows == (list(flags) if all_of_them else shown)
+        assert (str(WEAKER_TITLE) in lines) == (all_of_them and bool(weaker))
+        said = f"{len(weaker) + found.omitted} weaker echoes; show them"
+        assert any(said in one for one in lines) == (not all_of_them and found.weaker > 0)
     section = report_section(found)
     assert [row[0] for row in section.rows] == shown
+    assert [row[0] for row in section.more[1]] == [one for one in flags if one in weaker]
     for row in (*section.rows, *(candidate_row(one) for one in found.candidates)):
         assert labels_of(row[-1]) == labels[row[0]]
-    first = tail_sentences(found, found.shown())[0]
-    assert str(first) in section.lines[0]
-    assert first.values["primary"] == primary
-    assert first.values["secondary"] == len(flags) + found.omitted - primary
+    assert places_sentence(found).values["count"] == len(shown)
 
     # The window: result and ground, from what the node sends.
     received = list_from(json_text(found))
     for one in received.candidates:
         words = [str(line) for line in why_line(one).values["sentences"]]
-        assert ("doubtful" in words[0]) == (one.id in doubtful)
+        assert ("weaker echo" in words[0]) == (one.id in weaker)
         assert words[1:] == labels[one.id]
-    if received.total:
-        counted = str(headline(received))
-        secondary = len(flags) + found.omitted - primary
-        assert (f"doubtful: {secondary}" in counted) == (secondary > 0)
-        assert f"of {len(flags) + found.omitted} places" in counted
-    for one in received.candidates:
         lines = [str(line) for line in ground_texts.candidate_lines(one, measured=True)]
-        assert lines[0].endswith("doubtful") == (one.id in doubtful)
+        assert lines[0].endswith("weaker echo") == (one.id in weaker)
         assert lines[len(lines) - len(one.flags) :] == labels[one.id]
+    if shown:
+        counted = str(headline(received))
+        assert (f"{received.weaker} weaker echoes" in counted) == (received.weaker > 0)
+        assert f"of {len(shown)} places to check" in counted
 
     # The markers: everything that is listed.
     markers = candidate_topics.marker_array(found, "base_link", rospy.Time(0)).markers
@@ -119,16 +116,16 @@ def check(found, folder):
     assert [one.color for one in spheres] == list(colours.values())
     assert list(colours) == list(flags)
     for name, colour in colours.items():
-        assert (colour == candidate_topics.DOUBTFUL) == (name in doubtful)
+        assert (colour == candidate_topics.DOUBTFUL) == (name in weaker)
 
 
 def report_section(found):
-    no_figure = pictures.projections.candidate_map_figure
-    pictures.projections.candidate_map_figure = lambda *_: None
+    no_figure = places.projections.candidate_map_figure, places._finer
+    places.projections.candidate_map_figure = places._finer = lambda *_: None
     try:
-        return pictures._candidates(None, found, ENGLISH)
+        return places.places_section(Answer(None, None, found), None, ImageOptions(), ENGLISH)
     finally:
-        pictures.projections.candidate_map_figure = no_figure
+        places.projections.candidate_map_figure, places._finer = no_figure
 
 
 @each_case("flag", Flag)
@@ -136,7 +133,7 @@ def test_every_flag_means_the_same_everywhere(flag, tmp_path):
     assert list(map(str, candidate(flags=[flag]).labels)) == [LABELS[flag.value]]
     found = candidate_list([candidate(flags=[flag])], position=HERE)
     check(found, tmp_path)
-    # Beside others, and beyond what is shown of doubtful ones.
+    # Beside others.
     many = [candidate(number, flags=[flag]) for number in range(2, 15)]
     check(candidate_list([candidate(), *many], position=HERE, omitted=3), tmp_path)
 

@@ -17,7 +17,7 @@ from storage_kit import Kit
 from trace_examples import SURVEY, make_trace
 
 import gpr20_analysis
-from gpr20_analysis.candidates.table import candidate_row
+from gpr20_analysis.candidates.table import candidate_table
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
@@ -173,10 +173,10 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
             enter(folder, one)
         lists, page, _window = answers(folder, capsys)
         for name, found in lists.items():
-            rows = [candidate_row(one) for one in found.shown(None)]
+            rows = candidate_table(found, found.candidates)[1:]
             assert said_of(found) == pytest.approx(expected), name
             assert rows == rows_of(page), name
-        assert f"relative permittivity {words}" in page
+        assert f"permittivity is {words}" in page
         shown.append(rows_of(page))
     assert len({one[0] for one in shown}) == len(shown)
     given = of_command(folder, capsys, "--permittivity", "8")

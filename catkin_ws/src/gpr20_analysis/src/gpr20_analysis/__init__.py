@@ -12,11 +12,10 @@ from typing import Any, Dict, List, Tuple
 __version__ = "0.2.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
+    "candidates.answer": ("Answer", "KeptAnswers", "answer", "field_options", "focus"),
     "candidates.files": ("write_candidates",),
-    "candidates.focused": ("field_options", "focus"),
-    "candidates.marker_files": ("write_markers",),
-    "candidates.marker_list": ("MarkerList", "survey_markers"),
-    "candidates.search": ("Candidate", "CandidateList", "CandidateOptions", "find_candidates"),
+    "candidates.markers": ("MarkerList", "survey_markers", "write_markers"),
+    "candidates.search": ("Candidate", "CandidateList", "find_candidates"),
     "candidates.table": ("candidate_lines",),
     "commands.failure": ("message_of",),
     "dataset": ("Quality",),
@@ -25,10 +24,8 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "formats.exports": ("export_survey",),
     "formats.imports": ("import_survey",),
     "formats.plain_csv": ("cell_text",),
-    "hiding.detector": ("Detector",),
     "hiding.files": ("read_hiding", "write_hiding"),
-    "hiding.runs": ("HidingOptions",),
-    "hiding.search": ("map_hidden", "map_hidden_in_field"),
+    "hiding.search": ("Detector", "HidingOptions", "map_hidden", "map_hidden_in_field"),
     "imaging.image": ("image_survey",),
     "imaging.image_options": ("BuriedReference", "Ground", "ImageOptions", "Soils"),
     "imaging.methods": ("Method", "imaging_method"),
@@ -42,7 +39,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "read.load": ("GrowingSurvey", "load_survey"),
     "read.verdict": ("Verification",),
     "read.verification": ("verify_survey",),
-    "report.build": ("write_report",),
+    "report.sections": ("write_report",),
     "report.summary": ("summarize",),
     "sample.sample_survey": ("sample_survey",),
 }

@@ -3,13 +3,11 @@
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.candidates.search import CandidateOptions
+from gpr20_analysis.candidates.answer import answer
+from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import CLUTTER, DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y
-from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import process_survey
 
 STEP_M = 0.01
 SHAPE = (31, 61, 61)
@@ -51,14 +49,11 @@ def image_of(peaks, seed=0, rotations=(0.0, 90.0), weak=400, **attributes):
     )
 
 
-STRICT = CandidateOptions(0.01)
-
-
-def by_default(survey, permittivity=5.0, **more):
+def by_default(survey, permittivity=5.0):
     """Return the image that the command makes of level ground without options."""
-    options = ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)
-    return image_survey(process_survey(survey, *DEFAULT_STEPS), options, **more)
+    return answer(survey, ImageOptions(permittivity=permittivity, ground=Ground.LEVEL)).image
 
 
-def primary(found):
-    return [one for one in found.candidates if not one.is_doubtful]
+def places(image, rate=10.0):
+    """Return the places to check in an image."""
+    return find_candidates(image, rate).shown()

@@ -20,7 +20,6 @@ def candidate(number=1, x_mm=150.0, y_mm=90.0, depth_mm=60.0, level_db=31.0, fla
         "y_uncertainty_m": 0.004,
         "depth_uncertainty_m": 0.006,
         "above_clutter_db": level_db,
-        "false_alarms_per_m2": 0.2,
         "rotations_deg": (0.0, 90.0),
         "polarization_ratio_db": -0.1,
         "flags": tuple(flags),
@@ -39,10 +38,8 @@ def candidate_list(candidates=(), **changes):
         "permittivity_source": "",
         "area_m2": 0.25,
         "false_alarms_per_m2": 10.0,
-        "false_alarms_lowest": 6.0,
-        "false_alarms_highest": 17.0,
+        "least_db": 11.5,
         "omitted": 0,
-        "omitted_primary": 0,
         "position": None,
         "candidates": tuple(candidates),
     }
@@ -54,7 +51,6 @@ def numbers(lowest=-1e6, highest=1e6):
 
 
 SIZES = numbers(0.0, 10.0)
-DENSITIES = st.none() | numbers(0.0)
 CANDIDATES = st.builds(
     Candidate,
     id=st.just(""),
@@ -65,7 +61,6 @@ CANDIDATES = st.builds(
     y_uncertainty_m=SIZES,
     depth_uncertainty_m=SIZES,
     above_clutter_db=numbers(-1e3, 1e3),
-    false_alarms_per_m2=DENSITIES,
     rotations_deg=st.lists(st.none() | numbers(), max_size=3).map(tuple),
     polarization_ratio_db=st.none() | numbers(),
     flags=st.lists(st.sampled_from(Flag), unique=True).map(tuple),
@@ -79,9 +74,8 @@ WORDS = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=9)
 
 @st.composite
 def candidate_lists(draw, positions=ANYWHERE):
-    """Draw a list as the analysis makes it: numbered, those that are doubtful last."""
+    """Draw a list as the analysis makes it: numbered, those below the cut last."""
     found = sorted(draw(st.lists(CANDIDATES, max_size=25)), key=lambda one: one.is_doubtful)
-    omitted = draw(st.integers(0, 1000))
     return CandidateList(
         survey_id=draw(WORDS),
         simulated=draw(st.booleans()),
@@ -90,16 +84,14 @@ def candidate_lists(draw, positions=ANYWHERE):
         permittivity_lowest=draw(numbers(1.0, 100.0)),
         permittivity_highest=draw(numbers(1.0, 100.0)),
         area_m2=draw(SIZES),
-        false_alarms_per_m2=draw(DENSITIES),
-        false_alarms_lowest=draw(DENSITIES),
-        false_alarms_highest=draw(DENSITIES),
-        omitted=omitted,
+        false_alarms_per_m2=draw(numbers(0.0)),
+        least_db=draw(numbers(-100.0, 100.0)),
+        omitted=draw(st.integers(0, 1000)),
         candidates=tuple(
             Candidate(**{**vars(one), "id": f"C{number:02d}"})
             for number, one in enumerate(found, 1)
         ),
         notes=(NOTE,) * draw(st.integers(0, 3)),
         position=draw(positions),
-        omitted_primary=draw(st.integers(0, omitted)),
         permittivity_source=draw(WORDS),
     )

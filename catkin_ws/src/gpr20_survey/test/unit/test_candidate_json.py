@@ -21,7 +21,6 @@ from gpr20_survey.results.hiding_map import ONLY_THIS, hiding_from, hiding_json
 EXAMPLE = candidate_list(
     [candidate(flags=[Flag.EDGE, Flag.ONE_POLARIZATION]), candidate(2)],
     omitted=3,
-    omitted_primary=1,
     position=AreaPosition(4.6, -74.1, 30.0),
 )
 LIST = json.loads(json_text(EXAMPLE))
@@ -31,9 +30,6 @@ OF_EACH_SAID_AGAIN = {"doubtful", "longitude_deg", "latitude_deg"}
 NEEDED = sorted(LIST.keys() - SAID_AGAIN - {"note_faults"})
 NEEDED_OF_EACH = sorted(LIST["candidates"][0].keys() - OF_EACH_SAID_AGAIN)
 MAY_BE_NONE = (
-    "false_alarms_per_m2",
-    "false_alarms_lowest",
-    "false_alarms_highest",
     "polarization_ratio_db",
     "position",
 )
@@ -76,7 +72,7 @@ def test_a_list_without_something_or_with_a_wrong_value_is_refused(of_first):
     "changes",
     [
         {"listed": 1},
-        {"omitted": 0},
+        {"omitted": -1},
         {"format": "gpr20-candidates/2"},
         {"candidates": [LIST["candidates"][0]] * 2},
     ],
@@ -95,14 +91,15 @@ def test_a_list_of_another_survey_or_that_was_cut_off_is_refused():
             list_from(text[:length], SURVEY)
 
 
-def test_all_that_are_not_doubtful_are_shown_and_ten_of_the_others():
-    flags = [[]] * 15 + [[Flag.EDGE]] + [[Flag.SIDELOBE]] * 8 + [[Flag.EDGE, Flag.CLUTTER]] * 26
+def test_places_to_check_are_shown_and_weaker_echoes_counted():
+    flags = (
+        [[]] * 3 + [[Flag.EDGE], [Flag.BRIGHTEST]] + [[Flag.SIDELOBE], [Flag.EDGE, Flag.CLUTTER]]
+    )
     found = candidate_list([candidate(n, flags=one) for n, one in enumerate(flags, 1)], omitted=4)
-    assert [one.number for one in found.shown()] == list(range(1, 27))
-    assert (found.primary, found.total) == (16, 54)
-    assert found.shown(None) == found.candidates
-    found = [candidate(n, flags=[Flag.CLUTTER]) for n in range(1, 31)] + [candidate(31)]
-    assert candidate_list(found).shown()[-1].number == 31
+    assert [one.number for one in found.shown()] == [1, 2, 3, 4, 5]
+    assert (found.primary, found.weaker, found.total) == (5, 6, 11)
+    words = [str(candidate(level_db=level).strength) for level in (12.0, 15.0, 25.0)]
+    assert words == ["weak", "clear", "strong"]
 
 
 @given(

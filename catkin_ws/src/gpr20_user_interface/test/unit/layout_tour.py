@@ -365,7 +365,7 @@ def results(window):
     yield shown("refused")
     find((), interrupted)
     yield shown("without places")
-    find(record=interrupted, omitted=12345, omitted_primary=9, notes=DOUBTS)
+    find(record=interrupted, omitted=12345, notes=DOUBTS)
     for _ in range(9):
         page.more.click()
     yield shown("last places")

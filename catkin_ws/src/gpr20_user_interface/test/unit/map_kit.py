@@ -14,7 +14,7 @@ MARKER = Marker(
     "2026-11-21T05:10:00.000000Z",
 )  # fmt: skip
 SURE = candidate(1, 125.0, 90.0, 85.0, 21.0)
-DOUBTED = candidate(2, 125.0, 90.0, 140.0, 12.0, (Flag.CLUTTER, Flag.EDGE))
+DOUBTED = candidate(2, 125.0, 90.0, 140.0, 12.0, (Flag.EDGE,))
 
 
 def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):

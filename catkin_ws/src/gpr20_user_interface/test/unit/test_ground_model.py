@@ -87,7 +87,7 @@ def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):
 def test_a_mark_is_chosen_with_its_depth_and_left_when_it_is_gone(model):
     add(model, *range(40))
     first = candidate(1, 150.0, 90.0, 60.0, 40.0)
-    second = candidate(2, 101.0, 51.0, 120.0, 12.0, [Flag.CLUTTER])
+    second = candidate(2, 101.0, 51.0, 120.0, 12.0, [Flag.EDGE])
     find(model, first, second)
     for mark in (first, second, first):
         model.choose_next()
@@ -103,17 +103,17 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
     marks = [
         candidate(1, 150.0, 90.0, 60.0, 40.0),
         candidate(2, 150.0, 90.0, 160.0, 20.0),
-        candidate(3, 151.0, 91.0, 160.0, 10.0, [Flag.CLUTTER]),
+        candidate(3, 151.0, 91.0, 160.0, 10.0, [Flag.EDGE]),
     ]
     find(model, *marks)
     model.additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
     model.set_depth(0.06)
     above = marks_above(model)
     assert [one.about for one in above] == [MARKER, marks[2], marks[1], marks[0]]
-    assert [one.near for one in above] == [True, False, True, True]
+    assert [one.near for one in above] == 4 * [True]
     model.choose_mark(marks[2])
     last = marks_above(model)[-1]
-    assert (last.about, last.chosen, last.near, last.doubtful) == (marks[2], True, True, True)
+    assert (last.about, last.chosen, last.near, last.doubtful) == (marks[2], True, True, False)
     model.choose_place(150.0, 90.0)
     assert {one.text for one in marks_in_section(model, Axis.X_MM)} == {"", "1", "2", "3"}
     for layer in (Layer.CANDIDATES, Layer.MARKERS):

@@ -7,8 +7,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+from gpr20_analysis.candidates.answer import site_false_alarms_per_m2
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.commands import hiding_command, image_command, inputs
+from gpr20_analysis.commands import hiding_command, image_options, inputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.faults import NO_SCREEN
@@ -31,10 +32,7 @@ SCREEN_LIMIT_S = 15.0
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    inputs.add_survey(parser)
-    inputs.add_steps(parser)
-    image_command.add_image_options(parser)
-    image_command.add_candidate_options(parser)
+    image_options.add_options(parser)
     hiding_command.add_hiding(parser)
     add = parser.add_argument
     add("--picks", type=Path, metavar="FILE",
@@ -46,14 +44,14 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Show the window; return the exit status when it was closed."""
     _check_libraries()
     _check_screen()
-    options = image_command.options_of(chosen)
-    listed = image_command.candidate_options_of(chosen)
+    options = image_options.options_of(chosen)
     steps = inputs.steps_of(chosen)
     survey = inputs.load(chosen, catalogue)
     processed, status = inputs.process(survey, steps, catalogue)
 
+    rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
     hiding = hiding_command.hiding_of(chosen, survey)
-    session = ViewSession(processed, options, lambda image: find_candidates(image, listed), hiding)
+    session = ViewSession(processed, options, lambda image: find_candidates(image, rate), hiding)
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

@@ -1,4 +1,9 @@
-"""The candidates in an image: the places that are stronger than the clutter of their ground."""
+"""The candidates in an image: the places that are stronger than the clutter of their ground.
+
+Echoes near each other are one place. Places are ranked by how far they are above the clutter around
+them, and the list is cut where ground without bodies has as many as the stated rate of false
+alarms: what is weaker cannot be told from clutter at that rate.
+"""
 
 from __future__ import annotations
 
@@ -9,127 +14,107 @@ from typing import Dict, List, Optional, Sequence
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.candidates.false_alarms import STRIP_M, FalseAlarms, surveyed_m2
 from gpr20_analysis.dataset import DEPTH, ECHOES, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import ECHO_VALUES
 from gpr20_analysis.imaging.permittivity import depth_shares, permittivity_range
 from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import DOUBTS, NOTES, sentences_of
-from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.results.candidates import DOUBTFUL, OMITTED, Candidate, CandidateList, Flag
+from gpr20_survey.plan.annotation import USUAL_FALSE_ALARMS_PER_M2
+from gpr20_survey.results.candidates import DOUBTFUL, Candidate, CandidateList, Flag
 
+# How many places per m2 of ground without its bodies are so far above the clutter around them,
+# measured on every second scene of benchmarks/detection.py; between them the logarithm is linear.
+CLUTTER_DB = (8.0, 12.0, 15.0, 20.0, 25.0, 30.0)
+CLUTTER_PER_M2 = (20.0, 10.0, 6.0, 3.0, 1.5, 0.3)
+# That holds for so many maxima per m2 of an image; where it has ten times as many, the highest are
+# so much higher. Images with fewer or more than these were not scored.
+USUAL_MAXIMA_PER_M2, OF_TEN_TIMES_DB = 1000.0, 6.5
+SCORED_MAXIMA_PER_M2 = (100.0, 2500.0)
 # Echoes nearer than that across are one place, to which a person goes: about the radius of a mine.
 PLACE_M = 0.06
 # A body's echo is its brightest among those that are nearly as far above the clutter as its first.
 NEARLY_DB = 6.0
+# An echo of the surface itself must be so much stronger to be a place in the ground.
+SURFACE_M, OF_SURFACE_DB = 0.006, 9.0
 # What a stronger body near it may have left, where it is no point: that much below it.
-SIDELOBE_DB, SIDELOBE_REACH_M = 40.0, 0.5
-# Without a measured density, an echo must be so far above the clutter around it.
-UNRATED_DB = 10.0
+SIDELOBE_DB, SIDELOBE_REACH_M = 35.0, 0.5
+# The brightest echo of an image of nothing but noise is not that far above the usual one.
+NOISE_DB = 12.0
+# Weaker echoes that are kept, and fewest echoes of which the clutter is known.
+MOST_WEAKER, FEWEST_ECHOES = 50, 40
+# Smallest area whose maxima are counted [m2].
+LEAST_M2 = 0.01
+# A single line sees that much of the ground beside it, and so does a narrow area.
+STRIP_M = 0.3
 # The middle of a flat body is where its echo is strongest, or off it by a part of its radius.
 OF_BODY_M = 0.012
 # A line shows bodies beside it, and shows them deeper.
 BESIDE_LINE_M, DEEPER_BESIDE_M = 0.07, 0.015
-# Of two resolutions that are alike.
-ALIKE = 0.7
 # Of the depth resolution: how well the first edge of an echo is known.
 OF_RESOLUTION = 0.25
+# Standard deviation of the antenna height.
+HEIGHT_UNCERTAINTY_M = 0.003
 
 
-@dataclass(frozen=True)
-class CandidateOptions:
-    """What is listed.
+def least_level_db(false_alarms_per_m2: float, maxima_per_m2: float = USUAL_MAXIMA_PER_M2) -> float:
+    """Return how far above the clutter so many places per m2 of ground without bodies are [dB].
 
-    Attributes:
-        false_alarms_per_m2: How many echoes of the ground's own clutter may be as strong as the
-            weakest candidate [1/m2].
-        most: Most candidates to list. All that are neither `DOUBTFUL` nor unrated are listed, even
-            if there are more.
-        height_uncertainty_m: Standard deviation of the antenna height [m].
+    Args:
+        false_alarms_per_m2: Rate of false alarms [1/m2].
+        maxima_per_m2: Maxima of the image: a wide band and a fine grid have many, and the highest
+            of many stand out more.
     """
-
-    false_alarms_per_m2: float = 10.0
-    most: int = 50
-    height_uncertainty_m: float = 0.003
-
-    def __post_init__(self) -> None:
-        """Check the options.
-
-        Raises:
-            WrongDatasetError: A value is not allowed.
-        """
-        # Written so that NaN is refused too.
-        if not 1e-3 <= self.false_alarms_per_m2 <= 1e3:
-            raise WrongDatasetError(
-                Message(
-                    "the density of false alarms is {density:g} per m2; it must lie between "
-                    "{lowest:g} and {highest:g}",
-                    density=self.false_alarms_per_m2,
-                    lowest=1e-3,
-                    highest=1e3,
-                ),
-                fault=NOT_ALLOWED,
-            )
-        if not 1 <= self.most <= 100_000:
-            raise WrongDatasetError(
-                Message(
-                    "the longest list is {most}; it must have 1 to {highest} candidates",
-                    most=self.most,
-                    highest=100_000,
-                ),
-                fault=NOT_ALLOWED,
-            )
+    rates = np.log(CLUTTER_PER_M2[::-1])
+    level_db = np.interp(math.log(false_alarms_per_m2), rates, CLUTTER_DB[::-1])
+    fewest, most = SCORED_MAXIMA_PER_M2
+    share = min(max(maxima_per_m2, fewest), most) / USUAL_MAXIMA_PER_M2
+    return float(level_db + OF_TEN_TIMES_DB * math.log10(share))
 
 
-DEFAULT_OPTIONS = CandidateOptions()
+def surveyed_m2(x_m: np.ndarray, y_m: np.ndarray) -> float:
+    """Return the area of the ground that a survey sees, at least a strip as of a line [m2]."""
+    shorter_m, longer_m = sorted(float(np.ptp(axis_m)) for axis_m in (x_m, y_m))
+    return longer_m * max(shorter_m, STRIP_M)
 
 
 def find_candidates(
-    image: xr.Dataset,
-    options: CandidateOptions = DEFAULT_OPTIONS,
-    clean_ground: Optional[xr.Dataset] = None,
+    image: xr.Dataset, false_alarms_per_m2: float = USUAL_FALSE_ALARMS_PER_M2
 ) -> CandidateList:
     """Return the candidates of all polarizations as one list.
 
     Args:
         image: Dataset of `image_survey`.
-        options: What is listed.
-        clean_ground: Image of ground of this kind without bodies, made in the same way, whose
-            echoes give the density of false alarms. None: those of this ground do.
+        false_alarms_per_m2: Where the list is cut: so many places to check there are in a square
+            metre of ground without bodies [1/m2].
 
     Returns:
-        The list: the brightest echo whatever its flags, then the others, the strongest above
-        clutter first; what may be the rest of the surface after these, and doubtful ones last.
+        The list: the places to check, the strongest above clutter first, then the weaker echoes.
+        The brightest echo is among the places, unless the image shows nothing but noise.
 
     Raises:
-        WrongDatasetError: The data are no image, or one without its echoes; or the image of clean
-            ground was made in another way.
+        WrongDatasetError: The data are no image, or one without its echoes.
     """
     echoes = _Echoes(image)
     area_m2 = surveyed_m2(image[X].values, image[Y].values)
-    if clean_ground is None:
-        alarms = FalseAlarms(echoes.above_db[~echoes.fitted], area_m2)
-    else:
-        alarms = _alarms_of(clean_ground, image)
-    least_db = alarms.level_db(options.false_alarms_per_m2) if alarms.are_known else UNRATED_DB
-    places = _places(echoes, least_db)
-    flags = _flags(places, echoes, image, least_db, alarms.are_known)
-    order = _order(places, echoes, flags)
+    maxima_per_m2 = len(echoes.above_db) / max(area_m2, LEAST_M2)
+    least_db = least_level_db(false_alarms_per_m2, maxima_per_m2)
+    places = _places(echoes)
+    flags = _flags(places, echoes, image, least_db)
     doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
-    omissible = np.any([flags[one] for one in OMITTED], axis=0)
-    count = max([options.most, *(np.flatnonzero(~omissible[order]) + 1)])
+    score_db = np.array([one.score_db for one in places])
+    order = np.lexsort((-score_db, flags[Flag.BRIGHTEST], doubtful))
+    kept = order[: np.count_nonzero(~doubtful) + MOST_WEAKER]
     listed = tuple(
         replace(
-            _candidate(places[one], echoes, image, options, alarms),
+            _candidate(places[one], echoes, image),
             id=f"C{number:02d}",
             flags=tuple(flag for flag, is_set in flags.items() if is_set[one]),
         )
-        for number, one in enumerate(order[:count], 1)
+        for number, one in enumerate(kept, 1)
     )
     permittivity_lowest, permittivity_highest = permittivity_range(image)
-    false_alarms_lowest, false_alarms_highest = alarms.range_per_m2(least_db)
     return CandidateList(
         survey_id=str(image.attrs.get("survey_id", "")),
         simulated=bool(image.attrs.get("simulated", False)),
@@ -139,37 +124,17 @@ def find_candidates(
         permittivity_highest=permittivity_highest,
         permittivity_source=str(image.attrs.get("permittivity_source", "")),
         area_m2=area_m2,
-        false_alarms_per_m2=alarms.per_m2(least_db),
-        false_alarms_lowest=false_alarms_lowest,
-        false_alarms_highest=false_alarms_highest,
+        false_alarms_per_m2=false_alarms_per_m2,
+        least_db=least_db,
         omitted=len(order) - len(listed),
         candidates=listed,
         notes=(
             *(one for name in (DOUBTS, NOTES) for one in sentences_of(image, name)),
-            *_notes(alarms, clean_ground),
+            *_notes(echoes),
         ),
         position=area_position(image.attrs),
-        omitted_primary=int(np.count_nonzero(~doubtful[order[count:]])),
         length_m=area_m2 / STRIP_M if is_line(image) else None,
     )
-
-
-def _alarms_of(clean_ground: xr.Dataset, image: xr.Dataset) -> FalseAlarms:
-    """Return the false alarms by all echoes of ground without bodies."""
-    weak_db = _Echoes(clean_ground).above_db
-    turns = {one.sizes[POLARIZATION] for one in (image, clean_ground)}
-    methods = {one.attrs["method"] for one in (image, clean_ground)}
-    finer = float(image.attrs["depth_resolution_m"]) / clean_ground.attrs["depth_resolution_m"]
-    if len(turns) > 1 or len(methods) > 1 or not ALIKE < finer < 1.0 / ALIKE:
-        raise WrongDatasetError(
-            Message(
-                "the image of clean ground was made in another way; make both with the same sweep, "
-                "rotations, permittivity and method"
-            ),
-            fault=NOT_ALLOWED,
-        )
-    area_m2 = surveyed_m2(clean_ground[X].values, clean_ground[Y].values)
-    return FalseAlarms(weak_db, area_m2)
 
 
 class _Echoes:
@@ -192,6 +157,12 @@ class _Echoes:
         self.above_db, self.level_db = rows[:, 4], rows[:, 5]
         self.fitted = rows[:, 6] > 0.0
 
+    def near(self, one: int) -> np.ndarray:
+        """Return which echoes are at the place of one."""
+        away_m = np.hypot(*(self.place_m[:, 1:] - self.place_m[one, 1:]).T)
+        found: np.ndarray = away_m <= PLACE_M
+        return found
+
 
 @dataclass(frozen=True)
 class _Place:
@@ -200,74 +171,100 @@ class _Place:
     Attributes:
         members: Indices of the echoes, the one furthest above clutter first.
         body: Index of the one that gives the place.
+        score_db: What the place is ranked by: how far it is above the clutter [dB], less for an
+            echo of the surface that is not the brightest of all.
     """
 
     members: np.ndarray
     body: int
+    score_db: float
 
 
-def _places(echoes: _Echoes, least_db: float) -> List[_Place]:
+def _places(echoes: _Echoes) -> List[_Place]:
     left = np.ones(len(echoes.above_db), dtype=bool)
+    brightest = int(np.argmax(echoes.level_db)) if len(left) else 0
     found = []
     for first in range(len(left)):
         if not left[first]:
             continue
-        own = left & _is_near(echoes, first)
-        enough_db = max(least_db, echoes.above_db[first] - NEARLY_DB)
-        strong = own & (echoes.above_db >= min(enough_db, echoes.above_db[first]))
+        own = left & echoes.near(first)
+        strong = own & (echoes.above_db >= echoes.above_db[first] - NEARLY_DB)
         body = int(np.argmax(np.where(strong, echoes.level_db, -np.inf)))
-        own |= left & _is_near(echoes, body)
+        own |= left & echoes.near(body)
         left[own] = False
-        found.append(_Place(np.flatnonzero(own), body))
+        is_surface = echoes.place_m[body, 0] < SURFACE_M and not own[brightest]
+        score_db = float(echoes.above_db[first]) - (OF_SURFACE_DB if is_surface else 0.0)
+        found.append(_Place(np.flatnonzero(own), body, score_db))
     return found
 
 
-def _is_near(echoes: _Echoes, one: int) -> np.ndarray:
-    near: np.ndarray = np.hypot(*(echoes.place_m[:, 1:] - echoes.place_m[one, 1:]).T) <= PLACE_M
-    return near
+def _flags(
+    places: Sequence[_Place], echoes: _Echoes, image: xr.Dataset, least_db: float
+) -> Dict[Flag, np.ndarray]:
+    """Return for each flag whether the places have it."""
+    body = np.array([one.body for one in places], dtype=int)
+    place_m, level_db = echoes.place_m[body], echoes.level_db[body]
+    depth_m = place_m[:, 0]
+    at_edge = np.isin(depth_m, image[DEPTH].values[[0, -1]])
+    for at_m, name in zip(place_m.T[1:], (Y, X)):
+        axis_m = image[name].values
+        if len(axis_m) > 1:
+            nearest_m = np.minimum(at_m - axis_m.min(), axis_m.max() - at_m)
+            at_edge |= nearest_m < _step_m(axis_m)
+    seen = [
+        len(set(echoes.turn[one.members[echoes.above_db[one.members] >= least_db]].tolist()))
+        for one in places
+    ]
+    is_weak = np.array([one.score_db for one in places]) < least_db
+    is_sidelobe = _beside_stronger(place_m, level_db)
+    brightest = _brightest(places, echoes)
+    return {
+        Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
+        Flag.EDGE: at_edge,
+        Flag.ONE_POLARIZATION: (np.array(seen) == 1) & (image.sizes[POLARIZATION] > 1),
+        Flag.CLUTTER: is_weak & ~brightest,
+        Flag.SIDELOBE: is_sidelobe & ~brightest,
+        Flag.BRIGHTEST: is_weak & brightest,
+    }
 
 
-def _order(places: Sequence[_Place], echoes: _Echoes, flags: Dict[Flag, np.ndarray]) -> List[int]:
-    doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
-    brightest = int(np.argmax(echoes.level_db)) if places else -1
-    return sorted(
-        range(len(places)),
-        key=lambda one: (
-            brightest not in places[one].members,
-            doubtful[one],
-            flags[Flag.SURFACE_RESIDUE][one],
-            -echoes.above_db[places[one].members[0]],
-        ),
-    )
+def _brightest(places: Sequence[_Place], echoes: _Echoes) -> np.ndarray:
+    """Return which place has the brightest echo; none if it is no brighter than noise."""
+    found = np.zeros(len(places), dtype=bool)
+    weak_db = echoes.level_db[~echoes.fitted]
+    if places and len(weak_db):
+        one = int(np.argmax(echoes.level_db))
+        if echoes.level_db[one] >= np.median(weak_db) + NOISE_DB:
+            found[:] = [one in place.members for place in places]
+    return found
 
 
-def _notes(alarms: FalseAlarms, clean_ground: Optional[xr.Dataset]) -> List[Message]:
-    if alarms.are_known:
-        if clean_ground is None:
-            return []
-        name = str(clean_ground.attrs.get("survey_id", "")) or "-"
-        return [Message("the density of false alarms is that of clean ground: {name}", name=name)]
+def _beside_stronger(place_m: np.ndarray, level_db: np.ndarray) -> np.ndarray:
+    """Return whether each place is so near to a so much stronger one that it may be its rest."""
+    found = np.zeros(len(level_db), dtype=bool)
+    for one, (own_m, own_db) in enumerate(zip(place_m, level_db)):
+        near = np.hypot(*(place_m[:, 1:] - own_m[1:]).T) <= SIDELOBE_REACH_M
+        found[one] = bool(np.any(level_db[near] >= own_db + SIDELOBE_DB))
+    return found
+
+
+def _notes(echoes: _Echoes) -> List[Message]:
+    if np.count_nonzero(~echoes.fitted) >= FEWEST_ECHOES:
+        return []
     return [
         Message(
-            "the clutter of so small an area or so coarse an image cannot be measured, so nothing "
-            "is known of false alarms; any candidate may be clutter"
+            "the clutter of so small an area or so coarse an image is known from a few echoes "
+            "only; any candidate may be clutter"
         )
     ]
 
 
-def _candidate(
-    place: _Place,
-    echoes: _Echoes,
-    image: xr.Dataset,
-    options: CandidateOptions,
-    alarms: FalseAlarms,
-) -> Candidate:
+def _candidate(place: _Place, echoes: _Echoes, image: xr.Dataset) -> Candidate:
     """Return a candidate without its name and flags."""
     depth_m, y_m, x_m = (float(one) for one in echoes.place_m[place.body])
-    above_db = float(echoes.above_db[place.members[0]])
     permittivity = float(image.attrs["permittivity"])
     of_permittivity_m = depth_m * depth_shares(permittivity, *permittivity_range(image))[0]
-    of_height_m = options.height_uncertainty_m / math.sqrt(permittivity)
+    of_height_m = HEIGHT_UNCERTAINTY_M / math.sqrt(permittivity)
     # The surface above a body may be as much higher or lower as the heights differ.
     of_relief_m = float(image.attrs.get("relief_m", 0.0))
     of_depth_m = OF_RESOLUTION * float(image.attrs["depth_resolution_m"])
@@ -289,8 +286,7 @@ def _candidate(
         y_uncertainty_m=of_place_m[Y],
         depth_uncertainty_m=float(np.linalg.norm([of_depth_m, of_height_m, of_relief_m, of_line_m]))
         + max(of_permittivity_m, 0.0),
-        above_clutter_db=above_db,
-        false_alarms_per_m2=alarms.per_m2(above_db),
+        above_clutter_db=float(echoes.above_db[place.members[0]]),
         rotations_deg=tuple(None if math.isnan(one) else one for one in rotations_deg),
         polarization_ratio_db=_polarization_ratio_db(place, echoes, image),
         flags=(),
@@ -307,47 +303,6 @@ def _polarization_ratio_db(place: _Place, echoes: _Echoes, image: xr.Dataset) ->
     if min(len(one) for one in levels_db) == 0:
         return None
     return float(levels_db[0].max() - levels_db[1].max())
-
-
-def _flags(
-    places: Sequence[_Place],
-    echoes: _Echoes,
-    image: xr.Dataset,
-    least_db: float,
-    are_rated: bool,
-) -> Dict[Flag, np.ndarray]:
-    """Return for each flag whether the places have it."""
-    body = np.array([one.body for one in places], dtype=int)
-    above_db = np.array([echoes.above_db[one.members[0]] for one in places])
-    place_m, level_db = echoes.place_m[body], echoes.level_db[body]
-    depth_m = place_m[:, 0]
-    at_edge = np.isin(depth_m, image[DEPTH].values[[0, -1]])
-    for at_m, name in zip(place_m.T[1:], (Y, X)):
-        axis_m = image[name].values
-        if len(axis_m) > 1:
-            nearest_m = np.minimum(at_m - axis_m.min(), axis_m.max() - at_m)
-            at_edge |= nearest_m < _step_m(axis_m)
-    seen = [
-        len(set(echoes.turn[one.members[echoes.above_db[one.members] >= least_db]].tolist()))
-        for one in places
-    ]
-    return {
-        Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
-        Flag.EDGE: at_edge,
-        Flag.ONE_POLARIZATION: (np.array(seen) == 1) & (image.sizes[POLARIZATION] > 1),
-        Flag.CLUTTER: above_db < least_db,
-        Flag.UNRATED: np.full(len(places), not are_rated),
-        Flag.SIDELOBE: _beside_stronger(place_m, level_db),
-    }
-
-
-def _beside_stronger(place_m: np.ndarray, level_db: np.ndarray) -> np.ndarray:
-    """Return whether each place is so near to a so much stronger one that it may be its rest."""
-    found = np.zeros(len(level_db), dtype=bool)
-    for one, (own_m, own_db) in enumerate(zip(place_m, level_db)):
-        near = np.hypot(*(place_m[:, 1:] - own_m[1:]).T) <= SIDELOBE_REACH_M
-        found[one] = bool(np.any(level_db[near] >= own_db + SIDELOBE_DB))
-    return found
 
 
 def _step_m(axis_m: np.ndarray) -> float:

@@ -1,29 +1,42 @@
-"""gpr20 annotate: set name, operator, site, notes, position and heading of a recorded survey."""
+"""gpr20 annotate: what people add to a survey: its name and place, markers, and what was found."""
 
 from __future__ import annotations
 
 import argparse
+import hashlib
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
+from gpr20_analysis.candidates.files import check_ending, output_paths
+from gpr20_analysis.candidates.markers import MarkerList, json_text, marker_lines, write_markers
+from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command, print_rows
+from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import AnalysisError, not_there
+from gpr20_analysis.read.checks import found_in
 from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message, verbatim
+from gpr20_common.terminal_text import say
+from gpr20_survey.files import durable_files
+from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description, recover
 from gpr20_survey.plan.annotation import (
     Annotation,
     Wgs84Position,
     annotation_of,
     position_from_text,
 )
+from gpr20_survey.plan.markers import markers_of
+from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.candidates import list_from
+from gpr20_survey.results.found import PHOTOS, Found, What, present
 from gpr20_survey.trace import utc_time
 
 NONE = verbatim("-")
@@ -31,46 +44,67 @@ NONE = verbatim("-")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    parser.add_argument("survey", type=Path, help="folder of a survey that has ended")
-    parser.add_argument("--name", help="what the survey is called; its folder stays as it is")
-    parser.add_argument("--operator", metavar="NAME", help="who measured")
-    parser.add_argument("--site", metavar="NAME", help="where, in words")
-    parser.add_argument("--notes", metavar="TEXT", help="everything else; may have several lines")
-    place = parser.add_mutually_exclusive_group()
-    place.add_argument(
-        "--position",
-        metavar="LAT,LON",
-        type=_position,
-        help="where: WGS 84 latitude and longitude in degrees, north and east positive; "
-        "with a negative latitude write --position=LAT,LON",
-    )
-    place.add_argument("--no-position", action="store_true", help="remove the position")
-    direction = parser.add_mutually_exclusive_group()
-    direction.add_argument(
-        "--heading",
-        metavar="DEG",
-        type=float,
-        help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its right",
-    )
-    direction.add_argument("--no-heading", action="store_true", help="remove the heading")
+    add = parser.add_argument
+    add("survey", type=Path, help="folder of a survey that has ended")
+    add("--name", help="what the survey is called; its folder stays as it is")
+    add("--operator", metavar="NAME", help="who measured")
+    add("--site", metavar="NAME", help="where, in words")
+    add("--notes", metavar="TEXT", help="everything else; may have several lines")
+    place = parser.add_mutually_exclusive_group().add_argument
+    place("--position", metavar="LAT,LON", type=_position,
+          help="where: WGS 84 latitude and longitude in degrees, north and east positive; "
+          "with a negative latitude write --position=LAT,LON")  # fmt: skip
+    place("--no-position", action="store_true", help="remove the position")
+    direction = parser.add_mutually_exclusive_group().add_argument
+    direction("--heading", metavar="DEG", type=float,
+              help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its "
+              "right")  # fmt: skip
+    direction("--no-heading", action="store_true", help="remove the heading")
+    add("--found", metavar="ID", help="note what was found at a candidate, such as C03")
+    add("--list", type=Path, metavar="LIST.json", help="the list of gpr20 candidates with that id")
+    add("--what", choices=[one.value for one in What], help="what was found")
+    add("--depth-mm", type=float, metavar="MM", help="depth of it, from the surface to its top")
+    add("--who", metavar="NAME", default="", help="who found it")
+    add("--photo", type=Path, metavar="FILE", help="photograph, which is copied into the survey")
+    add("--remark", default="", metavar="TEXT", help="one line, such as the model of the device")
+    add("--markers", type=Path, action="append", default=[], metavar="FILE",
+        help="write the markers as .csv, .json or .geojson; may be given more than "
+        "once")  # fmt: skip
+    add("--removed", action="store_true", help="list markers that were removed too")
+    add("--json", action="store_true", help="print the markers as JSON, for programs")
+    outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Change what is given, print the whole annotation and return the exit status."""
+    """Change what is given, print all that people added, and return the exit status."""
     if not chosen.survey.is_dir():
         raise AnalysisError(not_there(chosen.survey), fault=faults.INPUT)
+    given = [one is not None for one in (chosen.found, chosen.list, chosen.what)]
+    if any(given) and not all(given):
+        raise AnalysisError(Message("give --found, --list and --what, or none of them"))
+    for path in chosen.markers:
+        check_ending(path)
+    written = [Output(one) for path in chosen.markers for one in output_paths(path)]
+    outputs.check(written, [chosen.survey], chosen.overwrite)
     description = read_description(chosen.survey)
     changes = _changes(chosen)
     if changes:
-
-        def change(present: Dict[str, Any]) -> Fact:
-            refuse_open(chosen.survey, present)
-            # What another program annotated meanwhile stays.
-            return Fact(Kind.ANNOTATION, replace(annotation_of(present), **changes).values())
-
-        now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
-        description = add_to_survey(chosen.survey, change, now)
+        # What another program annotated meanwhile stays.
+        description = _add(chosen, lambda there: Fact(
+            Kind.ANNOTATION, replace(annotation_of(there), **changes).values()
+        ))  # fmt: skip
+    if all(given):
+        _add_found(chosen)
+    markers = _markers(description, chosen.removed)
+    for path in chosen.markers:
+        write_markers(markers, path)
+    if chosen.json:
+        print(json_text(markers), end="")
+        return DONE
     print_rows(_rows(annotation_of(description)), catalogue)
+    lines = marker_lines(markers, catalogue) if markers.markers else []
+    for line in [*lines, *_found_lines(chosen.survey)]:
+        say(line)
     return DONE
 
 
@@ -86,21 +120,86 @@ def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
     return changes
 
 
-def refuse_open(folder: Path, description: Dict[str, Any]) -> None:
-    """Refuse to change a survey that has not ended.
+def _add(
+    chosen: argparse.Namespace, fact_of: Callable[[Dict[str, Any]], Fact], now: str = ""
+) -> Dict[str, Any]:
+    """Add a fact to the survey and return its description then.
 
     Raises:
         AnalysisError: It has not ended.
     """
-    if description.get("ended") is None:
-        raise AnalysisError(
-            Message(
-                "the survey in {folder} has not ended, and a robot may be writing it; use the "
-                "robot's window, or resume and stop the survey first",
-                folder=folder,
-            ),
-            fault=IN_USE,
-        )
+
+    def change(present: Dict[str, Any]) -> Fact:
+        if present.get("ended") is None:
+            raise AnalysisError(
+                Message(
+                    "the survey in {folder} has not ended, and a robot may be writing it; use the "
+                    "robot's window, or resume and stop the survey first",
+                    folder=chosen.survey,
+                ),
+                fault=IN_USE,
+            )
+        return fact_of(present)
+
+    return add_to_survey(chosen.survey, change, now or _now())
+
+
+def _now() -> str:
+    return utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
+
+
+def _add_found(chosen: argparse.Namespace) -> None:
+    now = _now()
+    photo = None if chosen.photo is None else read_regular(chosen.photo)
+    own = hashlib.sha256(photo or b"").hexdigest()
+    name = "" if photo is None else own + chosen.photo.suffix.lower()
+    given = {"who": chosen.who, "notes": chosen.remark, "depth_mm": chosen.depth_mm, "photo": name}
+    found = Found(What(chosen.what), **_candidate(chosen), **given, time=now)
+
+    def fact_of(_present: Dict[str, Any]) -> Fact:
+        if photo is not None:  # durable before the record that names it
+            folder = chosen.survey / PHOTOS
+            durable_files.ensure_folder(folder)
+            durable_files.write_new_file(folder / name, photo)
+        return Fact(Kind.FOUND, found.values())
+
+    _add(chosen, fact_of, now)
+
+
+def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
+    """Return id and place of the candidate, and its list: ids depend on how an image is made."""
+    content = read_regular(chosen.list)
+    survey_id = read_description(chosen.survey)["survey_id"]
+    listed = list_from(content.decode("utf-8", "replace"), survey_id).candidates
+    for one in listed:
+        if one.id == chosen.found:
+            own = hashlib.sha256(content).hexdigest()
+            return {"x_mm": one.x_mm, "y_mm": one.y_mm, "candidate": one.id, "list_sha256": own}
+    ids = ", ".join(one.id for one in listed)
+    other = Message("there is no candidate {id}; write {ids}", id=chosen.found, ids=ids)
+    raise AnalysisError(other, fault=faults.INPUT)
+
+
+def _found_lines(folder: Path) -> List[str]:
+    """Return a line for the last record of each candidate of each list."""
+    lines = []
+    for one in present(found_in(recover(folder).found.records)):
+        depth = "-" if one.depth_mm is None else f"{one.depth_mm:.0f}"
+        place = (one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value, depth)
+        lines.append("  ".join([*place, one.who, one.time[:16], one.notes]).rstrip())
+    return lines
+
+
+def _markers(description: Dict[str, Any], removed: bool) -> MarkerList:
+    annotation = annotation_of(description)
+    place: Optional[AreaPosition] = None
+    if annotation.position is not None and annotation.heading_deg is not None:
+        at = annotation.position
+        place = AreaPosition(at.latitude_deg, at.longitude_deg, annotation.heading_deg)
+    found = tuple(one for one in markers_of(description) if removed or one.is_present)
+    return MarkerList(
+        str(description.get("survey_id", "")), bool(description.get("simulated")), found, place
+    )
 
 
 def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
@@ -126,8 +225,10 @@ def _position(text: str) -> Wgs84Position:
 
 
 COMMAND = Command(
-    "Set name, operator, site, notes, position and heading of a survey. What is not given stays; "
-    "without any, they are printed. A survey of which noted entries are lost is refused.",
+    "Set name, operator, site, notes, position and heading of a survey, and note what was found at "
+    "a candidate: nothing, scrap or a device. What is not given stays; all that people added is "
+    "printed, markers too. A later record of the same candidate replaces an earlier one, which "
+    "stays in the log. A survey of which noted entries are lost is refused.",
     add_arguments,
     run,
 )

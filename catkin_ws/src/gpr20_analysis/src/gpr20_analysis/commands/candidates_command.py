@@ -3,38 +3,30 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from pathlib import Path
 
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.files import (
-    check_candidates_path,
-    output_paths,
-    write_candidates,
-)
-from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.commands import image_command, inputs, outputs
+from gpr20_analysis.candidates.files import check_ending, output_paths, write_candidates
+from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_survey.axes.axis_id import BASE_LINK
-from gpr20_survey.results.candidates import CandidateList, json_text
+from gpr20_survey.results.candidates import CandidateList
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    inputs.add_survey(parser)
-    inputs.add_steps(parser)
-    image_command.add_image_options(parser)
-    image_command.add_candidate_options(parser)
+    image_options.add_options(parser)
+    image_options.add_list_options(parser)
     add = parser.add_argument
     add("--output", "-o", type=Path, action="append", default=[],
-        help="list as .csv, .json, .geojson or .gpkg; may be given more than once")  # fmt: skip
+        help="list as .csv, .json or .geojson, with all weaker echoes; may be given more than "
+        "once")  # fmt: skip
     outputs.add_overwrite(parser)
-    add("--json", action="store_true", help="print the candidates as JSON, for programs")
     add("--publish", action="store_true",
         help="publish the list and markers on ROS topics until interrupted; needs ROS and a "
         "master")  # fmt: skip
@@ -42,26 +34,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Find, print and write the candidates; return the exit status."""
-    options = image_command.options_of(chosen)
-    listed = image_command.candidate_options_of(chosen)
-    steps = image_command.steps_of(chosen)
+    options = image_options.options_of(chosen)
+    steps = image_options.steps_of(chosen)
     for path in chosen.output:
-        check_candidates_path(path)
+        check_ending(path)
     written = [Output(one) for path in chosen.output for one in output_paths(path)]
     outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
     if chosen.publish:
         _require_master()
-    image, status = image_command.image_of(chosen, options, catalogue)
-    found = find_candidates(image, listed, image_command.clean_ground_of(chosen))
+    found, status = image_options.answer_of(chosen, options, catalogue)
     for path in chosen.output:
-        write_candidates(found, path)
-    if chosen.json:
-        print(json.dumps(json.loads(json_text(found)), indent=2))
-    else:
-        image_command.print_candidates(image, found, chosen, catalogue)
+        write_candidates(found.found, path)
+    image_options.print_answer(found, chosen, catalogue)
     if chosen.publish:
         sys.stdout.flush()
-        _publish(found)
+        _publish(found.found)
     return status
 
 
@@ -98,7 +85,7 @@ def _publish(found: CandidateList) -> None:
 
 COMMAND = Command(
     "List the candidates in the ground below a survey: places where its image is brighter than "
-    "noise. It is a list, no clearance. Without steps the mean of all traces is subtracted first.",
+    "clutter. It is a list, no clearance. Without steps coupling and surface echo are subtracted.",
     add_arguments,
     run,
 )

@@ -46,10 +46,8 @@ SUMMARIES: Dict[str, str] = {
     "delay": "fit the delay of cables and antennas to the surface echo",
     "antenna": "fit the model of the antennas to surveys of a metal plate",
     "plot": "draw a survey, its A-scans or an image",
-    "annotate": "set operator, site, notes and position of a survey",
-    "found": "note what was found at the candidates of a survey, or list it",
-    "trial": "plan a blind trial, seal lists of candidates, and score them",
-    "markers": "list the markers that people set in a survey, and write them to files",
+    "annotate": "note name, site and position of a survey, and what was found; list markers",
+    "trial": "score lists of candidates against buried targets",
     "verify": "check a survey's folder against its manifest, recordings and plan, and repair it",
     "sign": "sign a survey as it is now",
     "export": "write a survey in another format: NetCDF, CSV, SEG-Y, Touchstone, ROS",
@@ -62,7 +60,7 @@ SUMMARIES: Dict[str, str] = {
 }
 """Name and summary of each subcommand of this package; its module is `<name>_command`."""
 
-ENGLISH = {"annotate", "antenna", "delay", "export", "found", "import", "process"} | {
+ENGLISH = {"annotate", "antenna", "delay", "export", "import", "process"} | {
     *("replay", "sample", "sign", "trial", "view")
 }
 """Subcommands that say nothing of what operators read in their language."""

@@ -12,16 +12,15 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.candidates.files import output_paths
-from gpr20_analysis.commands import image_command, inputs, outputs
+from gpr20_analysis.candidates.answer import with_height
+from gpr20_analysis.candidates.files import check_ending, output_paths
+from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
-from gpr20_analysis.dataset import HEIGHT, MM_PER_M
+from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.detector import Detector
-from gpr20_analysis.hiding.files import check_hiding_path, read_hiding, write_hiding
-from gpr20_analysis.hiding.runs import HidingOptions
-from gpr20_analysis.hiding.search import map_hidden
+from gpr20_analysis.hiding.files import ENDINGS, read_hiding, write_hiding
+from gpr20_analysis.hiding.search import Detector, HidingOptions, map_hidden
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.processing.delay import recorded_separation_m
 from gpr20_analysis.read.load import load_survey
@@ -38,10 +37,7 @@ STANDARD = HidingOptions()
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
-    inputs.add_survey(parser)
-    inputs.add_steps(parser)
-    image_command.add_image_options(parser)
-    image_command.add_candidate_options(parser)
+    image_options.add_options(parser)
     add = parser.add_argument
     names = ", ".join(one.value.name for one in Targets)
     depths_mm = " ".join(f"{MM_PER_M * one:g}" for one in STANDARD.depth_m)
@@ -61,32 +57,27 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "more give a finer map")  # fmt: skip
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
     add("--output", "-o", type=Path, action="append", default=[],
-        help="map as .json, which report and view read, .geojson or .gpkg, or a picture "
+        help="map as .json, which report and view read, or .geojson, or a picture "
         f"({', '.join(FORMATS)}); may be given more than once")  # fmt: skip
     outputs.add_overwrite(parser)
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Make, print and write the map; return the exit status."""
-    options = image_command.options_of(chosen)
-    listed = image_command.candidate_options_of(chosen)
+    options = image_options.options_of(chosen)
     target, hiding = target_of(chosen.target), _options_of(chosen)
-    own_steps = image_command.steps_of(chosen)
+    steps = image_options.steps_of(chosen)
     written = []
     for path in chosen.output:
         if path.suffix in FORMATS:
             written.append(Output(path))
         else:
-            check_hiding_path(path)
+            check_ending(path, ENDINGS)
             written += [Output(one) for one in output_paths(path)]
-    outputs.check(written, inputs.inputs_of(chosen, own_steps), chosen.overwrite)
-    survey = inputs.load(chosen, catalogue)
-    if options.height_m is not None:
-        survey = survey.assign({HEIGHT: xr.full_like(survey[HEIGHT], options.height_m)})
-    steps = image_command.steps_of(chosen, options.method.default_steps)
+    outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
+    survey = with_height(inputs.load(chosen, catalogue), options.height_m)
     read = functools.lru_cache(maxsize=None)(load_survey)
-    clean_ground = image_command.clean_ground_of(chosen)
-    detector = Detector(lambda one: apply_steps(one, steps, read), options, listed, clean_ground)
+    detector = Detector(options, lambda one: apply_steps(one, steps, read))
     antenna: Optional[xr.Dataset] = load_survey(chosen.antenna) if chosen.antenna else None
     progress = inputs.progress_bar("hiding targets")
     hiding = replace(hiding, separation_m=chosen.separation or recorded_separation_m(survey))

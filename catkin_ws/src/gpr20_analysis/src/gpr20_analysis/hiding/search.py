@@ -1,35 +1,48 @@
 """The map of where a target could hide: targets are put into a survey's spectra and searched for.
 
-Every run puts targets at one depth on a lattice with a random origin into the spectra as measured,
-and looks for each with the survey's own detector. So what a survey's own ground, heights, noise and
-bodies hide is hidden here. The soil's permittivity is in turn the best, the lowest and the highest
-likely one, while the detector uses the best, as it would. If one of these is that of the target, it
-is taken, and the target is invisible.
+Every run puts a few targets at one depth on a lattice with a random origin into the spectra as
+measured, and searches all of it with the survey's own detector. So what a survey's own ground,
+heights, noise and bodies hide is hidden here. The soil's permittivity is in turn the best, the
+lowest and the highest likely one, while the detector uses the best, as it would. If one of these is
+that of the target, it is taken, and the target is invisible.
 """
 
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from dataclasses import dataclass
+from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import work
-from gpr20_analysis.candidates.focused import field_options
-from gpr20_analysis.dataset import S21, S21_DIMS, X, Y, require
-from gpr20_analysis.hiding.detector import Detector, Searched
-from gpr20_analysis.hiding.runs import HidingOptions, Results, Runs, search_all
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.candidates.answer import answer, field_options
+from gpr20_analysis.candidates.search import surveyed_m2
+from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.hiding.injection import with_targets
+from gpr20_analysis.hiding.scattering import Echo, Soil, echo_of
+from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
+from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
-from gpr20_analysis.processing.chain import process_survey
+from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.trial.statistics import detection_interval
-from gpr20_analysis.work import Progress, no_progress
+from gpr20_analysis.work import Progress, no_progress, on_threads
+from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.results.candidates import CandidateList
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_survey.results.hidden_target import Target
 from gpr20_survey.results.hiding_map import HidingMap
 
+# A candidate is the target if it is so near to it: across its rim, above its top, below its bottom.
+NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
+# Than a candidate that is there without the target.
+STRONGER_DB = 1.0
+# Targets of one run are apart by that, or by so many wavelengths in air; more would count as
+# clutter.
+APART_M, APART_WAVELENGTHS, AT_ONCE_PER_M2 = 0.2, 2.0, 8.0
 # The nearest of that many targets count for a place.
 COUNTED = 12
 # Places are nearer to each other than the targets of one run.
@@ -37,6 +50,67 @@ PLACE_SHARE = 0.4
 MOST_PLACES = 40
 # Arrays as large as the spectra that are held at once by each thread.
 COPIES = 6.0
+Place = Tuple[float, float]
+"""X and Y [m]."""
+
+
+@dataclass(frozen=True)
+class HidingOptions:
+    """How a map is made.
+
+    Attributes:
+        depth_m: Depths of the target's top [m], ascending.
+        rounds: How many lattices of targets are tried at each depth.
+        needed: The share that must be found, else the target could hide.
+        loss_tangent: Loss tangent of the soil; 0.05 is that of moist sand.
+        separation_m: Distance between the antennas [m].
+        seed: Of the random places.
+    """
+
+    depth_m: Tuple[float, ...] = (0.02, 0.04, 0.06, 0.09, 0.13, 0.18)
+    rounds: int = 16
+    needed: float = 0.8
+    loss_tangent: float = 0.05
+    separation_m: float = 0.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        """Check the options.
+
+        Raises:
+            WrongDatasetError: A value is not allowed.
+        """
+        depths_m = np.asarray(self.depth_m)
+        right = {
+            Message("the depths of the target must ascend, from 0 to 1 m"): len(depths_m) > 0
+            and bool(np.all(np.diff(depths_m) > 0.0))
+            and depths_m[0] >= 0.0
+            and depths_m[-1] <= 1.0,
+            Message("rounds must be 1 to 100"): 1 <= self.rounds <= 100,
+            Message("the needed share must lie between 0.01 and 1"): 0.01 <= self.needed <= 1.0,
+            Message("the loss tangent must lie between 0 and 1"): 0.0 <= self.loss_tangent <= 1.0,
+            Message("the seed must not be negative"): self.seed >= 0,
+        }
+        for sentence, is_right in right.items():
+            if not is_right:
+                raise WrongDatasetError(sentence, fault=NOT_ALLOWED)
+
+
+@dataclass(frozen=True)
+class Detector:
+    """How a survey is searched.
+
+    Attributes:
+        options: How the image is made, and the list cut.
+        process: Applies the steps to a survey as measured; by default those of the method.
+    """
+
+    options: ImageOptions
+    process: Callable[[xr.Dataset], xr.Dataset] = lambda survey: survey
+
+    def search(self, survey: xr.Dataset) -> CandidateList:
+        """Return the candidates of a survey as measured."""
+        return answer(self.process(survey), self.options).found
 
 
 def map_hidden(
@@ -65,10 +139,21 @@ def map_hidden(
     measured = require(survey, S21, S21_DIMS)
     work.require_bytes(COPIES * measured.nbytes, Message("a map of hidden targets"))
     survey = survey.assign({S21: measured.compute()})
-    searched = Searched(survey, detector)
-    runs = Runs(survey, searched, detector, target, options, antenna)
-    results = search_all(runs, options, progress)
-    return _counted(survey, searched.found, target, options, results, runs.apart_m)
+    listed = detector.search(survey)
+    runs = _Runs(survey, listed, target, options, antenna)
+
+    def search(job: Tuple[float, int]) -> List[bool]:
+        places_m = runs.places_m(*job)
+        if not places_m:
+            return []
+        found = detector.search(runs.survey_with(places_m, *job))
+        return [is_found(found, listed, one, job[0], target) for one in places_m]
+
+    jobs = [(depth_m, number) for depth_m in options.depth_m for number in range(options.rounds)]
+    tried: Dict[float, List[Tuple[Place, bool]]] = {one: [] for one in options.depth_m}
+    for job, hits in zip(jobs, on_threads(search, jobs, progress)):
+        tried[job[0]] += zip(runs.places_m(*job), hits)
+    return _counted(survey, listed, target, options, tried, runs.apart_m)
 
 
 def map_hidden_in_field(
@@ -84,10 +169,120 @@ def map_hidden_in_field(
     Raises:
         AnalysisError: The survey cannot be imaged, or its surface echo is not clear.
     """
-    detector = Detector(
-        lambda one: process_survey(one, *DEFAULT_STEPS), field_options(permittivity, survey)
-    )
+    detector = Detector(field_options(permittivity, survey))
     return map_hidden(survey, detector, target, HidingOptions())
+
+
+class _Runs:
+    """The surveys with targets in them.
+
+    Args:
+        survey: The survey as measured.
+        listed: Its candidates.
+        target: What is put into the spectra.
+        options: How many targets, and where.
+        antenna: Model of the antennas; None: the survey's surface gives their transmission.
+
+    Attributes:
+        apart_m: Distance of the targets of one lattice [m].
+    """
+
+    def __init__(
+        self,
+        survey: xr.Dataset,
+        listed: CandidateList,
+        target: Target,
+        options: HidingOptions,
+        antenna: Optional[xr.Dataset],
+    ) -> None:
+        self._survey, self._target, self._options = survey, target, options
+        self._frequency_hz = FrequencyGrid.of(survey).frequency_hz
+        lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
+        self._permittivities = [listed.permittivity, lowest, highest]
+        if target.permittivity is not None and lowest <= target.permittivity <= highest:
+            # What may be invisible is taken as invisible.
+            self._permittivities = [target.permittivity]
+        if antenna is None:
+            surface = SurfaceReference(survey, options.separation_m)
+            self._transmissions = [surface.transmission(one) for one in self._permittivities]
+        else:
+            self._transmissions = [of_model(antenna)] * len(self._permittivities)
+        self._height_m = float(survey[HEIGHT].where(usable(survey)).mean())
+        self._reach_m = float(np.hypot(*(np.ptp(survey[name].values) for name in (X, Y))))
+        middle_m = SPEED_OF_LIGHT_M_S / float(np.mean(self._frequency_hz))
+        self.apart_m = max(APART_M, APART_WAVELENGTHS * middle_m, 2.0 * target.diameter_m)
+        area_m2 = surveyed_m2(*(survey[name].values for name in (X, Y)))
+        self._at_once = max(1, int(AT_ONCE_PER_M2 * area_m2))
+        self._echoes: Dict[Tuple[float, int], Echo] = {}
+
+    def places_m(self, depth_m: float, number: int) -> List[Place]:
+        """Return the places of the targets of one run [m]."""
+        options = self._options
+        random = np.random.default_rng([options.seed, options.depth_m.index(depth_m), number])
+        axes_m = [self._survey[name].values for name in (X, Y)]
+        x_m, y_m = (self._lattice(axis_m, random.random()) for axis_m in axes_m)
+        places_m = [(float(one), float(other)) for other in y_m for one in x_m]
+        every = max(1, -(-len(places_m) // self._at_once))
+        return places_m[number % every :: every]
+
+    def survey_with(self, places_m: Sequence[Place], depth_m: float, number: int) -> xr.Dataset:
+        """Return the survey with targets at places."""
+        of_soil = number % len(self._permittivities)
+        return with_targets(
+            self._survey,
+            self._echo(depth_m, of_soil),
+            places_m,
+            self._permittivities[of_soil],
+            self._transmissions[of_soil],
+            self._options.separation_m,
+        )
+
+    def _lattice(self, axis_m: np.ndarray, origin: float) -> np.ndarray:
+        """Return places along an axis; of a single line its place."""
+        if len(axis_m) == 1:
+            return axis_m
+        first_m, last_m = float(axis_m.min()), float(axis_m.max())
+        return np.arange(first_m + origin * self.apart_m, last_m, self.apart_m)
+
+    def _echo(self, depth_m: float, of_soil: int) -> Echo:
+        # Two threads may compute the same echo, which is the same.
+        if (depth_m, of_soil) not in self._echoes:
+            soil = Soil(self._permittivities[of_soil], self._options.loss_tangent)
+            self._echoes[depth_m, of_soil] = echo_of(
+                self._target, depth_m, soil, self._height_m, self._frequency_hz, self._reach_m
+            )
+        return self._echoes[depth_m, of_soil]
+
+
+def is_found(
+    found: CandidateList, without: CandidateList, place_m: Place, top_m: float, target: Target
+) -> bool:
+    """Return whether a place to check is a target.
+
+    Where the survey has a place without the target, too, it must be stronger with it: what changes
+    nothing was not found.
+
+    Args:
+        found: The candidates with the target.
+        without: Those of the survey without it.
+        place_m: X and Y of the target [m].
+        top_m: Depth of its top [m].
+        target: What it is.
+    """
+    with_db, without_db = (
+        max([-np.inf, *(one.above_clutter_db for one in listed.shown()
+                        if _is_at(one, place_m, top_m, target))])
+        for listed in (found, without)
+    )  # fmt: skip
+    return bool(with_db > without_db + STRONGER_DB)
+
+
+def _is_at(one: Candidate, place_m: Place, top_m: float, target: Target) -> bool:
+    away_m = np.hypot(one.x_m - place_m[0], one.y_m - place_m[1])
+    return bool(
+        away_m < NEAR_M + target.diameter_m / 2.0
+        and -ABOVE_M < one.depth_m - top_m < target.height_m + BELOW_M
+    )
 
 
 def _counted(
@@ -95,7 +290,7 @@ def _counted(
     listed: CandidateList,
     target: Target,
     options: HidingOptions,
-    results: Results,
+    every: Dict[float, List[Tuple[Place, bool]]],
     apart_m: float,
 ) -> HidingMap:
     axes_m = [survey[name].values for name in (X, Y)]
@@ -103,12 +298,11 @@ def _counted(
     x_m, y_m = (_places(axis_m, PLACE_SHARE * apart_m) for axis_m in axes_m)
     shape = (len(options.depth_m), len(y_m), len(x_m))
     counts, hits, within_m = np.zeros(shape, int), np.zeros(shape, int), np.zeros(shape[0])
-    for layer, depth_m in enumerate(options.depth_m):
-        tried = results.tried[depth_m]
+    for layer, tried in enumerate(every.values()):
         if not tried:
             continue
         at_x_m, at_y_m = np.array([place_m for place_m, _ in tried]).T
-        found = np.array([is_found for _, is_found in tried])
+        found = np.array([is_hit for _, is_hit in tried])
         away_m = np.hypot(y_m[:, None, None] - at_y_m, x_m[:, None] - at_x_m)
         nearest = np.argsort(away_m, axis=-1, kind="stable")[..., :COUNTED]
         counts[layer], hits[layer] = nearest.shape[-1], found[nearest].sum(axis=-1)
@@ -133,9 +327,6 @@ def _counted(
         permittivity_range=(listed.permittivity_lowest, listed.permittivity_highest),
         loss_tangent=options.loss_tangent,
         seed=options.seed,
-        checked=results.checked,
-        agreed=results.agreed,
-        by_whole_m=results.by_whole_m,
         notes=(*listed.notes, *_notes(listed, target)),
         position=listed.position,
     )

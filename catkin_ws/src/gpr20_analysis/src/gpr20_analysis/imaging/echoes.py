@@ -57,14 +57,12 @@ class Echoes:
         magnitude: Magnitude in the image.
         clutter: Standard magnitude of what is around it, without other bodies.
         fitted: Whether it is a point that was fitted; the others are in what those left.
-        rest: The image without the points (depth, y, x).
     """
 
     place_m: np.ndarray
     magnitude: np.ndarray
     clutter: np.ndarray
     fitted: np.ndarray
-    rest: np.ndarray
 
 
 def find_echoes(
@@ -132,7 +130,6 @@ def _with_weak(
         np.concatenate([strength, left[tuple(weak.T)]]),
         np.concatenate([clutter[tuple(nearest)], clutter[tuple(weak.T)]]),
         np.arange(len(place_m) + len(weak)) < len(place_m),
-        rest,
     )
 
 

@@ -52,8 +52,6 @@ ECHO_VALUES = ("rotation_deg", "depth", "y", "x", "above_clutter_db", "level_db"
 a point that was fitted to the traces and taken away before the clutter was measured."""
 VALUE = "value"
 """Coordinate: the names of the values of an echo, as `image.echoes.sel(value="depth")`."""
-REST = "rest"
-"""Variable: the image without its strong echoes."""
 # Of the delay of the deepest voxel, since waves arrive aslant too.
 LONGEST = 1.5
 # -3 dB width with a Hann window, in units of the inverse of the band.
@@ -71,7 +69,6 @@ def image_survey(
     options: ImageOptions,
     progress: Progress = no_progress,
     with_echoes: bool = True,
-    with_rest: bool = False,
 ) -> xr.Dataset:
     """Return the image of a survey.
 
@@ -80,7 +77,6 @@ def image_survey(
         options: How the image is made.
         progress: Shows the progress over all polarizations.
         with_echoes: Find the echoes and the clutter, without which there are no candidates.
-        with_rest: Keep the image without its strong echoes, too.
 
     Returns:
         Dataset with `image` (polarization, depth, y, x), complex or
@@ -131,7 +127,7 @@ def image_survey(
     values = np.stack([volume for volume, _ in volumes])
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
     if with_echoes:
-        image = image.assign(_echoes(traces, focus, options.method, image, at, with_rest))
+        image = image.assign(_echoes(traces, focus, options.method, image, at))
         image = image.assign_coords({VALUE: list(ECHO_VALUES)})
     noted = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
@@ -207,7 +203,6 @@ def _echoes(
     method: Method,
     image: xr.Dataset,
     at: Positions,
-    with_rest: bool,
 ) -> Dict[Hashable, Any]:
     def imager(some: Traces) -> np.ndarray:
         return method.image(some, focus, at, no_progress)[0]
@@ -221,7 +216,7 @@ def _echoes(
             focus.permittivity,
         )
     )
-    rows, planes, rests = [], [], []
+    rows, planes = [], []
     for turn, one in enumerate(traces):
         volume = image[IMAGE].values[turn]
         magnitude = np.abs(volume)
@@ -234,13 +229,7 @@ def _echoes(
         bodies_m = found.place_m[found.fitted]
         clutter = local_clutter(magnitude, axes_m, resolution_m, bodies_m)
         planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
-        if with_rest:
-            rests.append(found.rest)
-    kept: Dict[Hashable, Any] = {}
-    if with_rest:
-        kept = {REST: ((POLARIZATION, DEPTH, Y, X), np.stack(rests))}
     return {
-        **kept,
         CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), {"factors": method.factors}),
         ECHOES: (("echo", VALUE), np.concatenate(rows)),
     }

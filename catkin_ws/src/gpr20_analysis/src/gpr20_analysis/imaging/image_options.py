@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 from dataclasses import dataclass
 from typing import Optional, Tuple
 
@@ -17,6 +18,7 @@ from gpr20_analysis.processing.delay import check_delay
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, with_unit
+from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
 from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
@@ -46,6 +48,8 @@ class ImageOptions:
         buried: A reference that was buried at a known depth. Of permittivity, soil and reference
             one may be given. Without any, the reflection of the surface gives the permittivity of
             data after the step `antenna`, else the plan or the log of the survey.
+        false_alarms_per_m2: Where the list of candidates is cut [1/m2]; None: as the survey's site
+            has set it, else the usual rate.
     """
 
     method: Method = Method.PHASE_SHIFT
@@ -62,6 +66,7 @@ class ImageOptions:
     permittivity_uncertainty: float = GIVEN_UNCERTAINTY
     soil: Optional[Soils] = None
     buried: Optional[BuriedReference] = None
+    false_alarms_per_m2: Optional[float] = None
 
     def __post_init__(self) -> None:
         """Check the options.
@@ -101,6 +106,11 @@ class ImageOptions:
         check_range(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
         check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, Message("deg"))
         check_range(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
+        check_range(
+            Message("the rate of false alarms per m2"),
+            self.false_alarms_per_m2,
+            *FALSE_ALARMS_PER_M2,
+        )
         if self.delay_s is not None:
             check_delay(self.delay_s)
         # As the command line gives it.
@@ -134,8 +144,13 @@ def check_range(
     """Check a number that a person gave, unless it is None.
 
     Raises:
-        WrongDatasetError: It is NaN or outside the range.
+        WrongDatasetError: It is no number, NaN or outside the range.
     """
+    if value is not None and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
+        raise WrongDatasetError(
+            Message("{name} is {value}; it must be a number", name=name, value=repr(value)),
+            fault=NOT_ALLOWED,
+        )
     # Written so that NaN is refused too.
     if value is not None and not lowest <= value <= highest:
         raise WrongDatasetError(

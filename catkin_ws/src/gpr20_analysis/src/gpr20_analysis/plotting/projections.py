@@ -12,7 +12,9 @@ from matplotlib.patheffects import withStroke
 
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y, is_line, require
 from gpr20_analysis.plotting.style import (
+    HEIGHT_IN,
     PANEL_TITLE_PT,
+    WIDTH_IN,
     DecibelScale,
     in_mm,
     new_figure,
@@ -23,8 +25,10 @@ from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_survey.results.candidates import Candidate
 
-MARK_PT, MARK_LETTERS_PT, OUTLINE_PT = 9.0, 7.0, 2.0
+MARK_PT, MARK_LETTERS_PT, OUTLINE_PT = 9.0, 9.0, 2.0
 ROWS = 1.7
+# Of the width of a map: its lowest and highest height.
+LOWEST, HIGHEST = 0.25, 0.9
 # More would hide the image.
 MOST_MARKED = 12
 
@@ -119,10 +123,13 @@ def candidate_map_figure(
     values = magnitude.max((POLARIZATION, over)).transpose(down, across).values
     marked = marked_of(candidates)
     if len(marked) < len(candidates):
-        title = catalogue.tr("Map of the first {count} candidates", count=len(marked))
+        title = catalogue.tr("The first {count} places to check", count=len(marked))
     else:
-        title = catalogue.tr("Map of the candidates")
-    figure = new_figure(image, 1, title, catalogue, 1.2)
+        title = catalogue.tr("Places to check")
+    # As wide as a page, and as high as the ground is; a long line is drawn deeper than it is.
+    down_m, across_m = (float(np.ptp(image[axis].values)) for axis in (down, across))
+    share = min(max(down_m / (across_m or 1.0), LOWEST), HIGHEST)
+    figure = new_figure(image, 2, title, catalogue, share * 2.0 * WIDTH_IN / HEIGHT_IN + 0.2)
     axes = figure.subplots()
     scale = DecibelScale(magnitude.values, float(magnitude.max()))
     scale.draw(axes, values, in_mm(image[across]), in_mm(image[down]))
@@ -130,7 +137,7 @@ def candidate_map_figure(
         axes.set_xlabel(f"{across} [mm]")
         depth = catalogue.tr("depth")
         axes.set_ylabel(f"{depth} [mm]")
-        axes.set_aspect("equal")
+        axes.set_aspect("equal" if down_m > LOWEST * across_m else "auto")
         axes.invert_yaxis()
     else:
         plan_axes(axes, image)
@@ -148,7 +155,7 @@ def _along(image: xr.Dataset) -> Tuple[str, str]:
 
 
 def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
-    """Return the brightest and the next candidates, without those that are doubtful.
+    """Return the first places to check.
 
     Args:
         candidates: The candidates in the order of their list.
@@ -156,8 +163,7 @@ def marked_of(candidates: Sequence[Candidate]) -> Sequence[Candidate]:
     Returns:
         Those that figures mark: at most `MOST_MARKED`.
     """
-    others = [one for one in candidates[1:] if not one.is_doubtful]
-    return [*candidates[:1], *others][:MOST_MARKED]
+    return [one for one in candidates if not one.is_doubtful][:MOST_MARKED]
 
 
 def mark(axes: Axes, candidates: Sequence[Candidate], plane: Tuple[str, str]) -> None:

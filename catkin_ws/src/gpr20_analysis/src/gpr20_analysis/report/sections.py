@@ -1,4 +1,4 @@
-"""The sections of a survey's report, in order."""
+"""The report of a survey: its sections in the order in which an officer asks."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ import datetime
 import platform
 from importlib import metadata
 from pathlib import Path
-from typing import Callable, List, Optional, Sequence
+from typing import Callable, List, Optional, Sequence, Union
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import __version__, dataset
-from gpr20_analysis.candidates.marker_list import marker_heading, marker_rows, survey_markers
+from gpr20_analysis.candidates.answer import Answer
+from gpr20_analysis.candidates.markers import marker_heading, marker_rows, survey_markers
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.permittivity import permittivity_line
 from gpr20_analysis.plotting import maps
-from gpr20_analysis.plotting.hiding import hiding_figure
 from gpr20_analysis.processing.chain import Step
-from gpr20_analysis.read.verification import FILES, Verification, verify_survey
-from gpr20_analysis.report import pictures
+from gpr20_analysis.read.survey_attributes import NAME, SITE
+from gpr20_analysis.read.verdict import Verification
+from gpr20_analysis.read.verification import FILES, verify_survey
+from gpr20_analysis.report import places
 from gpr20_analysis.report.drift import HEADING, drift_lines, drift_rows
-from gpr20_analysis.report.records import Section
+from gpr20_analysis.report.page import Report, Section, check_report_path, save_report
 from gpr20_analysis.report.summary import SIMULATED, Row, settings_of, summary_of, warnings_of
 from gpr20_analysis.sentences import (
     DECISIONS,
     DOUBTS,
-    ENGLISH,
     NOTES,
     labelled,
     limited,
@@ -34,9 +36,10 @@ from gpr20_analysis.sentences import (
     shown,
 )
 from gpr20_analysis.work import Progress, no_progress
-from gpr20_common.catalogue import Catalogue
+from gpr20_common.catalogue import Catalogue, Language, language_from_code, read_catalogue
 from gpr20_common.message import Message, numeral, verbatim
-from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
+from gpr20_survey.results.candidates import NO_CLEARANCE
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace.utc_time import moment_text
 
 LISTED = 50
@@ -44,16 +47,67 @@ LISTED = 50
 LIBRARIES = ("numpy", "scipy", "xarray", "h5py", "matplotlib", "rosbags", "mcap")
 
 
+def write_report(
+    survey: xr.Dataset,
+    path: Union[str, Path],
+    output: Union[str, Path],
+    options: Optional[ImageOptions] = None,
+    steps: Sequence[Step] = (),
+    language: str = Language.ENGLISH.value,
+    progress: Progress = no_progress,
+    hiding: Optional[HidingMap] = None,
+) -> None:
+    """Write a report as one HTML file.
+
+    Args:
+        survey: Dataset with `s21`.
+        path: Where it was loaded from; the folder of a survey is verified.
+        output: The file: .html.
+        options: How the image is made.
+        steps: The steps before imaging; without any, coupling and surface echo are subtracted.
+        language: Code of the language.
+        progress: Shows the progress.
+        hiding: Where a mine could hide; None: the report has no such map.
+
+    Raises:
+        AnalysisError: The file has another ending or cannot be written.
+    """
+    check_report_path(Path(output))
+    known = language_from_code(language)
+    catalogue = read_catalogue(known)
+    simulated = bool(survey.attrs.get("simulated"))
+    made = Report(
+        title=title_of(survey, catalogue),
+        sections=sections_of(
+            survey, Path(path), steps, options or ImageOptions(), progress, catalogue, hiding
+        ),
+        language=known,
+        mark=catalogue.tr("SIMULATED") if simulated else "",
+        banner=catalogue.text(SIMULATED) if simulated else "",
+        footer=catalogue.text(NO_CLEARANCE),
+    )
+    save_report(made, Path(output))
+
+
+def title_of(survey: xr.Dataset, catalogue: Catalogue) -> str:
+    """Return name, site and date of a survey; its id, or its source, only without these."""
+    known = survey.attrs
+    names = [str(known[name]) for name in (NAME, SITE) if known.get(name)]
+    names = names or [str(known.get("survey_id") or known.get("source") or "")]
+    parts = [catalogue.tr("GPR-20 survey {name}", name=", ".join(names))]
+    return ", ".join(filter(None, [*parts, str(known.get("started", ""))[:10]]))
+
+
 def sections_of(
     survey: xr.Dataset,
     path: Path,
     steps: Sequence[Step],
     options: ImageOptions,
-    progress: Progress = no_progress,
-    catalogue: Catalogue = ENGLISH,
+    progress: Progress,
+    catalogue: Catalogue,
     hiding: Optional[HidingMap] = None,
 ) -> List[Section]:
-    """Return the sections of a survey's report.
+    """Return the sections of a survey's report: what to check, what was missed, what to believe.
 
     Args:
         survey: Dataset with `s21`.
@@ -62,27 +116,34 @@ def sections_of(
         options: How the image is made.
         progress: Shows the progress.
         catalogue: Language of the report.
-        hiding: Where a mine could hide; None: there is no such section.
-
-    Returns:
-        The sections, in order: verdict and candidates first.
+        hiding: Where a mine could hide; None: there is no such map.
     """
-    verdict, *verification = _checked(survey, path, catalogue)
-    parts: List[Callable[[], Sequence[Section]]] = [
-        lambda: [verdict],
-        lambda: pictures.imaged(survey, steps, options, catalogue),
-        lambda: [] if hiding is None else [_hiding(hiding, catalogue)],
-        lambda: [_markers(survey, catalogue)],
-        lambda: [_quality(survey, catalogue)],
-        lambda: [pictures.as_measured(survey, options, catalogue)],
-        lambda: [_table(Message("Survey"), summary_of(survey), catalogue)],
-        lambda: [_table(Message("Measurement settings"), settings_of(survey), catalogue)],
-        lambda: [_drift(survey, catalogue)],
-        lambda: [_sensors(survey, catalogue)],
-        lambda: verification,
-        lambda: [_table(Message("Software versions"), versions(survey), catalogue)],
+    found, error = places.answered(survey, steps, options)
+    believed, *verification = _believed(survey, path, found, catalogue)
+    parts: List[Callable[[], Section]] = [
+        lambda: places.places_section(found, error, options, catalogue),
+        lambda: places.missed_section(survey, hiding, catalogue),
+        lambda: believed,
     ]
-    return [one for part in progress(parts, len(parts)) for one in part() if not one.empty]
+    if found is not None:
+        image = found
+        parts += [
+            lambda: places.image_section(image, options, catalogue),
+            lambda: places.processed_section(image, steps, options, catalogue),
+        ]
+    parts += [
+        lambda: _markers(survey, catalogue),
+        lambda: _quality(survey, catalogue),
+        lambda: places.measured_section(survey, options, catalogue),
+        lambda: _table(Message("Survey"), summary_of(survey), catalogue),
+        lambda: _table(Message("Measurement settings"), settings_of(survey), catalogue),
+        lambda: _drift(survey, catalogue),
+        lambda: _sensors(survey, catalogue),
+        *[lambda one=one: one for one in verification],
+        lambda: _table(Message("Software versions"), versions(survey), catalogue),
+    ]
+    made = [part() for part in progress(parts, len(parts))]
+    return [one for one in made if not one.empty]
 
 
 def versions(survey: xr.Dataset) -> List[Row]:
@@ -107,48 +168,32 @@ def _table(title: Message, rows: Sequence[Row], catalogue: Catalogue) -> Section
     return Section(catalogue.text(title), rows=texts)
 
 
-def _checked(survey: xr.Dataset, path: Path, catalogue: Catalogue) -> List[Section]:
-    """Return the verdict and the verification, which come first."""
+def _believed(
+    survey: xr.Dataset, path: Path, found: Optional[Answer], catalogue: Catalogue
+) -> List[Section]:
+    """Return how far the data can be believed, and the verification."""
     warnings = [SIMULATED] if survey.attrs.get("simulated") else []
-    good = []
-    size, absent = survey[dataset.QUALITY].size, len(dataset.missing_samples(survey))
-    if absent:
-        warnings.append(
-            Message(
-                "{count} of {total} samples have no data: the ground below them was NOT searched",
-                count=absent,
-                total=size,
-            )
-        )
-    else:
-        good.append(Message("All {total} samples of the grid have data.", total=size))
-    found = None
+    good: List[Message] = []
+    checked: Optional[Verification] = None
     if path.is_dir() and any((path / name).exists() for name in FILES):
-        found = verify_survey(path)
-        (warnings if found.status else good).append(found.verdict)
+        checked = verify_survey(path)
+        (warnings if checked.status else good).append(checked.verdict)
     else:
         good.append(
             Message("Only the folder of a survey can be verified against its plan and checksums.")
         )
     warnings += [*sentences_of(survey, DOUBTS), *limited(warnings_of(survey), LISTED)]
-    verdict = _section(Message("Verdict"), warnings, good, catalogue)
-    return [verdict, *([_verification(found, catalogue)] if found else [])]
-
-
-def _verification(found: Verification, catalogue: Catalogue) -> Section:
-    faults = limited(found.faults, LISTED)
-    return _section(Message("Verification"), faults, found.notes, catalogue)
-
-
-def _hiding(found: HidingMap, catalogue: Catalogue) -> Section:
-    return Section(
-        catalogue.tr("Where could a mine hide?"),
-        catalogue.text(ONLY_THIS),
-        lines=[
-            shown(one, catalogue) for one in found.sentences if one not in (ONLY_THIS, SIMULATED)
-        ],
-        figures=[(catalogue.tr("Where could a mine hide?"), hiding_figure(found, catalogue))],
-    )
+    if found is not None:
+        # What the image says beyond the survey, such as how it was assumed to be.
+        said = {str(one) for one in (*warnings, *sentences_of(survey, NOTES))}
+        notes = [one for one in found.found.notes if str(one) not in said]
+        good += [permittivity_line(found.image), *notes]
+    title = Message("How far the data can be believed")
+    sections = [_section(title, warnings, good, catalogue)]
+    if checked is not None:
+        faults = limited(checked.faults, LISTED)
+        sections.append(_section(Message("Verification"), faults, checked.notes, catalogue))
+    return sections
 
 
 def _markers(survey: xr.Dataset, catalogue: Catalogue) -> Section:

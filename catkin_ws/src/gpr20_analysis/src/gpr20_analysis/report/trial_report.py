@@ -1,67 +1,61 @@
-"""The score of a trial as a report: tables, warnings and curves; never a word on other ground."""
+"""The score of a trial as a report: table, warnings and curves; never a word on other ground."""
 
 from __future__ import annotations
 
 import itertools
-from typing import Any, Dict, List, Optional, Tuple
+import math
+from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
-from gpr20_analysis.report.records import Report, Section
-from gpr20_analysis.trial.documents import Plan
+import numpy as np
+
+from gpr20_analysis.report.page import Report, Section
+from gpr20_analysis.trial.plan import Plan
 from gpr20_analysis.trial.score import GroupScore, LaneScore, Score, counts
 from gpr20_common.catalogue import Catalogue, Language
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import SIMULATED
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 FOOTER = Message(
     "A trial counts targets that were buried for it. It says nothing about any other ground."
 )
-NO_PD = Message("PD cannot be known from this: nobody looked where no candidate is.")
-LEAST_PART = 0.95  # of the area of a lane; where it is less, false alarms per m2 are too few
 HEADING = Message("stratum|method|found|PD|interval|PD shown|false alarms|m2|per m2|interval")
+LEAST_PART = 0.95  # of the area of a lane; where it is less, false alarms per m2 are too few
+PANEL_COLUMNS, MOST_PANELS = 3, 12
 
 
-def trial_report(
-    plan: Optional[Plan], score: Score, language: Language, catalogue: Catalogue
-) -> Report:
-    """Return the report of a score, without figures; without a plan it is of what was found."""
-    title, warnings, lines = Message("What was found at candidates"), [NO_PD], []
-    if plan is not None:
-        title, warnings = Message("Trial {plan}", plan=plan.sha256[:16]), warnings_of(plan, score)
-        promise = Message(
-            "The truth is as promised in the plan of {time}. Halo radius {halo_m:g} m. Intervals: "
-            "Clopper-Pearson, Poisson. PD shown: one-sided, 95 %. A stratum of targets has the "
-            "false alarms of all lanes.",
-            **{"time": plan.made[:16], "halo_m": plan.halo_m},
-        )
-        lines = [catalogue.text(promise)]
-    lines += [
-        catalogue.tr(
-            "{targets} targets, {only_first} found only by {first}, {only_second} only by "
-            "{second}: p = {p_value:.3g} (McNemar, exact).",
-            **vars(one),
-        )
-        for one in score.comparisons
-    ]
+def trial_report(plan: Plan, score: Score, language: Language, catalogue: Catalogue) -> Report:
+    """Return the report of a score, without figures."""
+    promise = Message(
+        "The truth is the one whose SHA-256 is in the plan: {sum}. Halo radius {halo_m:g} m. "
+        "Intervals: 95 %, Clopper-Pearson, Poisson. PD shown: one-sided, 95 %. A stratum of "
+        "targets has the false alarms of all lanes.",
+        **{"sum": plan.truth_sha256[:16], "halo_m": plan.halo_m},
+    )
     lists = [
         catalogue.tr(
-            "{method}, {lane}: {operator} {made:.16} SHA-256 {sha256:.12}; missed: {missed}; false "
-            "alarms, also doubtful ones: {alarms}; not counted: {outside}.",
+            "{method}, {lane}: missed: {missed}; false alarms, also weaker echoes: {alarms}; not "
+            "counted: {outside}.",
             **_lane_values(one),
         )
         for one in score.lanes
     ]
     rows = [_row(one, catalogue.tr("all targets")) for one in score.groups]
-    heading, said = catalogue.text(HEADING).split("|"), list(map(catalogue.text, warnings))
-    first = Section(catalogue.tr("Score"), "", said, lines, rows, tuple(heading))
-    second = Section(catalogue.tr("Sealed lists"), lines=lists)
-    simulated = any(one.seal.simulated for one in score.lanes)
+    heading = tuple(catalogue.text(HEADING).split("|"))
+    said = list(map(catalogue.text, _warnings(plan, score)))
+    first = Section(catalogue.tr("Score"), "", said, [catalogue.text(promise)], rows, heading)
+    second = Section(catalogue.tr("Lists"), lines=lists)
+    simulated = any(one.listed.simulated for one in score.lanes)
     marks = (catalogue.tr("SIMULATED"), catalogue.text(SIMULATED)) if simulated else ("", "")
-    return Report(catalogue.text(title), [first, second], language, *marks, catalogue.text(FOOTER))
+    title = catalogue.tr("Trial {plan}", plan=plan.truth_sha256[:16])
+    return Report(title, [first, second], language, *marks, catalogue.text(FOOTER))
 
 
-def warnings_of(plan: Plan, score: Score) -> List[Message]:
-    """Return which lanes a method did not survey, or not all of."""
-    areas_m2 = {(one.seal.method, one.seal.lane): one.seal.area_m2 for one in score.lanes}
+def _warnings(plan: Plan, score: Score) -> List[Message]:
+    """Return which lanes a method has no list of, or surveyed only a part of."""
+    areas_m2 = {(one.listed.method, one.listed.lane): one.listed.area_m2 for one in score.lanes}
     pairs = itertools.product(dict.fromkeys(method for method, _ in areas_m2), plan.lanes)
     return [
         Message(
@@ -85,7 +79,8 @@ def _row(one: GroupScore, everything: str) -> Tuple[str, ...]:
 
 def _lane_values(one: LaneScore) -> Dict[str, Any]:
     return {
-        **{key: getattr(one.seal, key) for key in ("method", "lane", "operator", "made", "sha256")},
+        "method": one.listed.method,
+        "lane": one.listed.lane,
         "missed": " ".join(name for name, mark in one.found.items() if not counts(mark)) or "-",
         "alarms": " ".join(mark.id for mark in one.alarms) or "-",
         "outside": " ".join(mark.id for mark in one.outside) or "-",
@@ -94,3 +89,35 @@ def _lane_values(one: LaneScore) -> Dict[str, Any]:
 
 def _numbers(*values: Optional[float]) -> str:
     return " \u2013 ".join("-" if one is None else f"{one:.3f}" for one in values)
+
+
+def froc_figure(groups: Sequence[GroupScore], notes: Sequence[str], catalogue: Catalogue) -> Figure:
+    """Draw the share of targets found over false alarms per m2, a panel for each stratum.
+
+    A dot with its intervals is what counts; the curve also has what is below the cut of a list.
+    """
+    from gpr20_analysis.plotting.noted_figure import NotedFigure  # its library is optional
+    from gpr20_analysis.plotting.style import HEIGHT_IN, PANEL_TITLE_PT, WIDTH_IN
+
+    strata = list(dict.fromkeys(one.stratum for one in groups))[:MOST_PANELS]
+    columns = min(len(strata), PANEL_COLUMNS)
+    rows = math.ceil(len(strata) / columns)
+    figure = NotedFigure((WIDTH_IN * 0.8 * columns, HEIGHT_IN * 0.75 * rows), "", notes)
+    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
+    for panel, stratum in zip(panels, strata):
+        panel.set_title(stratum or catalogue.tr("all targets"), fontsize=PANEL_TITLE_PT)
+        panel.set_xlabel(catalogue.tr("false alarms per m2"), fontsize=PANEL_TITLE_PT)
+        panel.tick_params(labelbottom=True)
+        panel.set_ylim(0.0, 1.03)
+        for at, one in enumerate(own for own in groups if own.stratum == stratum):
+            panel.step(*np.transpose(one.curve), where="post", color=f"C{at}", label=one.method)
+            if one.detection is not None and one.alarms_per_m2 is not None:
+                place = one.alarms_per_m2, one.detection
+                ends = np.array([one.detection_range, one.alarms_range])
+                spans = np.abs(ends - [place[1:], place[:1]])[..., None]
+                panel.errorbar(*place, *spans, fmt="o", color=f"C{at}", capsize=3)
+    for panel in panels[len(strata) :]:
+        panel.set_visible(False)
+    panels[0].legend(fontsize=PANEL_TITLE_PT)
+    figure.supylabel(catalogue.tr("share of targets found"), fontsize=PANEL_TITLE_PT)
+    return figure

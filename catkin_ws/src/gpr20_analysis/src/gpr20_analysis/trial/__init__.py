@@ -1,1 +1,1 @@
-"""Blind trials: lanes with known targets, sealed lists of candidates, and their score."""
+"""Blind trials: lanes with known targets, lists of candidates, and their score."""

@@ -2,39 +2,44 @@
 
 The unit is the target. A candidate counts for the nearest target whose halo it is in, and for no
 other: one mark on the ground does not prove that two objects were seen. A candidate in no halo is
-a false alarm, unless it is outside its lane; that is listed and counts for nothing. Doubtful
-candidates are only in the curves. A longer list never finds less.
+a false alarm, unless it is outside its lane; that is listed and counts for nothing. What is below
+the cut of a list is only in the curves. A longer list never finds less.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from bisect import bisect_right
-from dataclasses import dataclass, replace
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from dataclasses import dataclass
+from typing import Dict, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.trial import statistics
-from gpr20_analysis.trial.documents import Mark, Plan, Seal
-from gpr20_analysis.trial.ground import Group, Place, Target, groups_of
+from gpr20_analysis.trial.plan import Mark, MarkList, Place, Plan, Target
 from gpr20_common.message import Message
-from gpr20_survey.results.found import Found, What, present
 
-MM_PER_M = 1e3
 Range = Tuple[float, Optional[float]]
 
 
 @dataclass(frozen=True)
 class LaneScore:
-    """What a sealed list says of its lane."""
+    """What a list says of its lane."""
 
-    seal: Seal
+    listed: MarkList
     area_m2: float  # of the lane outside all halos [m2]
     found: Dict[str, Optional[Mark]]  # the most certain candidate of each target
     alarms: List[Mark]  # candidates in no halo
     outside: List[Mark]  # candidates outside the lane and every halo, which are not counted
+
+
+@dataclass(frozen=True)
+class Group:
+    """Targets that are counted together, and the lanes whose false alarms go with them."""
+
+    name: str  # such as "type PMN"; empty: all
+    targets: List[str]
+    lanes: List[str]
 
 
 @dataclass(frozen=True)
@@ -56,23 +61,10 @@ class GroupScore:
 
 
 @dataclass(frozen=True)
-class Comparison:
-    """How many targets of both only one of two methods found; McNemar's exact test."""
-
-    first: str
-    second: str
-    targets: int
-    only_first: int
-    only_second: int
-    p_value: float
-
-
-@dataclass(frozen=True)
 class Score:
-    """The score of each stratum, all targets first; of every two methods; and of each list."""
+    """The score of each stratum, all targets first; and of each list."""
 
     groups: List[GroupScore]
-    comparisons: List[Comparison]
     lanes: List[LaneScore]
 
 
@@ -80,67 +72,51 @@ Lanes = Mapping[Tuple[str, str], LaneScore]  # by method and lane
 
 
 def counts(mark: Optional[Mark]) -> bool:
-    """Return whether there is a candidate that is not doubtful."""
-    return mark is not None and not mark.doubtful
+    """Return whether there is a candidate above the cut of its list."""
+    return mark is not None and not mark.is_weaker
 
 
-def score_trial(plan: Plan, targets: Sequence[Target], seals: Sequence[Seal]) -> Score:
-    """Return the score of sealed lists."""
+def score_trial(plan: Plan, targets: Sequence[Target], lists: Sequence[MarkList]) -> Score:
+    """Return the score of lists.
+
+    Raises:
+        AnalysisError: A list is of no lane of the plan, or there are two of one method and lane.
+    """
     lanes: Dict[Tuple[str, str], LaneScore] = {}
-    for seal in seals:
-        is_of_plan = seal.plan_sha256 == plan.sha256 and seal.lane in plan.lanes
-        if not is_of_plan or (seal.method, seal.lane) in lanes:
+    for listed in lists:
+        if listed.lane not in plan.lanes or (listed.method, listed.lane) in lanes:
             other = Message(
-                "the list of {method} for lane {lane} is of another plan, or given twice",
-                **{"method": seal.method, "lane": seal.lane},
+                "the list of {method} for lane {lane} is given twice, or the plan has no such "
+                "lane; lanes: {lanes}",
+                **{"method": listed.method, "lane": listed.lane},
+                lanes=", ".join(plan.lanes),
             )
-            raise AnalysisError(other, fault=faults.FILE_DAMAGED)
-        for one in (one.seal for one in lanes.values()):
-            # A table of a heading alone may be that of several lanes.
-            if one.list_sha256 == seal.list_sha256 and (seal.marks or seal.survey_id):
-                same = Message(
-                    "one list is sealed for {first} and for {second}; seal the right one for each",
-                    first=f"{one.method}, {one.lane}",
-                    second=f"{seal.method}, {seal.lane}",
-                )
-                raise AnalysisError(same, fault=faults.FILE_DAMAGED)
-        lane = plan.lanes[seal.lane]
-        own = [one for one in targets if one.lane == seal.lane]
-        area_m2 = lane.area_outside([one.place_m for one in own], plan.halo_m)
-        scored = _score_lane(seal, own, plan.halo_m, area_m2, lane.contains)
-        lanes[seal.method, seal.lane] = scored
+            raise AnalysisError(other, fault=faults.INPUT)
+        own = [one for one in targets if one.lane == listed.lane]
+        lanes[listed.method, listed.lane] = _score_lane(listed, own, plan)
     methods = list(dict.fromkeys(method for method, _ in lanes))
     groups = [
         _score_group(group, method, lanes)
-        for group in groups_of(plan.strata, targets, plan.lanes)
+        for group in groups_of(plan, targets)
         for method in methods
     ]
-    return Score(
-        groups,
-        [_compared(*pair, lanes) for pair in itertools.combinations(methods, 2)],
-        list(lanes.values()),
-    )
+    return Score(groups, list(lanes.values()))
 
 
-def score_found(listed: Seal, records: Sequence[Found], halo_m: float) -> Score:
-    """Return the score of a list of a survey by what was found there.
-
-    Devices are the targets, and other finds false alarms; all other candidates count for nothing,
-    because nobody looked there. Nor did anybody where no candidate is, so there is no PD.
-    """
-    finds: Dict[bool, List[Target]] = {True: [], False: []}
-    for one in present(records):
-        place_m = one.x_mm / MM_PER_M, one.y_mm / MM_PER_M
-        name = f"{one.candidate} {one.list_sha256[:8]}"
-        finds[one.what is What.DEVICE].append(Target(name, "", place_m, {}))
-    devices, others = finds[True], finds[False]
-    lane = _score_lane(
-        listed, devices, halo_m, listed.area_m2, lambda one: _nearest(one, others, halo_m)
-    )
-    group = Group("", [one.name for one in devices], [listed.lane])
-    score = _score_group(group, listed.method, {(listed.method, listed.lane): lane})
-    unknown = replace(score, detection=None, detection_range=(0.0, 1.0), detection_shown=0.0)
-    return Score([replace(unknown, curve=())], [], [lane])
+def groups_of(plan: Plan, targets: Sequence[Target]) -> List[Group]:
+    """Return all targets, then those of each value of each column of the lanes or targets."""
+    groups = [Group("", [one.name for one in targets], list(plan.lanes))]
+    for column in plan.strata:
+        of_lanes = {
+            name: one.notes[column] for name, one in plan.lanes.items() if column in one.notes
+        }
+        values = [of_lanes.get(one.lane) if of_lanes else one.row[column] for one in targets]
+        for value in sorted({*values, *of_lanes.values()}, key=str):
+            names = [one.name for one, own in zip(targets, values) if own == value]
+            # A value of a lane limits the false alarms, one of a target does not.
+            near = [one for one in plan.lanes if not of_lanes or of_lanes.get(one) == value]
+            groups.append(Group(f"{column} {value}", names, near))
+    return groups
 
 
 def _nearest(place_m: Place, targets: Sequence[Target], halo_m: float) -> str:
@@ -150,24 +126,20 @@ def _nearest(place_m: Place, targets: Sequence[Target], halo_m: float) -> str:
     return name if distance_m <= halo_m else ""
 
 
-def _score_lane(
-    seal: Seal,
-    targets: Sequence[Target],
-    halo_m: float,
-    area_m2: float,
-    is_searched: Callable[[Place], object],
-) -> LaneScore:
+def _score_lane(listed: MarkList, targets: Sequence[Target], plan: Plan) -> LaneScore:
+    lane = plan.lanes[listed.lane]
     found: Dict[str, Optional[Mark]] = {one.name: None for one in targets}
     alarms: List[Mark] = []
     outside: List[Mark] = []
-    for mark in sorted(seal.marks, key=lambda one: one.rank):
+    for mark in sorted(listed.marks, key=lambda one: one.rank):
         place_m = mark.x_m, mark.y_m
-        name = _nearest(place_m, targets, halo_m)
+        name = _nearest(place_m, targets, plan.halo_m)
         if name:
             found[name] = found[name] or mark
         else:
-            (alarms if is_searched(place_m) else outside).append(mark)
-    return LaneScore(seal, area_m2, found, alarms, outside)
+            (alarms if lane.contains(place_m) else outside).append(mark)
+    area_m2 = lane.area_outside([one.place_m for one in targets], plan.halo_m)
+    return LaneScore(listed, area_m2, found, alarms, outside)
 
 
 def _score_group(group: Group, method: str, lanes: Lanes) -> GroupScore:
@@ -186,17 +158,6 @@ def _score_group(group: Group, method: str, lanes: Lanes) -> GroupScore:
         (low, high if math.isfinite(high) else None),
         _curve([one for one in best if one], false, targets, area_m2),
     )
-
-
-def _compared(first: str, second: str, lanes: Lanes) -> Comparison:
-    pairs = [
-        (counts(mark), counts(lanes[second, name].found[target]))
-        for (method, name), lane in lanes.items()
-        if method == first and (second, name) in lanes
-        for target, mark in lane.found.items()
-    ]
-    only = pairs.count((True, False)), pairs.count((False, True))
-    return Comparison(first, second, len(pairs), *only, statistics.mcnemar(*only))
 
 
 def _curve(

@@ -1,16 +1,14 @@
-"""Statistics of a trial: 95 % intervals of shares and densities, and tests of few counts.
+"""Statistics of a trial: 95 % intervals of shares and densities.
 
-Clopper and Pearson (1934) for a share, Garwood (1936) for a Poisson count, and McNemar's test in
-its exact form, the binomial test of the targets that only one of two methods found.
+Clopper and Pearson (1934) for a share, Garwood (1936) for a Poisson count.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import Tuple
 
-from scipy.stats import beta, binom, chi2
+from scipy.stats import beta, chi2
 
 OUTSIDE, ONE_SIDED = 0.025, 0.05
 
@@ -33,15 +31,3 @@ def alarm_interval(count: int, area_m2: float) -> Tuple[float, float]:
         return 0.0, math.inf
     low = 0.0 if count == 0 else float(chi2.ppf(OUTSIDE, 2 * count)) / (2.0 * area_m2)
     return low, float(chi2.ppf(1.0 - OUTSIDE, 2 * count + 2)) / (2.0 * area_m2)
-
-
-def targets_needed(detection: float, missed: int = 0) -> int:
-    """Return how few targets, of which some are missed, can show a probability below 1."""
-    numbers = itertools.count(missed + 1)
-    return next(one for one in numbers if shown_detection(one - missed, one) >= detection)
-
-
-def mcnemar(only_first: int, only_second: int) -> float:
-    """Return the two-sided exact p-value of the targets that only one of two methods found."""
-    both = only_first + only_second
-    return min(1.0, 2.0 * float(binom.cdf(min(only_first, only_second), both, 0.5)))

@@ -108,7 +108,7 @@ def test_a_damaged_annotation_or_list_of_markers_does_not_hide_the_survey(folder
     assert "operator" not in survey.attrs
     for said in ("the annotation in the log is not valid", "the markers in the log are damaged"):
         assert any(said in one for one in survey.attrs["notes"])
-    assert main(["markers", str(folder), "--accept-damaged"]) == 3
+    assert annotate(folder) == 3
 
 
 def test_a_survey_that_has_not_ended_is_refused(tmp_path, listed, refusals):
@@ -130,10 +130,10 @@ def marked(folder):
 
 @pytest.mark.usefixtures("blank_figures")
 def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys):
-    assert main(["markers", str(marked)]) == 0
-    _heading, line = capsys.readouterr().out.splitlines()
+    assert annotate(marked) == 0
+    line = capsys.readouterr().out.splitlines()[-1]
     assert line.split()[:3] == ["12", "20", "80"] and line.endswith('raíz, "metal"')
-    assert main(["markers", str(marked), "--removed"]) == 0
+    assert annotate(marked, "--removed") == 0
     assert f"removed {moment_text(NOW)} Luis" in capsys.readouterr().out
     found = survey_markers(load_survey(marked))
     assert [one.same_request(MARKER) for one in found.markers] == [True]
@@ -148,8 +148,8 @@ def test_csv_and_geojson_hold_metres_and_degrees_where_these_are_known(marked, t
         fact = Fact(Kind.ANNOTATION, placed.values())
         recovery.add_to_survey(marked, lambda _description: fact, NOW)
     table, collection = tmp_path / "m.csv", tmp_path / "m.geojson"
-    assert main(["markers", str(marked), "-o", str(table), "-o", str(collection)]) == 0
-    assert main(["markers", str(marked), "-o", str(tmp_path / "m.gpkg")]) == 3
+    assert annotate(marked, "--markers", str(table), "--markers", str(collection)) == 0
+    assert annotate(marked, "--markers", str(tmp_path / "m.gpkg")) == 3
     text = table.read_text("utf-8")
     (row,) = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
     assert (float(row["x_m"]), float(row["y_m"]), float(row["depth_m"])) == (0.0125, 0.02, 0.08)
@@ -186,7 +186,7 @@ def photo(tmp_path):
 
 def note(folder, listed, name, what, *options):
     given = ("--list", str(listed), "--what", what, "--who", "Ana", *options)
-    return main(["found", str(folder), name, *given])
+    return annotate(folder, "--found", name, *given)
 
 
 def read_found(folder):
@@ -198,7 +198,7 @@ def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_an
 ):
     (folder / "photos").mkdir()  # a command that was interrupted left a photograph
     (folder / "photos" / f"{'0' * 64}.jpg").write_bytes(PHOTO)
-    options = ("--depth-mm", "40", "--photo", str(photo), "--notes", "PMN")
+    options = ("--depth-mm", "40", "--photo", str(photo), "--remark", "PMN")
     assert note(folder, listed, "C02", "device", *options) == 0
     (one,) = read_found(folder)
     assert (one.what, one.x_mm, one.y_mm, one.depth_mm) == (What.DEVICE, 300.0, 90.0, 40.0)
@@ -212,8 +212,9 @@ def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_an
     assert [one.what for one in records] == [What.DEVICE, What.SCRAP, What.DEVICE]
     assert [one.candidate for one in present(records)] == ["C02", "C03"]
     capsys.readouterr()
-    assert main(["found", str(folder)]) == 0
-    assert len(capsys.readouterr().out.splitlines()) == 2
+    assert annotate(folder) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert [one.split()[:1] for one in printed[-2:]] == [["C02"], ["C03"]]
 
 
 def test_verify_finds_a_photograph_that_is_not_the_one_of_the_log(folder, listed, photo, capsys):
@@ -243,21 +244,19 @@ def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, t
     before = sorted(os.walk(folder))
     of_list, whole = ("--list", str(listed)), ("--what", "scrap", "--who", "A")
     for options, said in (
-        (("C09", *of_list, *whole), "C01, C02, C03"),
-        (("C01", *whole), "--list"),
-        (whole, "candidate"),
-        (("C01", *of_list, "--what", "scrap"), "who"),
-        (("C01", *of_list), "--what"),
-        (("C01", *of_list, *whole, "--depth-mm", "-1"), "10000"),
-        (("C01", *of_list, *whole, "--photo", str(listed)), "jpg"),
-        (("C01", "--list", str(folder / "survey.json"), *whole), "candidates"),
-        (("C01", "--list", str(other), *whole), "survey"),
+        (("--found", "C09", *of_list, *whole), "C01, C02, C03"),
+        (("--found", "C01", *whole), "--list"),
+        (whole, "--found"),
+        (("--found", "C01", *of_list, "--what", "scrap"), "who"),
+        (("--found", "C01", *of_list), "--what"),
+        (("--found", "C01", *of_list, *whole, "--depth-mm", "-1"), "10000"),
+        (("--found", "C01", *of_list, *whole, "--photo", str(listed)), "jpg"),
+        (("--found", "C01", "--list", str(folder / "survey.json"), *whole), "candidates"),
+        (("--found", "C01", "--list", str(other), *whole), "survey"),
     ):
-        assert main(["found", str(folder), *options]) == 3, options
+        assert annotate(folder, *options) == 3, options
         assert said in capsys.readouterr().err, options
     assert sorted(os.walk(folder)) == before and read_found(folder) == []
-    score = ["trial", "score", str(other), "--found", str(folder), "--halo", "0.05"]
-    assert main(score) == 3
 
 
 def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(folder, listed):
@@ -269,29 +268,4 @@ def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(fo
         assert main(["verify", str(folder)]) == status
         if status == 0:
             assert read_found(folder) == [one]
-    assert main(["found", str(folder)]) == 3
-
-
-def test_found_records_score_candidates_and_say_that_pd_is_not_known(
-    folder, listed, tmp_path, capsys
-):
-    # A former list had a candidate 20 mm from C03.
-    former = tmp_path / "former.json"
-    places = [candidate(1, 430.0, 90.0), candidate(2, 900.0, 90.0)]
-    former.write_text(json_text(candidate_list(places, survey_id=SURVEY)), encoding="utf-8")
-    assert note(folder, listed, "C01", "nothing") == note(folder, former, "C01", "device") == 0
-    assert note(folder, former, "C02", "device") == 0
-    report = tmp_path / "report.json"
-    score = ["trial", "score", str(listed), "--found", str(folder), "--halo", "0.05"]
-    assert main([*score, "-o", str(report)]) == 0
-    values = json.loads(report.read_text())
-    (group,), (lane,) = values["groups"], values["lanes"]
-    assert (group["targets"], group["found"], group["alarms"]) == (2, 1, 1)
-    assert group["detection"] is None and group["alarms_per_m2"] == 1 / group["area_m2"]
-    assert [one["id"] for one in lane["found"].values() if one] == ["C03"]
-    assert [one["id"] for one in lane["outside"]] == ["C02"]
-    printed = capsys.readouterr().out
-    assert "PD cannot be known" in printed and "SIMULATED" in printed
-    assert main([*score, "-o", str(tmp_path / "report.html")]) == 0
-    assert "PD cannot be known" in (tmp_path / "report.html").read_text()
-    assert main(score[:-2]) == main([*score, "--truth", "x.csv"]) == 3
+    assert annotate(folder) == 3

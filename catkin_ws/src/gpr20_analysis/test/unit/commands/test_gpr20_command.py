@@ -88,7 +88,7 @@ HOSTILE = (
 )
 COMMANDS = (
     *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["verify", "--repair"]),
-    *(["markers"], ["annotate"], ["info", "--json"], ["verify", "--json"], ["markers", "--json"]),
+    *(["annotate"], ["info", "--json"], ["verify", "--json"], ["annotate", "--json"]),
 )
 MORE = {
     "instrument": {"identity": "ANRITSU,MS2026C,1,1", "calibration": "applied"},

@@ -173,8 +173,11 @@ def test_processed_data_go_through_the_chain_and_keep_their_recipe(ground_file, 
         "--save-recipe", recipe,
     )  # fmt: skip
     assert yaml.safe_load(recipe.read_text())[0]["method"] == "median"
-    answer = json.loads(printed(capsys, "image", result, "--permittivity", 4, "--json"))
-    assert [one["method"] for one in answer["processing"]] == ["median"]
+    image = tmp_path / "image.nc"
+    command = ("image", result, "--permittivity", 4, "--json", "-o", image)
+    answer = json.loads(printed(capsys, *command))
+    processing = json.loads(read_dataset(image).attrs["processing"])
+    assert [one["method"] for one in processing] == ["median"]
     echo = answer["candidates"][0]
     assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
     assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3

@@ -26,7 +26,7 @@ from gpr20_analysis import (
     write_candidates,
     write_markers,
 )
-from gpr20_analysis.candidates.marker_list import MarkerList
+from gpr20_analysis.candidates.markers import MarkerList
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import write_dataset

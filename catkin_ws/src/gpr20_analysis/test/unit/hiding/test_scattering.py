@@ -41,7 +41,7 @@ def test_loss_weakens_what_is_deep_by_its_way():
 
 
 def level_db(survey, permittivity):
-    image = by_default(survey, permittivity, with_echoes=False)
+    image = by_default(survey, permittivity)
     return 20.0 * np.log10(float(abs(image["image"]).max()))
 
 
@@ -91,7 +91,7 @@ def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
 
 def peak_db(survey, truth, ball):
     """Return the level of the image at a ball."""
-    image = by_default(survey, truth["permittivity"], with_echoes=False)
+    image = by_default(survey, truth["permittivity"])
     image = abs(image["image"]).isel(polarization=0)
     near = image.where(
         (abs(image["x"] - ball["x_m"]) < 0.04)

@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 import xarray as xr
-from echoes_kit import by_default, primary
+from echoes_kit import by_default, places
 from fault_kit import raises_fault
 from ground_kit import IMAGING_SCENE, survey_of
 from noise_kit import errors_in_uncertainties, imaged, survey
@@ -14,7 +14,7 @@ from recorded_worlds import LINES, line, real_line, truths
 from run_seed import LONG, draws
 from survey_kit import POINTS, make_survey, planned_trace
 
-from gpr20_analysis.candidates.focused import FEWEST_LINES, focus
+from gpr20_analysis.candidates.answer import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.methods import Method
@@ -63,7 +63,7 @@ def test_bodies_at_one_depth_are_all_candidates(count, stop_hz):
         np.random.default_rng(1), 0.02, bodies, rotations=(0.0,), place_m=PLACE_M,
         frequency_hz=FREQUENCY_HZ[stop_hz],
     )  # fmt: skip
-    found = primary(find_candidates(imaged(data)))
+    found = places(imaged(data))
     assert max(rank_of(found, *one[:2], within_m=0.03) for one in bodies) < len(bodies) + 2
 
 
@@ -114,7 +114,7 @@ def test_bodies_of_lines_by_maxwells_equations_lead_the_list():
 
 def test_the_bars_of_a_real_line_are_the_first_of_its_list():
     data, bars_m = real_line()
-    found = primary(find_candidates(by_default(data, 6.0)))
+    found = places(by_default(data, 6.0))
     nearest_m = [float(np.abs(bars_m - one.x_m).min()) for one in found[: len(bars_m)]]
     assert sum(one < 0.015 for one in nearest_m) >= 12
     for bar_m in bars_m:

@@ -28,7 +28,7 @@ FILES = (
 )
 COMMANDS = (
     *(["verify"], ["verify", "--repair"], ["info"], ["info", "--accept-damaged"]),
-    *(["markers"], ["annotate"], ["replay"]),
+    *(["annotate"], ["replay"]),
 )
 
 

@@ -22,7 +22,7 @@ IN_TIME = to_time(remove_background(SURVEY))
 IMAGE = image_survey(remove_background(SURVEY), ImageOptions(permittivity=4.0))
 CANDIDATES = [
     Candidate(
-        "C01", 0.2437, 0.2362, 0.083, 0.001, 0.001, 0.005, 30.0, 1e-6, (0.0, 90.0), 0.0,
+        "C01", 0.2437, 0.2362, 0.083, 0.001, 0.001, 0.005, 30.0, (0.0, 90.0), 0.0,
         flags=(),
     )
 ]  # fmt: skip

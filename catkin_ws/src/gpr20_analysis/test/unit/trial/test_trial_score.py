@@ -1,47 +1,54 @@
-"""Tables of a trial, matching of candidates, area outside halos, strata, and intervals."""
+"""A trial: the plan seals the truth, candidates are matched, and its numbers cover the truth."""
 
+import hashlib
+import json
 import math
+import re
 
 import numpy as np
 import pytest
+from candidate_examples import candidate, candidate_list
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 from scipy.stats import binom, poisson
-from trial_kit import HALO_M, LANES, TARGETS
 
+from gpr20_analysis import faults
+from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.report.trial_report import warnings_of
-from gpr20_analysis.trial import ground
-from gpr20_analysis.trial.documents import Mark, Plan, Seal
-from gpr20_analysis.trial.ground import Lane, Target, read_lanes, read_targets
+from gpr20_analysis.trial import plan as plans
+from gpr20_analysis.trial.plan import Lane, Mark, MarkList, Plan, Target, read_targets
 from gpr20_analysis.trial.score import score_trial
-from gpr20_analysis.trial.statistics import (
-    alarm_interval,
-    detection_interval,
-    mcnemar,
-    shown_detection,
-    targets_needed,
-)
+from gpr20_analysis.trial.statistics import alarm_interval, detection_interval, shown_detection
 from gpr20_common.errors import InvalidValueError
+from gpr20_survey.results.candidates import json_text
 
-LANE_MAP = read_lanes(LANES.encode(), "lanes.csv")
-TARGET_LIST = read_targets(TARGETS.encode(), "targets.csv", LANE_MAP)
-RECTANGLE = Lane({}, "L", 0.0, 4.0, 0.0, 1.0)
+TARGETS = """target,lane,x_m,y_m,depth_m,type,diameter_m,orientation
+T1,L1,0.5,0.5,0.05,PMN,0.11,flat
+T2,L1,2.5,0.5,0.10,PMN,0.11,
+T3,L2,0.5,0.5,0.05,TS-50,0.09,flat
+T4,L2,3.98,0.98,0.10,TS-50,,
+"""
+LANE_MAP = {
+    name: Lane(0.0, 4.0, 0.0, 1.0, {"soil": soil})
+    for name, soil in (("L1", "sand"), ("L2", "loam"))
+}
+PLAN = Plan(0.1, "", LANE_MAP, ("type", "soil"))
+TARGET_LIST = read_targets(TARGETS.encode(), "targets.csv", PLAN)
+RECTANGLE = Lane(0.0, 4.0, 0.0, 1.0)
+# What no output of a trial ever calls ground, in English and Spanish.
+NEVER = re.compile(
+    r"\b(clear(ed|ance|s)?|free(d|ly)?|safe(ly|ty)?|libres?|segur[oa]s?|despejad[oa]s?)\b", re.I
+)
 
 
-def plan(strata=("type", "soil")):
-    return Plan(HALO_M, strata, LANE_MAP, sha256="p")
+def marks(places, lane="L1", method="radar", weaker=(), area_m2=4.0):
+    found = [Mark(f"C{at}", *one, 20.0 - at, at in weaker) for at, one in enumerate(places)]
+    return MarkList(method, lane, tuple(found), area_m2)
 
 
-def seal(places, lane="L1", method="radar", doubtful=(), area_m2=4.0, own=None):
-    own = own or f"{method} {lane}"
-    marks = [Mark(f"C{at}", *one, 20.0 - at, at in doubtful) for at, one in enumerate(places)]
-    return Seal(tuple(marks), own, area_m2=area_m2, plan_sha256="p", lane=lane, method=method)
-
-
-def score(*seals):
-    return score_trial(plan(), TARGET_LIST, seals)
+def score(*lists):
+    return score_trial(PLAN, TARGET_LIST, lists)
 
 
 def found(lane):
@@ -53,43 +60,36 @@ def group(result, stratum="", method="radar"):
     return own
 
 
-def test_a_target_is_found_once_by_any_number_of_candidates_in_its_halo():
-    result = score(seal([(0.5, 0.5), (0.55, 0.5), (0.5, 0.41), (2.5, 0.601), (1.5, 0.5)]))
+def test_a_candidate_counts_for_the_nearest_target_only_and_each_target_once():
+    result = score(marks([(0.5, 0.5), (0.55, 0.5), (0.5, 0.41), (2.5, 0.601), (1.5, 0.5)]))
     assert (group(result).found, group(result).targets, group(result).alarms) == (1, 2, 2)
     assert found(result.lanes[0]) == ["T1"]
-
-
-def test_a_candidate_counts_for_the_nearest_target_only():
     near = TARGETS.replace("T2,L1,2.5", "T2,L1,0.6")
-    targets = read_targets(near.encode(), "t", LANE_MAP)
-    (lane,) = score_trial(plan(), targets, [seal([(0.54, 0.5)])]).lanes
+    targets = read_targets(near.encode(), "t", PLAN)
+    (lane,) = score_trial(PLAN, targets, [marks([(0.54, 0.5)])]).lanes
     assert found(lane) == ["T1"] and not lane.alarms
 
 
 def test_candidates_outside_the_lane_are_listed_and_count_only_in_a_halo():
-    (lane,) = score(seal([(4.03, 1.0), (4.5, 0.5), (-1.0, -1.0)], "L2")).lanes
+    (lane,) = score(marks([(4.03, 1.0), (4.5, 0.5), (-1.0, -1.0)], "L2")).lanes
     assert found(lane) == ["T4"] and not lane.alarms
     assert [one.id for one in lane.outside] == ["C1", "C2"]
 
 
-def test_doubtful_candidates_count_only_in_the_curve():
-    doubtful = seal([(0.5, 0.5), (2.5, 0.5), (1.5, 0.1)], doubtful=(1, 2))
-    own = group(score(doubtful))
+def test_weaker_echoes_count_only_in_the_curve_which_goes_from_the_most_certain_to_the_last():
+    own = group(score(marks([(0.5, 0.5), (2.5, 0.5), (1.5, 0.1)], weaker=(1, 2))))
     assert (own.found, own.alarms) == (1, 0)
     assert [share for _, share in own.curve] == [0.0, 0.5, 1.0, 1.0] and own.curve[-1][0] > 0.0
-
-
-def test_the_curve_goes_from_the_most_certain_candidate_to_the_last():
-    (lane,) = (result := score(seal([(1.5, 0.1), (0.5, 0.5), (1.7, 0.1), (2.5, 0.5)]))).lanes
-    area_m2 = lane.area_m2
+    result = score(marks([(1.5, 0.1), (0.5, 0.5), (1.7, 0.1), (2.5, 0.5)]))
     alarms, shares = zip(*group(result).curve)
     assert shares == (0, 0, 0.5, 0.5, 1)
+    area_m2 = result.lanes[0].area_m2
     assert [one * area_m2 for one in alarms] == pytest.approx([0, 1, 1, 2, 2])
     assert group(result).curve[-1] == (group(result).alarms_per_m2, group(result).detection)
 
 
 def test_a_stratum_of_lanes_has_their_ground_and_one_of_targets_that_of_all():
-    result = score(seal([(0.5, 0.5), (1.5, 0.5)]), seal([(0.5, 0.5)], "L2"))
+    result = score(marks([(0.5, 0.5), (1.5, 0.5)]), marks([(0.5, 0.5)], "L2"))
     assert {(one.stratum, one.found, one.targets, one.alarms) for one in result.groups} == {
         ("", 2, 4, 1), ("type PMN", 1, 2, 1), ("type TS-50", 1, 2, 1),
         ("soil sand", 1, 2, 1), ("soil loam", 1, 2, 0),
@@ -97,46 +97,73 @@ def test_a_stratum_of_lanes_has_their_ground_and_one_of_targets_that_of_all():
     lanes = [one.area_m2 for one in result.lanes]
     assert group(result, "soil sand").area_m2 == lanes[0]
     assert group(result, "type PMN").area_m2 == sum(lanes)
-    blank = Lane({"soil": "gravel"}, "L3", 0.0, 2.0, 0.0, 1.0)
-    of_three = Plan(HALO_M, ("soil",), {**LANE_MAP, "L3": blank}, sha256="p")
-    result = score_trial(of_three, TARGET_LIST, [seal([]), seal([(0.5, 0.5)], "L3")])
-    own = group(result, "soil gravel")
-    assert (own.targets, own.detection, own.alarms, own.alarms_per_m2) == (0, None, 1, 0.5)
 
 
-def test_methods_are_compared_on_the_targets_of_both():
-    result = score(
-        seal([(0.5, 0.5)]), seal([(0.5, 0.5)], "L2"),
-        seal([(0.5, 0.5), (2.5, 0.5)], method="detector"),
-    )  # fmt: skip
-    (one,) = result.comparisons
-    assert (one.targets, one.only_first, one.only_second, one.p_value) == (2, 0, 1, 1.0)
-    both = [seal([], lane, method) for lane in ("L1", "L2") for method in ("a", "b")]
-    assert warnings_of(plan(), score(*both)) == []
-    parts = warnings_of(plan(), score(seal([], area_m2=1.0), seal([], "L2", area_m2=3.9)))
-    assert [one.values["lane"] for one in parts] == ["L1"]
-    (warning,) = warnings_of(plan(), result)
-    assert "Simpson" in warning.template
-    assert (warning.values["method"], warning.values["lane"]) == ("detector", "L2")
+def test_a_second_list_for_one_lane_and_a_lane_of_no_plan_are_refused():
+    for other in ("L1", "L7"):
+        with pytest.raises(AnalysisError, match=other):
+            score(marks([]), marks([(1.0, 1.0)], other))
 
 
-@pytest.mark.parametrize("other", ["p2", "same"])
-def test_lists_of_another_plan_and_two_for_one_lane_are_refused(other):
-    second = seal([(1.0, 1.0)])
-    if other != "same":
-        second = Seal((), "", plan_sha256=other, lane="L1", method="detector")
-    with pytest.raises(AnalysisError, match="L1"):
-        score(seal([]), second)
+@pytest.fixture
+def trial(tmp_path):
+    """Return a function that scores lists in a folder by the command."""
+    truth, plan = tmp_path / "targets.csv", tmp_path / "plan.yaml"
+    truth.write_text(TARGETS)
+    sealed = hashlib.sha256(truth.read_bytes()).hexdigest()
+    lanes = {
+        name: {**vars(RECTANGLE), "notes": {"soil": one.notes["soil"]}}
+        for name, one in LANE_MAP.items()
+    }
+    values = {"halo_m": 0.1, "truth_sha256": sealed, "strata": ["type", "soil"], "lanes": lanes}
+    plan.write_text(json.dumps(values))  # JSON is YAML
+    for name, places in (("L1", "C1,0.5,0.5\nC2,1.5,0.5\n"), ("L2", "C1,0.5,0.45\n")):
+        (tmp_path / f"{name}.csv").write_text("id,x_m,y_m\n" + places)
+
+    def run(*options, lists=(("radar", "L1", "L1.csv"), ("radar", "L2", "L2.csv"))):
+        given = [part for one in lists for part in ("--list", *one[:2], str(tmp_path / one[2]))]
+        return main(["trial", str(plan), "--truth", str(truth), *given, *options])
+
+    return run
 
 
-def test_one_list_for_two_methods_is_refused_unless_nothing_was_found():
-    for place in ([], [(1.0, 0.5)]):
-        both = [seal(place, method=one, own="abc") for one in ("radar", "detector")]
-        if place:
-            with pytest.raises(AnalysisError, match="radar, L1 and .*detector, L1"):
-                score(*both)
-        else:
-            assert len(score(*both).lanes) == 2
+def test_the_command_scores_and_refuses_a_truth_that_is_not_the_one_of_the_plan(
+    trial, tmp_path, capsys, refusals
+):
+    report = tmp_path / "report.json"
+    assert trial("-o", str(report)) == 0
+    values = json.loads(report.read_text())
+    first = values["groups"][0]
+    assert (first["targets"], first["found"], first["alarms"]) == (4, 2, 1)
+    assert first["detection_range"] == pytest.approx([0.0676, 0.9324], abs=1e-4)
+    assert "2/4" in capsys.readouterr().out
+    truth = tmp_path / "targets.csv"
+    content = truth.read_bytes()
+    for changed in (content + b"\n", content.replace(b"0.5,", b"0.50,", 1), content[:-1], b""):
+        truth.write_bytes(changed)
+        assert trial("-o", str(report), "--overwrite") == 3
+    assert refusals == [faults.FILE_DAMAGED.code] * 4 and json.loads(report.read_text()) == values
+    truth.write_bytes(content)
+    for wrong in ("halo_m: 0", "halo_m: [", "1"):
+        (tmp_path / "plan.yaml").write_text(wrong)
+        assert trial() == 3
+
+
+@pytest.mark.usefixtures("blank_figures")
+def test_a_list_of_gpr20_says_simulated_and_how_much_of_the_lane_it_is_of(trial, tmp_path, capsys):
+    found = candidate_list([candidate(1, 500.0, 500.0), candidate(2, 2500.0, 500.0)])
+    (tmp_path / "list.json").write_text(json_text(found), encoding="utf-8")
+    lists = [("radar", "L1", "list.json")]
+    said = []
+    for language in ("en", "es"):
+        report = tmp_path / f"{language}.html"
+        assert trial("-o", str(report), "--language", language, lists=lists) == 0
+        said.append(re.sub(r"base64,[A-Za-z0-9+/=]+", "", report.read_text()))
+        said.append(capsys.readouterr().out)
+    assert "SIMULATED" in said[1] and "surveyed only 0.25 m2 of lane L1" in said[1]
+    assert [one.group() for text in said for one in NEVER.finditer(text)] == []
+    (tmp_path / "list.json").write_text('{"format": "other"}')
+    assert trial(lists=lists) == 3 and trial(lists=[("radar", "L1", ".")]) == 3
 
 
 @settings(max_examples=draws(15))
@@ -171,22 +198,22 @@ def test_the_area_outside_halos_is_that_of_a_fine_grid(places, radius_m):
 )
 def test_a_bad_cell_is_named_with_file_line_value_and_what_is_allowed(old, new, said):
     with pytest.raises(UnreadableFileError, match=r"targets\.csv") as caught:
-        read_targets(TARGETS.replace(old, new, 1).encode(), "targets.csv", LANE_MAP)
+        read_targets(TARGETS.replace(old, new, 1).encode(), "targets.csv", PLAN)
     text = str(caught.value)
     assert all(one in text for one in said), text
 
 
 def test_a_lane_whose_ends_are_exchanged_and_an_empty_table_are_refused():
-    with pytest.raises(InvalidValueError, match="L1: x_max_m is 0 m; .* between 4.01 and"):
-        read_lanes(LANES.replace("0,4", "4,0", 1).encode(), "lanes.csv")
+    with pytest.raises(InvalidValueError, match="x_max_m is 0 m; .* between 4.01 and"):
+        Lane(4.0, 0.0, 0.0, 1.0)
     with pytest.raises(UnreadableFileError, match="heading"):
-        read_lanes(b"", "lanes.csv")
+        read_targets(b"", "targets.csv", PLAN)
     # Of a spreadsheet with decimal commas.
     table = TARGETS.replace(",", ";").replace(".", ",").replace("\n", "\r\n").encode("utf-8-sig")
-    places = [one.place_m for one in read_targets(table, "t", LANE_MAP)]
+    places = [one.place_m for one in read_targets(table, "t", PLAN)]
     assert places == [one.place_m for one in TARGET_LIST]
     with pytest.raises(UnreadableFileError, match=r"t.csv as CSV in UTF-8"):
-        read_targets(TARGETS.replace("T2", "Ñ").encode("latin-1"), "t.csv", LANE_MAP)
+        read_targets(TARGETS.replace("T2", "Ñ").encode("latin-1"), "t.csv", PLAN)
 
 
 CELLS = st.one_of(
@@ -203,7 +230,7 @@ def test_any_table_is_read_or_refused_with_a_sentence(rows, comma):
     heading = TARGETS.splitlines()[0].replace(",", comma)
     content = "\n".join([heading, *(comma.join(one) for one in rows)])
     try:
-        targets = read_targets(content.encode("utf-8", "replace"), "targets.csv", LANE_MAP)
+        targets = read_targets(content.encode("utf-8", "replace"), "targets.csv", PLAN)
     except UnreadableFileError as error:
         assert "targets.csv" in str(error)
     else:
@@ -238,44 +265,30 @@ def test_at_the_ends_of_an_interval_of_a_density_the_alarms_are_as_unlikely_as_a
     assert alarm_interval(3, 0.0) == (0.0, math.inf)
 
 
-@pytest.mark.parametrize(
-    ("detection", "missed", "needed"),
-    [(0.90, 0, 29), (0.95, 0, 59), (0.99, 0, 299), (0.99, 1, 473), (0.996, 0, 748)],
-)
-def test_the_fewest_targets_that_show_a_detection_are_the_reference_numbers(
-    detection, missed, needed
-):
-    assert targets_needed(detection, missed) == needed
-    for targets, shows in ((needed, True), (needed - 1, False)):
-        chance = binom.sf(targets - missed - 1, targets, detection)
-        assert (chance <= 0.05) == shows
-        assert (shown_detection(targets - missed, targets) >= detection) is shows
-
-
-@pytest.mark.parametrize(("first", "second"), [(0, 0), (5, 0), (1, 9), (8, 8), (3, 17)])
-def test_mcnemar_is_the_two_sided_binomial_test(first, second):
-    tail = binom.cdf(min(first, second), first + second, 0.5)
-    assert mcnemar(first, second) == pytest.approx(min(1.0, 2.0 * tail), abs=1e-12)
+def test_what_is_shown_is_the_one_sided_limit_of_95_percent():
+    for detection, missed, needed in ((0.90, 0, 29), (0.95, 0, 59), (0.99, 1, 473)):
+        for targets, shows in ((needed, True), (needed - 1, False)):
+            assert (shown_detection(targets - missed, targets) >= detection) is shows
 
 
 @pytest.mark.release
 def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_trials(monkeypatch):
     chance, halo_m = np.random.default_rng(29), 0.1
-    lane = Lane({}, "L", 0.0, 10.0, 0.0, 2.0)
+    lane = Lane(0.0, 10.0, 0.0, 2.0)
     places = [(0.5 + at, 0.5) for at in range(10)]
     targets = [Target(f"T{at}", "L", one, {}) for at, one in enumerate(places)]
-    trial_plan = Plan(halo_m, (), {"L": lane}, sha256="p")
+    trial_plan = Plan(halo_m, "", {"L": lane})
     area_m2 = lane.area_outside(places, halo_m)
     assert area_m2 == pytest.approx(20.0 - 10 * math.pi * halo_m**2, abs=1e-4)
     # The targets of all trials are the same, so it is computed once.
-    monkeypatch.setattr(ground.Lane, "area_outside", lambda *_: area_m2)
+    monkeypatch.setattr(plans.Lane, "area_outside", lambda *_: area_m2)
     hits = {"share": 0, "density": 0}
     for share, density in zip(chance.uniform(0.3, 1.0, TRIALS), chance.uniform(0.0, 0.5, TRIALS)):
         seen = [one for one in places if chance.random() < share]
         false = [(one, 1.5) for one in chance.uniform(0.0, 10.0, chance.poisson(density * area_m2))]
-        marks = tuple(Mark(f"C{at}", *one, -at) for at, one in enumerate([*seen, *false]))
+        seen_marks = tuple(Mark(f"C{at}", *one, -at) for at, one in enumerate([*seen, *false]))
         (scored,) = score_trial(
-            trial_plan, targets, [Seal(marks, "", plan_sha256="p", lane="L")]
+            trial_plan, targets, [MarkList("radar", "L", seen_marks, 20.0)]
         ).groups
         assert (scored.found, scored.alarms) == (len(seen), len(false))
         for name, truth, ends in (("share", share, scored.detection_range),

@@ -10,21 +10,21 @@ from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
 
-STEP = "background:method=surface"
 message_of = gpr20_analysis.message_of
 
 
 class Analysis:
-    """Keeps the traces of the survey that it has imaged last."""
+    """Keeps the traces of the survey that it has imaged last, and the last answers."""
 
     def __init__(self) -> None:
         self._survey: Optional[Any] = None
+        self._kept = gpr20_analysis.KeptAnswers()
 
     def focus(self, folder: Path, permittivity: Optional[float]) -> FocusedImage:
         """Return the focused image of a survey, running or past."""
         if self._survey is None or self._survey.folder != folder:
             self._survey = gpr20_analysis.GrowingSurvey(folder)
-        image: FocusedImage = gpr20_analysis.focus(self._survey.load(), permittivity)
+        image: FocusedImage = self._kept.focus(self._survey.load(), permittivity)
         return image
 
     def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:
@@ -40,8 +40,7 @@ class Analysis:
         """Write the candidates of a survey."""
         survey = self._load(folder)
         options = gpr20_analysis.field_options(permittivity, survey)
-        image = gpr20_analysis.image_survey(gpr20_analysis.process_survey(survey, STEP), options)
-        gpr20_analysis.write_candidates(gpr20_analysis.find_candidates(image), output)
+        gpr20_analysis.write_candidates(gpr20_analysis.answer(survey, options).found, output)
 
     def write_report(
         self, folder: Path, output: Path, permittivity: Optional[float], language: str

@@ -62,7 +62,7 @@ def marker_lines(marker: Marker) -> Lines:
 
 def candidate_lines(candidate: Candidate, measured: bool) -> Lines:
     return (
-        Message("Candidate {number}, doubtful", number=candidate.number)
+        Message("Candidate {number}, weaker echo", number=candidate.number)
         if candidate.is_doubtful
         else Message("Candidate {number}", number=candidate.number),
         place_text(candidate.x_mm, candidate.y_mm, candidate.depth_mm),
@@ -76,13 +76,14 @@ def summary_lines(model: GroundModel) -> Lines:
     """Return what is known of the survey while no place is chosen."""
     verdict, additions = model.survey.map.verdict, model.additions
     lines = [] if verdict is None else [verdict]
-    if additions.candidates:
-        doubtful = sum(one.is_doubtful for one in additions.candidates)
-        count = len(additions.candidates) - doubtful
+    if additions.image is not None and additions.image.found.total:
+        found = additions.image.found
         lines.append(
-            Message("1 candidate, {doubtful} doubtful", doubtful=doubtful)
-            if count == 1
-            else Message("{count} candidates, {doubtful} doubtful", count=count, doubtful=doubtful)
+            Message(
+                "{count} places to check, {weaker} weaker echoes",
+                count=found.primary,
+                weaker=found.weaker,
+            )
         )
     for one in additions.related:
         if one.is_finer:

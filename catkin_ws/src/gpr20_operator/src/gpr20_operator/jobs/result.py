@@ -181,19 +181,16 @@ class SurveyResult:
 
     @property
     def places(self) -> Tuple[Candidate, ...]:
-        """The brightest place, then those that are not doubtful, then the others.
-
-        A place may be the only one that is not doubtful, or a mine for all its flags.
-        """
-        if self.image is None:
-            return ()
-        listed = self.image.found.candidates
-        return (*listed[:1], *sorted(listed[1:], key=lambda one: one.is_doubtful))
+        """The places to check, then the weaker echoes."""
+        return () if self.image is None else self.image.found.candidates
 
     @property
     def shown(self) -> Tuple[Candidate, ...]:
-        """At most five of the places."""
-        return self.places[self.first : self.first + PLACES_SHOWN]
+        """At most five of the places to check, or of the weaker echoes."""
+        last = self.first + PLACES_SHOWN
+        if self.image is not None and self.first < self.image.found.primary:
+            last = min(last, self.image.found.primary)
+        return self.places[self.first : last]
 
     @property
     def waits(self) -> bool:
@@ -282,8 +279,8 @@ class SurveyResult:
             self.export.begin(self.record.survey_id, self.permittivity or NOT_KNOWN, language)
 
     def turn_page(self) -> None:
-        """Show the next five places; after the last ones the first ones again."""
-        self.first += PLACES_SHOWN
+        """Show the next five places; after them the weaker echoes, and the first ones again."""
+        self.first += len(self.shown)
         if self.first >= len(self.places):
             self.first = 0
         self.chosen = None

@@ -58,7 +58,7 @@ MEANINGS: Dict[Flag, Message] = {
     Flag.ONE_POLARIZATION: Message("One polarization: seen with one rotation of the antennas."),
     Flag.CLUTTER: Message("Clutter: no stronger than this ground often is."),
     Flag.SIDELOBE: Message("Sidelobe: it may be left from a much stronger place near it."),
-    Flag.UNRATED: Message("Not rated: the clutter of this ground could not be measured."),
+    Flag.BRIGHTEST: Message("No stronger than clutter, but the brightest echo of the survey."),
 }
 
 
@@ -79,21 +79,26 @@ def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> 
         first: Number of the first place that is shown, from 0.
         most: How many are shown at most.
     """
-    shown = len(found.candidates[first : first + most])
-    last = first + shown
     if not found.total:
         return NOTHING_FOUND
-    doubtful = found.total - found.primary
-    counted = Message("{shown} of {total} places", shown=shown, total=found.total)
-    if first:
-        counted = Message(
-            "{first}-{last} of {total}", first=first + 1, last=last, total=found.total
+    places = found.primary
+    if first >= places:
+        return Message(
+            "weaker echoes {first}-{last} of {total}",
+            first=first - places + 1,
+            last=min(first - places + most, found.weaker),
+            total=found.weaker,
         )
-    parts = [
-        counted,
-        *([Message("doubtful: {count}", count=doubtful)] if doubtful else []),
-    ]
-    return in_a_row(parts)
+    last = min(first + most, places)
+    counted = Message("{shown} of {total} places to check", shown=last - first, total=places)
+    if first:
+        counted = Message("{first}-{last} of {total}", first=first + 1, last=last, total=places)
+    return in_a_row([counted, *([weaker_line(found)] if found.weaker else [])])
+
+
+def weaker_line(found: CandidateList) -> Message:
+    """Return how many echoes are below the cut of the list."""
+    return Message("{count} weaker echoes", count=found.weaker)
 
 
 def doubts(result: SurveyResult) -> List[Message]:
@@ -121,11 +126,7 @@ def notices(result: SurveyResult) -> List[Message]:
         lines.append(Message("{count} entries of the log cannot be read", count=count))
     if image is not None and image.found.omitted:
         lines.append(
-            Message(
-                "{count} places are not in the list, {primary} of them not doubtful",
-                count=image.found.omitted,
-                primary=image.found.omitted_primary,
-            )
+            Message("{count} of the weaker echoes are not in the list", count=image.found.omitted)
         )
     return lines
 
@@ -147,20 +148,13 @@ def why_line(place: Candidate) -> Message:
     deep, level = place.place_texts[2], place.above_clutter_db
     line = Message("{deep} deep, {level:.0f} dB", deep=deep, level=level)
     if place.is_doubtful:
-        line = Message("{deep} deep, doubtful, {level:.0f} dB", deep=deep, level=level)
+        line = Message("{deep} deep, weaker echo, {level:.0f} dB", deep=deep, level=level)
     return in_a_row([line, *place.labels])
 
 
 def why_lines(place: Candidate) -> List[Message]:
     """Return all that is known about why a place is on the list."""
     lines = [Message("{level:.0f} dB above the clutter around it", level=place.above_clutter_db)]
-    alarms = place.false_alarms
-    if alarms is not None:
-        lines.append(
-            Message(
-                "Echoes of this ground alone that are as strong: {alarms} per m2", alarms=alarms
-            )
-        )
     rotations = [numeral(one) for one in place.rotations_deg if one is not None]
     if rotations:
         line = in_line(rotations)

@@ -9,7 +9,7 @@ from typing import Any, Dict, Mapping, Optional, Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
-from gpr20_common.mid.codec import plain, record_from
+from gpr20_common.mid.codec import bounded, plain, record_from
 from gpr20_common.terminal_text import is_shown
 
 ANNOTATION = "annotation"
@@ -21,6 +21,8 @@ HEADING = Message("heading")
 MAX_NAME_CHARACTERS = 200
 MAX_NOTES_CHARACTERS = 4000
 MAX_HEADING_DEG = 360.0
+FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2 = (0.3, 20.0), 10.0
+"""Rates at which lists of candidates may be cut, and the usual one [1/m2]."""
 
 # Not float() alone: it accepts digits of other scripts, and words. Some floats need an exponent.
 _DECIMAL = re.compile(r"[-+]?[0-9]{1,20}(\.[0-9]{0,20})?(e[-+]?[0-9]{1,3})?", re.ASCII)
@@ -172,6 +174,8 @@ class Site:
         operator: Who operates it, proposed for each survey.
         latitude_deg: WGS 84 latitude of the survey area [deg]; none if unknown.
         longitude_deg: WGS 84 longitude of the survey area [deg]; none if unknown.
+        false_alarms_per_m2: Where lists of candidates are cut: so many echoes of ground without
+            bodies are listed in a square metre [1/m2].
     """
 
     robot: str = "GPR-20"
@@ -179,6 +183,7 @@ class Site:
     operator: str = ""
     latitude_deg: Optional[float] = None
     longitude_deg: Optional[float] = None
+    false_alarms_per_m2: float = bounded(*FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2)
 
     def __post_init__(self) -> None:
         check_text("robot", self.robot, MAX_NAME_CHARACTERS)

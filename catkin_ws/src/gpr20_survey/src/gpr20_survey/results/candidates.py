@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, numeral
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_common.sent_message import received_message
 from gpr20_survey.results.area_position import AreaPosition
@@ -19,10 +19,8 @@ NO_CLEARANCE = Message(
 )
 SIMULATED = Message("SIMULATED: these are no measurements of real ground.")
 MM_PER_M = 1e3
-# What is rarer was not observed in any ground.
-FEWEST_ALARMS_PER_M2 = 0.01
-MOST_DOUBTFUL = 10
-"""How many doubtful candidates people see who did not ask for more."""
+# From where on an echo is called so [dB above the clutter around it].
+STRONG_DB, CLEAR_DB = 25.0, 15.0
 
 
 class Flag(enum.Enum):
@@ -35,11 +33,11 @@ class Flag(enum.Enum):
     ONE_POLARIZATION = "one-polarization"
     """Seen in one polarization only, although both were measured."""
     CLUTTER = "clutter"
-    """No stronger than what the clutter of this ground often is."""
+    """No stronger than clutter is at the stated rate of false alarms."""
     SIDELOBE = "sidelobe"
     """So much fainter than a candidate near it that it may be left from that one."""
-    UNRATED = "unrated"
-    """The clutter could not be measured, so it may be clutter."""
+    BRIGHTEST = "brightest"
+    """No stronger than clutter, but the brightest echo of the survey, which is always listed."""
 
 
 LABELS = {
@@ -48,14 +46,10 @@ LABELS = {
     Flag.ONE_POLARIZATION: Message("one polarization"),
     Flag.CLUTTER: Message("clutter"),
     Flag.SIDELOBE: Message("sidelobe"),
-    Flag.UNRATED: Message("not rated"),
+    Flag.BRIGHTEST: Message("only the brightest"),
 }
-# Only what a brighter echo or the clutter explains. A mine just below the surface is a surface
-# residue, and without a measured clutter everything is unrated: neither is doubtful.
 DOUBTFUL = frozenset({Flag.CLUTTER, Flag.SIDELOBE})
-"""Candidates with these flags are doubtful: they come after all others."""
-OMITTED = DOUBTFUL | {Flag.UNRATED}
-"""Only candidates with one of these flags are omitted from a list that would be too long."""
+"""Below the cut of the list: weaker echoes, which come after all places to check."""
 
 
 CANDIDATE_ID = "C[0-9]{2,7}"
@@ -75,8 +69,6 @@ class Candidate:
         id: Name within its list: "C01" is the first.
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
         above_clutter_db: Level above the standard magnitude of the clutter around it [dB].
-        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong [1/m2]; None
-            if that could not be measured.
         rotations_deg: Rotations of the antennas at which it is seen, the one where it is strongest
             first [deg]; None for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
@@ -91,7 +83,6 @@ class Candidate:
     y_uncertainty_m: float = field(metadata=SIZE)
     depth_uncertainty_m: float = field(metadata=SIZE)
     above_clutter_db: float
-    false_alarms_per_m2: Optional[float] = field(metadata=SIZE)
     rotations_deg: Tuple[Optional[float], ...]
     polarization_ratio_db: Optional[float]
     flags: Tuple[Flag, ...]
@@ -115,7 +106,7 @@ class Candidate:
 
     @property
     def is_doubtful(self) -> bool:
-        """Whether it may be only clutter, or a sidelobe of a brighter candidate."""
+        """Whether it is below the cut: it may be clutter, or a sidelobe of a brighter place."""
         return not DOUBTFUL.isdisjoint(self.flags)
 
     @property
@@ -137,32 +128,26 @@ class Candidate:
         return x, y, depth
 
     @property
-    def false_alarms(self) -> Optional[Message]:
-        """Echoes of clutter as strong, such as "0.3"; None if that is not known."""
-        alarms = self.false_alarms_per_m2
-        if alarms is None:
-            return None
-        if alarms < FEWEST_ALARMS_PER_M2:
-            return Message("< {fewest:g}", fewest=FEWEST_ALARMS_PER_M2)
-        return numeral(alarms, ".1g" if alarms < 10.0 else ".0f")
+    def strength(self) -> Message:
+        """How strong it is, in words."""
+        if self.above_clutter_db >= STRONG_DB:
+            return Message("strong")
+        return Message("clear") if self.above_clutter_db >= CLEAR_DB else Message("weak")
 
 
 @dataclass(frozen=True)
 class CandidateList:
     """The candidates of a survey and how they were found.
 
-    The brightest comes first, whatever its flags, then those that are furthest above the clutter
-    around them; those that are doubtful come after all others.
+    First the places to check, then the weaker echoes; of each those first that are furthest above
+    the clutter around them.
 
     Attributes:
         survey_id: Identifier of the survey; empty if the data have none.
         area_m2: Surveyed area [m^2]; that of a single line is a strip below it.
-        false_alarms_per_m2: How many echoes of this ground's own clutter are as strong as the
-            weakest candidate that is not doubtful [1/m^2]; None if that could not be measured.
-        false_alarms_lowest: Lower end of the 95 % interval of that number.
-        false_alarms_highest: Its upper end.
-        omitted: Number of candidates beyond the longest list, the last ones; each has a flag of
-            `OMITTED`.
+        false_alarms_per_m2: The rate of false alarms at which the list is cut [1/m^2].
+        least_db: How far an echo must be above the clutter at that rate [dB].
+        omitted: Number of weaker echoes that are not even listed, the last ones.
         notes: What was left out or may be wrong.
         position: Place of the origin of X and Y on the earth and direction of Y; None if the survey
             has no position or no heading.
@@ -178,11 +163,9 @@ class CandidateList:
     permittivity_highest: float = field(metadata=PERMITTIVITY)
     permittivity_source: str
     area_m2: float = field(metadata=SIZE)
-    false_alarms_per_m2: Optional[float] = field(metadata=SIZE)
-    false_alarms_lowest: Optional[float] = field(metadata=SIZE)
-    false_alarms_highest: Optional[float] = field(metadata=SIZE)
+    false_alarms_per_m2: float = field(metadata=SIZE)
+    least_db: float
     omitted: int = field(metadata=COUNT)
-    omitted_primary: int = field(metadata=COUNT)
     position: Optional[AreaPosition]
     candidates: Tuple[Candidate, ...]
     notes: Tuple[Message, ...] = ()
@@ -194,13 +177,17 @@ class CandidateList:
 
     @property
     def primary(self) -> int:
-        """Number of all candidates that are not doubtful."""
-        return sum(not one.is_doubtful for one in self.candidates) + self.omitted_primary
+        """Number of places to check."""
+        return len(self.shown())
 
-    def shown(self, most_doubtful: Optional[int] = MOST_DOUBTFUL) -> Tuple[Candidate, ...]:
-        """Return what people see: all that are not doubtful, and the first doubtful ones."""
-        doubtful = [one for one in self.candidates if one.is_doubtful][:most_doubtful]
-        return tuple(one for one in self.candidates if not one.is_doubtful or one in doubtful)
+    @property
+    def weaker(self) -> int:
+        """Number of weaker echoes, which people see who ask for them."""
+        return self.total - self.primary
+
+    def shown(self) -> Tuple[Candidate, ...]:
+        """Return the places to check."""
+        return tuple(one for one in self.candidates if not one.is_doubtful)
 
 
 FORMAT = "gpr20-candidates/1"
@@ -273,7 +260,6 @@ def list_from(text: str, survey_id: Optional[str] = None) -> CandidateList:
             f"format {head.format}": head.format == FORMAT,
             "listed": head.listed == len(found.candidates),
             "id": len({one.id for one in found.candidates}) == len(found.candidates),
-            "omitted_primary": found.omitted_primary <= found.omitted,
             "note_faults": len(head.notes) == len(note_faults),
             "survey_id": survey_id in (None, found.survey_id),
         }.items():

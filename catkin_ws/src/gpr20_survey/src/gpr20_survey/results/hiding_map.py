@@ -42,11 +42,6 @@ class HidingFacts:
         permittivity: Relative permittivity of the soil.
         permittivity_range: Its lowest and highest likely value.
         seed: Of the places that were tried.
-        checked: How many targets were searched by adding them to the image of the survey, and by
-            the whole detector.
-        agreed: For how many of them both had the same answer.
-        by_whole_m: Depths at which the answers were not enough alike, so that the whole detector
-            searched all targets [m].
         position: Where the area is on the earth; None: not known.
     """
 
@@ -58,9 +53,6 @@ class HidingFacts:
     permittivity_range: Tuple[float, float]
     loss_tangent: float
     seed: int
-    checked: int
-    agreed: int
-    by_whole_m: Tuple[float, ...]
     position: Optional[AreaPosition]
 
 
@@ -150,15 +142,8 @@ class HidingMap(HidingFacts):
                 self.depth_m, self.within_m, self.share, self.missed
             )
         ]
-        searched = Message(
-            "{checked} targets were searched in two ways, {agreed} with the same answer; "
-            "searched by the slow way only: {by_whole} mm",
-            checked=self.checked,
-            agreed=self.agreed,
-            by_whole=", ".join(f"{MM_PER_M * one:.0f}" for one in self.by_whole_m) or "-",
-        )
         target = Message("target: {target}", target=self.target.sentence)
-        return [target, soil, *layers, searched, *self.notes]
+        return [target, soil, *layers, *self.notes]
 
     def at(self, x_m: float, y_m: float) -> Message:
         """Return what the map says of the place nearest to a position."""

@@ -75,7 +75,7 @@ def _check_note(kind: Kind, values: Dict[str, Any]) -> None:
     # Readers leave out other formats.
     if kind is Kind.FOUND and values.get("format") == FORMAT and found_of(values).photo:
         raise InvalidValueError(
-            Message("photo must be empty; gpr20 found --photo stores one with its record")
+            Message("photo must be empty; gpr20 annotate --photo stores one with its record")
         )
 
 

@@ -81,6 +81,7 @@ def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
         "warnings": [text(one) for one in warnings],
         "notes": [*notes, soil],
         "list": list_sum(image.found),
+        "weaker": sentence(text, texts.weaker_line(image.found)),
         "places": [_place(result, one, text) for one in places],
     }
     return shown

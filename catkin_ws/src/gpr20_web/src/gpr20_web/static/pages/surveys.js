@@ -198,8 +198,8 @@ export default {
     find.disabled = false;
   },
 
-  places({ headline, warnings, notes, list, places }) {
-    const rows = places.map((place) =>
+  places({ headline, warnings, notes, list, places, weaker }) {
+    const row = (place) =>
       element(
         "tr", {},
         element("th", { scope: "row" }, String(place.number)),
@@ -211,12 +211,18 @@ export default {
             "aria-label": `${this.word("found")} ${place.number}`,
           }),
         ),
-      ));
+      );
+    const table = (some) =>
+      element("table", { class: "table" }, element("tbody", {}, ...some.map(row)));
+    const below = places.filter((place) => place.doubtful);
     return [
       element("p", {}, element("strong", {}, headline)),
       ...paragraphs(warnings, { class: "warn" }),
       ...paragraphs(notes, { class: "muted" }),
-      element("table", { class: "table" }, element("tbody", {}, ...rows)),
+      table(places.filter((place) => !place.doubtful)),
+      below.length
+        ? element("details", {}, element("summary", {}, weaker), table(below))
+        : "",
     ];
   },
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import List, Optional, Tuple
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Dict, List, Optional, Tuple, Union
 
 import xarray as xr
 
-from gpr20_analysis.dataset import description_of
+from gpr20_analysis.candidates.files import Table, check_ending, json_content, write_table
+from gpr20_analysis.candidates.table import text_lines
+from gpr20_analysis.dataset import MM_PER_M, description_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import ENGLISH
@@ -16,9 +19,15 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.plan.markers import Marker, markers_of
 from gpr20_survey.results.area_position import AreaPosition
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 from gpr20_survey.trace.utc_time import moment_text
 
 NONE = "-"
+FORMAT = "gpr20-markers/1"
+COLUMNS = (
+    *("id", "x_m", "y_m", "depth_m", "text", "author", "time"),
+    *("removed", "removed_by", "longitude_deg", "latitude_deg"),
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +69,60 @@ def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
         tuple(one for one in found if removed or one.is_present),
         area_position(survey.attrs),
     )
+
+
+def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
+    """Write markers in the format of the path's ending, and its checksum.
+
+    Args:
+        found: The markers.
+        path: The file; its ending is .csv, .json or .geojson.
+
+    Raises:
+        ExportError: The ending is unknown, or the output cannot be written.
+    """
+    check_ending(Path(path))
+    write_table(_table(found), Path(path))
+
+
+def json_text(found: MarkerList) -> str:
+    """Return markers as JSON."""
+    table = _table(found)
+    return json_content({**table.head, table.name: table.records})
+
+
+def _table(found: MarkerList) -> Table:
+    head = {
+        "format": FORMAT,
+        "warning": str(NO_CLEARANCE),
+        "simulated": found.simulated,
+        **({"simulated_warning": str(SIMULATED)} if found.simulated else {}),
+        "survey_id": found.survey_id,
+        "coordinates": "X, Y and depth in metres, in the survey's area",
+        "position": asdict(found.position) if found.position else None,
+    }
+    return Table(head, "markers", [_record(one, found) for one in found.markers], COLUMNS)
+
+
+def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:
+    x_m, y_m = marker.x_mm / MM_PER_M, marker.y_mm / MM_PER_M
+    longitude_deg, latitude_deg = (
+        found.position.on_earth(x_m, y_m) if found.position else (None, None)
+    )
+    depth_mm = marker.depth_mm
+    return {
+        "id": marker.marker_id,
+        "x_m": round(x_m, 6),
+        "y_m": round(y_m, 6),
+        "depth_m": None if depth_mm is None else round(depth_mm / MM_PER_M, 6),
+        "text": marker.text,
+        "author": marker.author,
+        "time": marker.time,
+        "removed": marker.removed,
+        "removed_by": marker.removed_by,
+        "longitude_deg": longitude_deg,
+        "latitude_deg": latitude_deg,
+    }
 
 
 def marker_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:
@@ -104,13 +167,4 @@ def marker_lines(found: MarkerList, catalogue: Catalogue = ENGLISH) -> List[str]
     """Return a list of markers as lines of text."""
     if not found.markers:
         return [catalogue.tr("The survey has no markers.")]
-    rows = [marker_heading(catalogue), *marker_rows(found, catalogue)]
-    widths = [max(len(cell) for cell in column) for column in zip(*rows)]
-    return [
-        "  ".join(cell.rjust(width) for cell, width in zip(row[:3], widths))
-        + "  "
-        + "  ".join(cell.ljust(width) for cell, width in zip(row[3:-1], widths[3:]))
-        + "  "
-        + row[-1]
-        for row in rows
-    ]
+    return text_lines([marker_heading(catalogue), *marker_rows(found, catalogue)], 3)

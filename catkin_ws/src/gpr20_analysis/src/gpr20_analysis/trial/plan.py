@@ -1,31 +1,40 @@
-"""The ground of a trial: tables of lanes and targets, the area outside all halos, and strata.
+"""The plan of a trial, which everybody has, the truth that it seals, and lists of candidates.
 
-Tables are CSV in UTF-8. Commas separate the cells, or semicolons where the decimals have a comma.
+The plan is YAML. It holds the SHA-256 of the table of targets, which stays with those who buried
+them until all lists are in: nobody can change it afterwards. Tables are CSV in UTF-8; commas
+separate the cells, or semicolons where the decimals have a comma.
 """
 
 from __future__ import annotations
 
 import csv
+import hashlib
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import UnreadableFileError
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.low.yaml_file import YamlFileError, parse_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import is_shown
+from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.results.candidates import list_from
 
 LEAST_M, MOST_M, MOST_DEPTH_M = 0.01, 1000.0, 10.0
 PLACE = (-MOST_M, MOST_M)
-LANE_COLUMNS = {"lane": None, **dict.fromkeys(("x_min_m", "x_max_m", "y_min_m", "y_max_m"), PLACE)}
 TARGET_COLUMNS = {
     **{"target": None, "lane": None, "x_m": PLACE, "y_m": PLACE},
     **{"depth_m": (0.0, MOST_DEPTH_M), "type": None},
 }
+MARK_COLUMNS = {"id": None, "x_m": PLACE, "y_m": PLACE}
 SLICES = 20_000
 MOST_CHARACTERS = 200
 Place = Tuple[float, float]
@@ -38,18 +47,18 @@ _NUMBER = re.compile(r"[-+]?[0-9]*[.,]?[0-9]+(e[-+]?[0-9]{1,3})?", re.ASCII | re
 class Lane:
     """A rectangle of ground, in the coordinates of the survey that is made on it."""
 
-    notes: Mapping[str, str]  # other columns, such as the soil, by which targets may be divided
-    name: str
     x_min_m: float
     x_max_m: float
     y_min_m: float
     y_max_m: float
+    notes: Mapping[str, str] = field(default_factory=dict)
+    """What targets may be divided by, such as the soil."""
 
     def __post_init__(self) -> None:
         for axis in "xy":
             low_m, high_m = getattr(self, f"{axis}_min_m"), getattr(self, f"{axis}_max_m")
-            number_between(f"{self.name}: {axis}_min_m", low_m, *PLACE, "m")
-            number_between(f"{self.name}: {axis}_max_m", high_m, low_m + LEAST_M, MOST_M, "m")
+            number_between(f"{axis}_min_m", low_m, *PLACE, "m")
+            number_between(f"{axis}_max_m", high_m, low_m + LEAST_M, MOST_M, "m")
 
     @property
     def area_m2(self) -> float:
@@ -81,6 +90,19 @@ class Lane:
 
 
 @dataclass(frozen=True)
+class Plan:
+    """What is agreed before anybody measures."""
+
+    halo_m: float  # a candidate within it of a target's centre finds the target [m]
+    truth_sha256: str  # of the table of targets
+    lanes: Mapping[str, Lane]
+    strata: Tuple[str, ...] = ()  # notes of lanes and columns of targets that divide the score
+
+    def __post_init__(self) -> None:
+        number_between(Message("halo radius"), self.halo_m, 0.01, 10.0, "m")
+
+
+@dataclass(frozen=True)
 class Target:
     """An object that was buried for the trial."""
 
@@ -91,12 +113,95 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Group:
-    """Targets that are counted together, and the lanes whose false alarms go with them."""
+class Mark:
+    """A candidate. Its level is that above the clutter, or minus its place in a table."""
 
-    name: str  # such as "type PMN"; empty: all
-    targets: List[str]
-    lanes: List[str]
+    id: str
+    x_m: float
+    y_m: float
+    level: float
+    is_weaker: bool = False  # below the cut of its list
+
+    @property
+    def rank(self) -> Tuple[bool, float]:
+        """What orders candidates: the most certain first, those below the cut last."""
+        return (self.is_weaker, -self.level)
+
+
+@dataclass(frozen=True)
+class MarkList:
+    """The candidates of one method in one lane."""
+
+    method: str
+    lane: str
+    marks: Tuple[Mark, ...]
+    area_m2: float  # surveyed [m2]
+    simulated: bool = False
+
+
+def read_plan(path: Path) -> Plan:
+    """Return the plan of a trial."""
+    try:
+        return record_from(Plan, parse_yaml(read_regular(path)), path.name)
+    except YamlFileError as error:
+        other = Message("{file} is no plan of a trial: {reason}", file=path, reason=error.message)
+        raise UnreadableFileError(other, fault=faults.INPUT) from error
+
+
+def read_truth(path: Path, plan: Plan) -> List[Target]:
+    """Return the targets; a table that is not the sealed one is refused."""
+    content = read_regular(path)
+    if hashlib.sha256(content).hexdigest() != plan.truth_sha256:
+        changed = Message("{file} is not the table whose SHA-256 is in the plan", file=path)
+        raise UnreadableFileError(changed, fault=faults.FILE_DAMAGED)
+    return read_targets(content, path.name, plan)
+
+
+def read_targets(content: bytes, file: str, plan: Plan) -> List[Target]:
+    """Return the targets of a table, which has the strata that the lanes do not have."""
+    columns: Dict[str, Any] = dict(TARGET_COLUMNS)
+    for one in plan.strata:
+        if not any(one in lane.notes for lane in plan.lanes.values()):
+            columns.setdefault(one, None)
+    targets = []
+    for row in read_table(content, file, columns):
+        place_m = row["x_m"], row["y_m"]
+        if row["lane"] not in plan.lanes or not plan.lanes[row["lane"]].contains(place_m):
+            outside = Message(
+                "{file}: the place of target {target} is not in its lane, {lane}; lanes: {lanes}",
+                **{"file": file, "target": row["target"], "lane": row["lane"]},
+                lanes=", ".join(plan.lanes),
+            )
+            raise UnreadableFileError(outside, fault=faults.INPUT)
+        targets.append(Target(row["target"], row["lane"], place_m, row))
+    return targets
+
+
+def read_list(method: str, lane: str, path: Path, plan: Plan) -> MarkList:
+    """Return a list: JSON of `gpr20 candidates`, or CSV of any method, the most certain first.
+
+    What a CSV is of is not known, so it counts as all of its lane.
+    """
+    content = b"" if path.is_dir() else read_regular(path)  # a survey is no list
+    if path.suffix == ".csv":
+        rows = read_table(content, path.name, MARK_COLUMNS)
+        marks = tuple(Mark(one["id"], one["x_m"], one["y_m"], -at) for at, one in enumerate(rows))
+        whole = plan.lanes[lane].area_m2 if lane in plan.lanes else 0.0
+        return MarkList(method, lane, marks, whole)
+    try:
+        found = list_from(content.decode("utf-8"))
+    except (UnicodeDecodeError, InvalidValueError) as error:
+        other = Message(
+            "{file} is no list of candidates; write one with {command}",
+            **{"file": path.name, "command": "gpr20 candidates SURVEY -o LIST.json"},
+            details=error,
+        )
+        raise UnreadableFileError(other) from error
+    marks = tuple(
+        Mark(one.id, one.x_m, one.y_m, one.above_clutter_db, one.is_doubtful)
+        for one in found.candidates
+    )
+    return MarkList(method, lane, marks, found.area_m2, found.simulated)
 
 
 def read_table(content: bytes, file: str, columns: Mapping[str, Optional[Limits]]) -> List[Row]:
@@ -154,48 +259,3 @@ def _row(file: str, line: int, cells: Row, columns: Mapping[str, Optional[Limits
 def _refused(file: str, line: int, reason: Message) -> UnreadableFileError:
     message = Message("{file}, line {line}: {reason}", file=file, line=line, reason=reason)
     return UnreadableFileError(message, fault=faults.INPUT)
-
-
-def read_lanes(content: bytes, file: str) -> Dict[str, Lane]:
-    """Return the lanes of a table by their names."""
-    rows = read_table(content, file, LANE_COLUMNS)
-    lanes = [Lane(row, *map(row.pop, LANE_COLUMNS)) for row in rows]
-    return {one.name: one for one in lanes}
-
-
-def read_targets(
-    content: bytes, file: str, lanes: Mapping[str, Lane], strata: Sequence[str] = ()
-) -> List[Target]:
-    """Return the targets of a table, which has the strata that the lanes do not have."""
-    columns: Dict[str, Any] = dict(TARGET_COLUMNS)
-    for one in strata:
-        if not any(one in lane.notes for lane in lanes.values()):
-            columns.setdefault(one, None)
-    targets = []
-    for row in read_table(content, file, columns):
-        place_m = row["x_m"], row["y_m"]
-        if row["lane"] not in lanes or not lanes[row["lane"]].contains(place_m):
-            outside = Message(
-                "{file}: the place of target {target} is not in its lane, {lane}; lanes: {lanes}",
-                **{"file": file, "target": row["target"], "lane": row["lane"]},
-                lanes=", ".join(lanes),
-            )
-            raise UnreadableFileError(outside, fault=faults.INPUT)
-        targets.append(Target(row["target"], row["lane"], place_m, row))
-    return targets
-
-
-def groups_of(
-    strata: Sequence[str], targets: Sequence[Target], lanes: Mapping[str, Lane]
-) -> List[Group]:
-    """Return all targets, then those of each value of each column of the lanes or targets."""
-    groups = [Group("", [one.name for one in targets], list(lanes))]
-    for column in strata:
-        of_lanes = {name: one.notes[column] for name, one in lanes.items() if column in one.notes}
-        values = [of_lanes.get(one.lane) if of_lanes else one.row[column] for one in targets]
-        for value in sorted({*values, *of_lanes.values()}, key=str):
-            names = [one.name for one, own in zip(targets, values) if own == value]
-            # A value of a lane limits the false alarms, one of a target does not.
-            near = [one for one in lanes if not of_lanes or of_lanes.get(one) == value]
-            groups.append(Group(f"{column} {value}", names, near))
-    return groups
