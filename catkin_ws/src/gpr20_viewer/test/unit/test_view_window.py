@@ -53,10 +53,10 @@ def survey():
 
 
 def found_in(image):
-    certain = (0.001, 0.001, 0.004, 20.0, 1e-6)
+    certain = (0.001, 0.001, 0.004, 20.0)
     one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
     permittivity = float(image.attrs["permittivity"])
-    values = (*[permittivity] * 3, "", 0.04, 9.0, 5.0, 16.0, 0, 0, None)
+    values = (*[permittivity] * 3, "", 0.04, 10.0, 12.0, 0, None)
     return CandidateList("id", True, "phase-shift", *values, (one,))
 
 

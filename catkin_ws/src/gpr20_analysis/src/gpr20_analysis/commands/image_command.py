@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import List
 
+import numpy as np
+
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.answer import Answer
 from gpr20_analysis.commands import image_options, inputs, outputs
@@ -13,7 +15,6 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import Output, save_figure
 from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, is_line
 from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.imaging.permittivity import rotation_word
 from gpr20_common.catalogue import Catalogue
 
 FIGURES = ("projections_*.png", "slice_*.png")
@@ -58,7 +59,8 @@ def _draw(found: Answer, folder: Path, catalogue: Catalogue) -> None:
     image, candidates = found.image, found.found.candidates
     for turn, degrees in enumerate(image[POLARIZATION].values):
         figure = projection_figure(image, turn, candidates, catalogue)
-        save_figure(figure, folder / f"projections_{rotation_word(degrees)}.png")
+        word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
+        save_figure(figure, folder / f"projections_{word}.png")
     marked = [] if is_line(image) else marked_of(candidates)
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist())):

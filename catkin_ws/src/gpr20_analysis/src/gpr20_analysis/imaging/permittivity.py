@@ -101,8 +101,8 @@ def permittivity_line(image: xr.Dataset) -> Message:
     lowest, highest = permittivity_range(image)
     _, deeper, shallower = depth_shares(value, lowest, highest)
     return Message(
-        "relative permittivity {permittivity:.3g}, {source}; {lowest:.3g} to {highest:.3g} is "
-        "likely, so the error of depths is {shallower:+.0f} % to {deeper:+.0f} %",
+        "The soil's permittivity is {permittivity:.3g}, {source}; {lowest:.3g} to {highest:.3g} is "
+        "likely, so depths may be wrong by {shallower:+.0f} % to {deeper:+.0f} %.",
         permittivity=value,
         source=Source(image.attrs.get("permittivity_source", Source.GIVEN.value)).message,
         lowest=lowest,

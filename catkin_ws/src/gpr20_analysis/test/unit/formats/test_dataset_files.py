@@ -154,7 +154,7 @@ def test_files_of_markers_of_candidates_and_of_samples_hold_no_formula(tmp_path)
     hostile = '";=cmd|,=1'
     marker = Marker("7c9e6679-7425-40de-944b-e07fc1f90ae7", -12.5, 20.0, 80.0, hostile, "=1")
     write_markers(MarkerList("@1", True, (marker,)), marked)
-    one = Candidate("C01", -0.1, 0.2, 0.1, 0.0, 0.0, 0.0, 20.0, 1e-9, (-90.0, -45.0), -0.1, ())
+    one = Candidate("C01", -0.1, 0.2, 0.1, 0.0, 0.0, 0.0, 20.0, (-90.0, -45.0), -0.1, ())
     listed = candidate_list([one], survey_id="@1", method="+1", notes=(verbatim(hostile),))
     write_candidates(listed, found)
     survey = load_survey(make_survey(tmp_path, len(POINTS), "finished"))

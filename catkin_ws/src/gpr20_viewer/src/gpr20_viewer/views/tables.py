@@ -18,7 +18,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.candidates.table import candidate_heading, candidate_row, tail_sentences
+from gpr20_analysis.candidates.table import candidate_heading, candidate_row, places_sentence
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.sentences import ENGLISH, shown
 from gpr20_common.errors import Gpr20Error, os_reason
@@ -91,7 +91,7 @@ class CandidatesTab(QWidget):
         texts = ["searching candidates ..."]
         rows: List[Dict[str, str]] = []
         if found is not None:
-            messages = [*tail_sentences(found, found.candidates), *found.notes]
+            messages = [places_sentence(found), *found.notes]
             texts = [shown(one) for one in messages]
             titles = candidate_heading(ENGLISH)
             rows = [dict(zip(titles, candidate_row(one, ENGLISH))) for one in found.candidates]
