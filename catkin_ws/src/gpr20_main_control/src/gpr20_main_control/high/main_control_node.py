@@ -19,8 +19,12 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.ros_axis import RosAxis
-from gpr20_main_control.high.ros_devices import RosAnalyzer, RosStorage, height_over_ros
+from gpr20_main_control.high.ros_devices import (
+    RosAnalyzer,
+    RosAxis,
+    RosStorage,
+    height_over_ros,
+)
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
 from gpr20_main_control.mid.devices.described_robot import (

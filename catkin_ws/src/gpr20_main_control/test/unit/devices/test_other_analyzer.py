@@ -53,7 +53,7 @@ def test_a_survey_continues_only_with_an_analyzer_that_is_accepted_and_records_b
     with raises_fault(VNA_REPLACED, OTHER, FORMER, error=OtherAnalyzerError):
         bench.control.resume("")
     bench.wait_for(State.PAUSED)
-    assert bench.analyzer.sweeps == 5
+    assert bench.analyzer.sweeps == 7
     swept, add_fact = [], bench.storage.add_fact
 
     def note(survey, kind, values_json):
@@ -69,7 +69,7 @@ def test_a_survey_continues_only_with_an_analyzer_that_is_accepted_and_records_b
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 7)]
     # The first report with both precedes the first trace of the other one.
-    assert swept[-1] == 5
+    assert swept[-1] == 7
     assert all(one["accepted"] for one in bench.storage.reports[-1]["analyzers"])
 
 

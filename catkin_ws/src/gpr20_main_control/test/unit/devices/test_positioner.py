@@ -6,8 +6,7 @@ from survey_examples import AXES
 
 from gpr20_common.message import verbatim
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.axis_motion import LeaseKeeper
-from gpr20_main_control.mid.devices.positioner import Positioner
+from gpr20_main_control.mid.devices.positioner import LeaseKeeper, Positioner
 from gpr20_main_control.mid.devices.robot import Lease
 from gpr20_main_control.mid.waits import Interruption, Workers
 from gpr20_survey.axes.axis_id import AxisId
@@ -27,13 +26,13 @@ class ScriptedAxis(FakeAxis):
 
 
 class Scripted:
-    """The attention of the thread that moves axes, turn by turn, and the end after the last."""
+    """Whether the thread that moves axes looks, turn by turn, and the end after the last."""
 
-    def __init__(self, *lacks):
-        self.turns = list(lacks)
+    def __init__(self, *neglected):
+        self.turns = list(neglected)
 
     @property
-    def lacks(self):
+    def is_neglected(self):
         return self.turns.pop(0)
 
     def wait(self, _timeout_s):
@@ -41,7 +40,7 @@ class Scripted:
 
 
 @pytest.mark.parametrize(
-    "lacks, renewals, asked",
+    "neglected, renewals, asked",
     [
         ((False, False), 2, ["renew", "renew", "release"]),
         # Nobody looks at what could stop the axis.
@@ -49,8 +48,8 @@ class Scripted:
         ((False, False), 0, ["renew"]),
     ],
 )
-def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(lacks, renewals, asked):
-    axis, script = ScriptedAxis(renewals), Scripted(*lacks)
+def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(neglected, renewals, asked):
+    axis, script = ScriptedAxis(renewals), Scripted(*neglected)
     LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
     assert axis.asked == asked
 

@@ -21,7 +21,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.high import ros_axis
+from gpr20_main_control.high import ros_devices
 from gpr20_main_control.high.ros_devices import height_over_ros
 from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.waits import Workers
@@ -45,7 +45,7 @@ def graph(monkeypatch):
     )
     monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
-    monkeypatch.setattr(ros_axis, "_DriversClient", lambda *_arguments: None)
+    monkeypatch.setattr(ros_devices, "_DriversClient", lambda *_arguments: None)
     yield graph
     graph.node_is_back.set()
 
@@ -82,7 +82,7 @@ class Connection:
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     graph.away = "x_axis/homing"
-    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    axis = ros_devices.RosAxis(AxisId.X, Clock())
     homing = Workers().begin(lambda: axis.home(LIMIT_S))
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
@@ -96,7 +96,7 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
 
 
 def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
-    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    axis = ros_devices.RosAxis(AxisId.X, Clock())
     axis._stops = [SimpleNamespace(join=lambda _limit_s: graph.called.append("stop is over"))]
     axis.home(LIMIT_S)
     assert graph.called == ["stop is over", "x_axis/homing"]
@@ -126,17 +126,17 @@ class EndedGoal:
 
 
 def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
-    assert ros_axis._outcome(EndedGoal(NO_CONTACT)).contact_lost
-    assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+    assert ros_devices._outcome(EndedGoal(NO_CONTACT)).contact_lost
+    assert not ros_devices._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
     # Without a result the move may continue.
-    assert ros_axis._outcome(EndedGoal(None)).message.fault_code == PART_LOST.code
+    assert ros_devices._outcome(EndedGoal(None)).message.fault_code == PART_LOST.code
 
 
 def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
     response = CommandResponse(success=False, **message_fields(NO_CONTACT))
     monkeypatch.setattr(graph, "call", lambda _name: response)
     with raises_fault(CONTROL_SILENT, error=NodeLostError):
-        ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
+        ros_devices.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
 
 
 NOTE = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)

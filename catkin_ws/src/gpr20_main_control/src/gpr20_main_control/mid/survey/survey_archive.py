@@ -15,11 +15,11 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, message_of
-from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import Storage, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.survey.sampling import AnalyzerState
 from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.survey.survey_status import Status
-from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import message_record
@@ -190,8 +190,8 @@ class SurveyArchive:
         """Return when at most so many traces, up to that of a point, wait for the disk."""
         limit_s = self._survey.robot.description.limits.storage_limit_s
         action = Message("traces up to point {index}", index=point.index)
-        wait = ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
-        with self._survey.waits.shown(wait) as check:
+        longest_s = ATTEMPTS * (limit_s + RETRY_S)
+        with self._survey.waits.shown(STORAGE_NAME, action, longest_s) as check:
             self.queue.wait_until_left(traces, check)
 
     def set_timing(self, measuring: bool) -> None:

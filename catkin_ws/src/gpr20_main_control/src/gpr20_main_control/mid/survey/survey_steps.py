@@ -15,7 +15,6 @@ from gpr20_main_control.errors import (
     UnconfirmedError,
     message_of,
 )
-from gpr20_main_control.mid.devices.instruments import Instruments
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.measured_again import (
     DriftLimits,
@@ -23,7 +22,7 @@ from gpr20_main_control.mid.measured_again import (
     Repeated,
     known_traces,
 )
-from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
+from gpr20_main_control.mid.survey.sampling import Confirmation, Instruments, Sampling
 from gpr20_main_control.mid.survey.survey_archive import CAPACITY
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
