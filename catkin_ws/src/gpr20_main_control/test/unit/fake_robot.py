@@ -23,10 +23,10 @@ from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     AxisReading,
     Lease,
-    MoveOutcome,
     Robot,
     SweepConfirmation,
     UnconfirmedSweep,
+    motion_error,
 )
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
@@ -122,7 +122,7 @@ class FakeAxis:
         self.begun = threading.Event()
         self.hanging = threading.Event()
         self.hanging.set()
-        self.outcome = None
+        self.failure = None
 
     def reading(self):
         moving = not self.blocked.is_set()
@@ -144,12 +144,14 @@ class FakeAxis:
         assert target != self.coordinate, "a move that is none was sent"
         self.moves.append(target)
         self.begun.set()
-        self.outcome = MoveOutcome(not self.fail_move, verbatim(self.fail_move))
+        self.failure = motion_error(verbatim(self.fail_move)) if self.fail_move else None
         if not self.fail_move and self.blocked.is_set():
             self.coordinate = target
 
-    def move_outcome(self):
-        return self.outcome if self.blocked.is_set() else None
+    def move_ended(self):
+        if self.blocked.is_set() and self.failure is not None:
+            raise self.failure
+        return self.blocked.is_set()
 
     def home(self, time_limit_s):
         self.homings += 1

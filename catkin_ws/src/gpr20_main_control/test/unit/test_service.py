@@ -15,7 +15,7 @@ from gpr20_common.faults import ASKED_FOR, IN_USE, PART_SILENT
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.devices.robot import MoveOutcome
+from gpr20_main_control.mid.devices.robot import motion_error
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes.axis_id import AxisId
@@ -127,7 +127,7 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     begin_move = bench.x.begin_move
 
     def come_to_rest():
-        bench.x.outcome = MoveOutcome(False, Message("stopped"))
+        bench.x.failure = motion_error(Message("stopped"))
         bench.x.blocked.set()
 
     bench.x.begin_move = lambda target: (bench.x.blocked.clear(), begin_move(target))

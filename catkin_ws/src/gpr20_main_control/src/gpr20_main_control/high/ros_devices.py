@@ -31,11 +31,11 @@ from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     AxisReading,
     Lease,
-    MoveOutcome,
     SurveyEnd,
     SurveyRecord,
     SweepConfirmation,
     UnconfirmedSweep,
+    motion_error,
 )
 from gpr20_msgs import srv
 from gpr20_msgs.msg import (
@@ -105,8 +105,11 @@ class DeviceService:
         try:
             response = self._client.call(self.time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
-            template = "{device} did not answer; check that it runs"
-            raise self._silence(Message(template, device=self._device, details=error)) from error
+            device = self._device
+            silent = Message(
+                "{device} did not answer; check that it runs", device=device, details=error
+            )
+            raise self._silence(silent) from error
         if not response.success:
             # What the part itself reports decides, also a note.
             reason = message_from(response)
@@ -133,9 +136,11 @@ class RosAxis:
         # has returned, so the result of a very short move could be lost.
         self._client = _DriversClient(f"{group}/axis", driver)
         self._goal: Optional[actionlib.ClientGoalHandle] = None
-        self._outcomes: List[MoveOutcome] = []
+        # Why the present move failed, None if it did not; empty while it lasts.
+        self._ends: List[Optional[DeviceError]] = []
         name = PLAIN_NAMES[driver]
-        service = partial(DeviceService, name, failure=_failed, silence=NodeLostError)
+        failed = lambda reason, _answer: motion_error(reason)  # noqa: E731
+        service = partial(DeviceService, name, failure=failed, silence=NodeLostError)
         # A homing may have begun, and continue.
         lost = partial(NodeLostError, fault=PART_LOST)
         self._homing = service(f"{group}/homing", srv.Command, 0.0, silence=lost)
@@ -143,8 +148,9 @@ class RosAxis:
         self._stop = service(f"{group}/stop", srv.Command, STOP_LIMIT_S)
 
         def taken(reason: Message, _answer: Any) -> DeviceError:
-            refusal = "{device} is not free: {reason}"
-            return DeviceError(Message(refusal, device=name, reason=reason))
+            return DeviceError(
+                Message("{device} is not free: {reason}", device=name, reason=reason)
+            )
 
         self._lease = service(f"{group}/lease", srv.AxisLease, LEASE_CALL_LIMIT_S, failure=taken)
         self._stops: List[threading.Thread] = []
@@ -174,19 +180,21 @@ class RosAxis:
 
     def begin_move(self, target: float) -> None:
         self._await_stops()
-        outcomes: List[MoveOutcome] = []
+        ends = self._ends = []
 
         def note(goal: actionlib.ClientGoalHandle) -> None:
             if goal.get_comm_state() == actionlib.CommState.DONE:
-                outcomes.append(_outcome(goal))
+                ends.append(move_failure(goal))
                 self.received.set()
 
-        self._outcomes = outcomes
         # Stored, because a goal whose handle is deleted is no longer followed.
         self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
 
-    def move_outcome(self) -> Optional[MoveOutcome]:
-        return self._outcomes[0] if self._outcomes else None
+    def move_ended(self) -> bool:
+        for failure in self._ends:
+            if failure is not None:
+                raise failure
+        return bool(self._ends)
 
     def home(self, time_limit_s: float) -> None:
         self._await_stops()
@@ -240,20 +248,16 @@ class _DriversClient(actionlib.ActionClient):
         super().__init__(name, AxisAction)
 
 
-def _failed(reason: Message, _answer: Any) -> DeviceError:
-    lost = MoveOutcome(False, reason).contact_lost
-    return (NodeLostError if lost else DeviceError)(reason)
-
-
-def _outcome(goal: actionlib.ClientGoalHandle) -> MoveOutcome:
+def move_failure(goal: actionlib.ClientGoalHandle) -> Optional[DeviceError]:
+    """Return why the move of a goal failed; None if it did not."""
     result: Optional[AxisResult] = goal.get_result()
     text = goal.get_goal_status_text()
     if result is None:
-        no_result = Message("the move ended without a result", details=text).with_fault(PART_LOST)
-        return MoveOutcome(False, no_result)
+        return DeviceError(Message("the move ended without a result", details=text), PART_LOST)
+    if result.success:
+        return None
     # The result of a goal that actionlib itself refused has no message.
-    message = message_from(result) if result.message else verbatim(text)
-    return MoveOutcome(result.success, message)
+    return motion_error(message_from(result) if result.message else verbatim(text))
 
 
 class RosAnalyzer:

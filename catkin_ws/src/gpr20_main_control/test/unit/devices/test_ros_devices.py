@@ -32,6 +32,7 @@ from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 
 NO_CONTACT = Message("the axis stopped by itself").with_fault(CONTROL_SILENT)
+STOPPED = Message("the move was stopped")
 
 
 @pytest.fixture
@@ -126,10 +127,10 @@ class EndedGoal:
 
 
 def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
-    assert ros_devices._outcome(EndedGoal(NO_CONTACT)).contact_lost
-    assert not ros_devices._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+    failures = [ros_devices.move_failure(EndedGoal(one)) for one in (NO_CONTACT, STOPPED, None)]
+    assert [isinstance(one, NodeLostError) for one in failures] == [True, False, False]
     # Without a result the move may continue.
-    assert ros_devices._outcome(EndedGoal(None)).message.fault_code == PART_LOST.code
+    assert failures[2].message.fault_code == PART_LOST.code
 
 
 def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):

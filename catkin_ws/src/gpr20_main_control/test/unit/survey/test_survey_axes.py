@@ -9,7 +9,7 @@ from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
+from gpr20_main_control.mid.devices.robot import AxisReading, motion_error
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
 from gpr20_survey.faults import AXIS_MAY_MOVE
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -40,7 +40,7 @@ def is_refused(axis):
 
 def rests_at(coordinate):
     def set_up(axis):
-        axis.outcome = MoveOutcome(True, Message(""))
+        axis.failure = None
         axis.begin_move = lambda _target: setattr(axis, "coordinate", coordinate)
 
     return set_up
@@ -56,8 +56,8 @@ def falls_silent(axis):
 
 
 def is_stopped_by_another_client(axis):
-    outcome = MoveOutcome(False, STOPPED_BY_OTHERS)
-    axis.begin_move = lambda _target: setattr(axis, "outcome", outcome)
+    failure = motion_error(STOPPED_BY_OTHERS)
+    axis.begin_move = lambda _target: setattr(axis, "failure", failure)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
 
 
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
-    settling.x.move_outcome = lambda: None
+    settling.x.move_ended = lambda: False
     settling.start()
     settling.complete()
 

@@ -15,7 +15,6 @@ from gpr20_main_control.mid.devices.robot import (
     Axis,
     AxisReading,
     Lease,
-    MoveOutcome,
     Position,
     zeros_of,
 )
@@ -185,12 +184,10 @@ class AxisMotion:
         rests_since_s: Optional[float] = None
         while True:
             self.axis.received.clear()
-            outcome, now_s = self.axis.move_outcome(), self._clock.now_s()
-            # After the outcome: a stop makes moves fail, too.
-            self._interruption.check()
-            if outcome is not None and not ended:
-                self._check_success(outcome, target)
+            now_s = self._clock.now_s()
+            if not ended and self._has_ended(target):
                 ended, deadline_s = True, now_s + READING_LIMIT_S
+            self._interruption.check()
             if not self._rests_at(target):
                 rests_since_s = None
             elif ended:
@@ -226,19 +223,24 @@ class AxisMotion:
     def _place(self, target: float) -> Dict[str, Any]:
         return {"axis": self.axis_id.value, "target": target, "unit": self.axis_id.unit}
 
-    def _check_success(self, outcome: MoveOutcome, target: float) -> None:
-        self.may_move = outcome.message.may_move
-        if outcome.success:
-            return
-        lost = outcome.contact_lost
-        raise (NodeLostError if lost else DeviceError)(
-            Message(
-                "the {axis} axis did not reach {target:g} {unit}: {reason}",
-                reason=outcome.message,
-                **self._place(target),
-            ),
-            fault=PART_SILENT if lost else faults.BLOCKED,
-        )
+    def _has_ended(self, target: float) -> bool:
+        try:
+            ended = self.axis.move_ended()
+        except DeviceError as error:
+            # A stop makes moves fail, too.
+            self._interruption.check()
+            self.may_move = error.message.may_move
+            lost = isinstance(error, NodeLostError)
+            raise (NodeLostError if lost else DeviceError)(
+                Message(
+                    "the {axis} axis did not reach {target:g} {unit}: {reason}",
+                    reason=error.message,
+                    **self._place(target),
+                ),
+                fault=PART_SILENT if lost else faults.BLOCKED,
+            ) from error
+        self.may_move = not ended
+        return ended
 
 
 class Positioner:

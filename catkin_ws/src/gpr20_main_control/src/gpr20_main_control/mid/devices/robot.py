@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.faults import BLOCKED
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status
@@ -66,17 +68,11 @@ class Position:
         )
 
 
-@dataclass(frozen=True)
-class MoveOutcome:
-    """How a move ended: whether the axis reached its target, and what it said."""
-
-    success: bool
-    message: Message
-
-    @property
-    def contact_lost(self) -> bool:
-        """Whether the axis stopped by itself, because it had no contact with the main control."""
-        return self.message.fault_code == CONTROL_SILENT.code
+def motion_error(reason: Message) -> DeviceError:
+    """Return the error of a motion that failed for a reason that the axis said."""
+    # It stopped by itself, because it had no contact with the main control.
+    lost = reason.fault_code == CONTROL_SILENT.code
+    return (NodeLostError if lost else DeviceError)(reason, reason.fault or BLOCKED)
 
 
 @dataclass(frozen=True)
@@ -110,11 +106,11 @@ class Axis(Protocol):
     def begin_move(self, target: float) -> None:
         """Begin a move to a target [mm or deg] and return at once."""
 
-    def move_outcome(self) -> Optional[MoveOutcome]:
-        """Return how the move ended; None while the axis moves."""
+    def move_ended(self) -> bool:
+        """Return whether the move has ended, or raise why it failed."""
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed; without contact it raises NodeLostError."""
+        """Home the axis and return when it is homed."""
 
     def set_zero(self) -> None:
         """Make the present position of an axis without endstop its zero."""
