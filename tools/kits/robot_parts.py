@@ -233,9 +233,6 @@ class ProcessAnalyzer:
             duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
             return AnalyzerSetup(accepted, duration_s, limit_s)
 
-    def prepare(self) -> None:
-        pass
-
     def sweep(self) -> UnconfirmedSweep:
         with self._answer("sweep"):
             return UnconfirmedSweep(*self._driver.take_sweep())

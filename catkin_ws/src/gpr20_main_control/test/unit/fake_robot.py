@@ -206,9 +206,6 @@ class FakeAnalyzer:
         self.settings = self.accept(settings)
         return AnalyzerSetup(self.settings, self.sweep_duration_s, 40.0)
 
-    def prepare(self):
-        pass
-
     def sweep(self):
         self.on_sweep()
         if self.failures:
@@ -336,7 +333,7 @@ class HandNotedNodes(NodeLiveness):
         super().__init__(clock, lambda missing: started and on_change(missing))
         self.on_refresh = lambda: None
         for name, plain_name in NODES.items():
-            self.watch(name, plain_name, lambda: 1)
+            self.watch(name, plain_name, None)
             self.note_alive(name, 1)
         started.append(True)
 
@@ -377,7 +374,7 @@ class Bench:
         note_coverage = lambda coverage, _survey: self.verdicts.append(coverage.verdict())  # noqa: E731
         self.board = SurveyStatus(self._note, self.parameters.append, note_coverage)
         clock = self.clock = clock or FastClock()
-        self.nodes = HandNotedNodes(clock, self.board.set_missing)
+        self.nodes = HandNotedNodes(clock, lambda missing: self.board.update(missing=missing))
         self.description = described_robot()
         self.robot = Robot(
             dict(zip(AxisId, self.axes)),

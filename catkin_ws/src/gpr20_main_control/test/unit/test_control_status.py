@@ -4,19 +4,14 @@ import threading
 from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, Bench, ManualClock, reports, warning_of
+from fake_robot import LIMIT_S, reports, warning_of
 
-from gpr20_common.faults import INTERNAL, PART_RED, PART_SILENT
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.message import Message, Severity
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_main_control.errors import (
-    DeviceError,
-    StopRequested,
-    SurveyError,
     UnconfirmedError,
-    message_of,
 )
-from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.faults import CLOCK_WRONG, TAKES_LONG, VNA_FAILED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -60,26 +55,6 @@ def test_a_survey_that_continues_never_shows_a_fault(bench):
     assert {one.cause.severity for one in warnings} == {Severity.WARNING}
 
 
-def test_a_stop_and_a_shutdown_are_notes():
-    bench = Bench()
-    bench.start()
-    bench.control.stop()
-    assert severities(bench.wait_for(State.STOPPED).message) == {Severity.NOTE}
-    bench.start()
-    bench.control.shut_down(LIMIT_S)
-    assert severities(bench.board.status.message) == {Severity.NOTE}
-
-
-def test_an_error_has_its_own_message_and_a_fault_in_the_software_a_short_one():
-    message = Message("the {axis} axis failed", axis="x")
-    assert message_of(DeviceError(message)) == message
-    assert message_of(SurveyError(message)).fault_code == PART_RED.code
-    internal = message_of(RuntimeError("x" * 100_000))
-    assert internal.fault_code == INTERNAL.code
-    # Short enough to close a survey.
-    assert "RuntimeError: xxx" in str(internal) and len(str(internal)) < 4096
-
-
 # What is waited for.
 
 
@@ -117,48 +92,3 @@ def test_a_call_that_takes_long_is_shown_until_it_ends(bench, part, call, index,
     hang.set()
     bench.complete()
     assert not waits_for(bench)
-
-
-def test_a_slow_sweep_is_not_late():
-    bench = Bench(clock=ManualClock())
-    bench.analyzer.sweep_duration_s = 35.0
-    bench.analyzer.on_sweep = lambda: setattr(bench.clock, "time_s", bench.clock.time_s + 30.0)
-    bench.start()
-    bench.complete()
-    assert not any(status.waiting for status in bench.history)
-
-
-# Threads for calls: as many as needed, never more than allowed.
-
-
-class Hanging:
-    """A call that hangs until it is released."""
-
-    def __init__(self):
-        self.begun, self.released = threading.Event(), threading.Event()
-
-    def __call__(self):
-        self.begun.set()
-        return self.released.wait(LIMIT_S)
-
-
-def test_a_call_that_hangs_does_not_delay_others():
-    workers, hang = Workers(), Hanging()
-    hanging = [workers.begin(hang) for _call in range(5)]
-    assert workers.begin(lambda: 7).result(LIMIT_S) == 7
-    hang.released.set()
-    assert all(one.result(LIMIT_S) for one in hanging)
-
-
-def test_a_call_that_was_given_up_before_its_turn_is_never_made():
-    def give_up():
-        raise StopRequested(Message("a stop was requested"))
-
-    workers, hang, made = Workers(most=1), Hanging(), []
-    first = workers.begin(hang)
-    assert hang.begun.wait(LIMIT_S)
-    with pytest.raises(StopRequested):
-        workers.call(lambda: made.append(1), give_up)
-    hang.released.set()
-    workers.call(lambda: None, lambda: None)
-    assert first.result(LIMIT_S) and made == []

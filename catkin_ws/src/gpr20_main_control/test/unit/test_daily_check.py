@@ -188,15 +188,3 @@ def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(stepped
         assert "first check" in str(checked(stepped, gain=0.7).message)
     assert [one["good"] for one in lines] == [True, True, False, False, True]
     assert {one["identity"] for one in lines} == {stepped.analyzer.identity}
-
-
-def test_lines_that_cannot_be_read_are_counted_and_left_alone(stepped, tmp_path):
-    checked(stepped)
-    path = tmp_path / HISTORY
-    (line,) = history(tmp_path)
-    odd = [{**line, "figures": one} for one in (7, {"sky": {}}, {"empty": {"a": [1]}})]
-    text = path.read_text() + "".join(json.dumps(one) + "\n" for one in odd) + "{\n"
-    path.write_text(text)
-    verdict = checked(stepped)
-    assert verdict.good and "4 lines" in verdict.message.details
-    assert path.read_text().startswith(text)

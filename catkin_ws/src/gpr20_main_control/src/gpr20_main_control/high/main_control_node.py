@@ -87,7 +87,6 @@ class MainControlNode:
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
-        robot.nodes.start()
 
     def _publish(self) -> None:
         self._topics.publish(self._robot, self._status.status)
@@ -176,7 +175,7 @@ def build_main_control_node() -> MainControlNode:
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
-    nodes = NodeLiveness(clock, status.set_missing)
+    nodes = NodeLiveness(clock, lambda missing: status.update(missing=missing))
     for name, plain_name in NEEDED_NODES.items():
         nodes.watch(name, plain_name, _probe(name))
 

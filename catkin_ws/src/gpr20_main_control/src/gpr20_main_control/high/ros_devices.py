@@ -64,8 +64,6 @@ WHOLE_SURVEY_LIMIT_S = 620.0
 AT_EVERY_POINT = ("get_data", "confirm_data", "get_height", "store_data", "lease")
 # The driver ends a request within the limit that it stated; its answer needs some time too [s].
 MARGIN_S = 5.0
-# A connection that is made ahead of a call and takes longer is left to the call [s].
-PREPARATION_LIMIT_S = 1.0
 # actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
 SERVER_POLL_S = 0.001
 STOP_LIMIT_S = 5.0
@@ -97,8 +95,7 @@ class DeviceService:
         self._device, self._failure, self._silence = device, failure, silence
         keep_open = name.rpartition("/")[2] in AT_EVERY_POINT
         self._client = ServiceClient(name, service_class, keep_open)
-        self.time_limit_s, self.prepare = time_limit_s, self._client.prepare
-        self.give_up = self._client.give_up
+        self.time_limit_s, self.give_up = time_limit_s, self._client.give_up
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
         """Call the service, with a request or its fields, and return the response of a success."""
@@ -300,9 +297,6 @@ class RosAnalyzer:
         self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
         accepted = record_of(SweepSettings, answer, analyzer=record_of(AnalyzerSettings, answer))
         return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
-
-    def prepare(self) -> None:
-        self._data.prepare(PREPARATION_LIMIT_S)
 
     def sweep(self) -> UnconfirmedSweep:
         data = self._data(confirm_later=True)

@@ -97,10 +97,7 @@ class Interruption:
     def time_limit(self, limit_s: float, error: DeviceError, stops: bool = False) -> Check:
         """Return a check that ends a wait with an error after a time from now [s].
 
-        Args:
-            limit_s: That time.
-            error: The error.
-            stops: Whether a stop ends the wait too.
+        With `stops` a stop ends it too.
         """
         deadline_s = self.clock.now_s() + limit_s
 

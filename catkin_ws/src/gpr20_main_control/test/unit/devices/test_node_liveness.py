@@ -11,7 +11,6 @@ from gpr20_common.faults import PART_SILENT
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import verbatim
 from gpr20_main_control.errors import NodeLostError
-from gpr20_main_control.mid.devices import node_liveness
 from gpr20_main_control.mid.devices.node_liveness import START_LIMIT_S, NodeLiveness
 
 
@@ -23,7 +22,7 @@ class Watched:
         self.reported = []
         self.nodes = NodeLiveness(self.clock, self._note)
         for name in ("x", "y"):
-            self.nodes.watch(name, verbatim(name), lambda: 1)
+            self.nodes.watch(name, verbatim(name), None)
 
     def _note(self, message):
         self.reported.append(message and message.all_details)
@@ -88,7 +87,6 @@ def watch():
         nodes = NodeLiveness(Clock(), lambda _message: None, period_s=1000.0)
         for name, node in watched.items():
             nodes.watch(name, verbatim(name), node.process)
-        nodes.start()
         begun.append((nodes, watched))
         return nodes
 
@@ -124,19 +122,3 @@ def test_nodes_that_hang_delay_no_other_and_an_answer_from_before_a_refresh_does
         node.answering.set()
     assert refreshed.wait(LIMIT_S)
     assert nodes.missing() == ["a"]
-
-
-def test_a_refresh_ends_although_a_node_hangs(watch, monkeypatch):
-    monkeypatch.setattr(node_liveness, "REFRESH_LIMIT_S", 0.1)
-    x = FakeNode()
-    x.answering.clear()
-    nodes = watch(x=x, y=FakeNode())
-    nodes.refresh()
-    assert nodes.missing() == ["x"]
-
-
-def test_a_node_that_is_watched_later_is_asked_at_once(watch):
-    nodes = watch(x=FakeNode())
-    nodes.watch("y", verbatim("y"), lambda: 7)
-    nodes.refresh()
-    assert nodes.missing() == []

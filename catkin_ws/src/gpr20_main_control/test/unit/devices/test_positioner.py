@@ -1,15 +1,12 @@
 """The axes together: their leases, and what becomes of the others when one fails."""
 
 import pytest
-from fake_robot import FakeAxis, FastClock
-from survey_examples import AXES
+from fake_robot import FakeAxis
 
 from gpr20_common.message import verbatim
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.positioner import LeaseKeeper, Positioner
+from gpr20_main_control.mid.devices.positioner import LeaseKeeper
 from gpr20_main_control.mid.devices.robot import Lease
-from gpr20_main_control.mid.waits import Interruption, Workers
-from gpr20_survey.axes.axis_id import AxisId
 
 
 class ScriptedAxis(FakeAxis):
@@ -52,15 +49,3 @@ def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(neglected, renewal
     axis, script = ScriptedAxis(renewals), Scripted(*neglected)
     LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
     assert axis.asked == asked
-
-
-def test_when_one_axis_fails_all_are_stopped_at_once():
-    axes = {axis_id: FakeAxis() for axis_id in AxisId}
-    for axis in axes.values():
-        axis.homed = True
-    axes[AxisId.Y].fail_move = "the endstop was pressed"
-    positioner = Positioner(axes, AXES, Interruption(FastClock()), Workers())
-    with pytest.raises(DeviceError):
-        positioner.move({AxisId.X: 10.0, AxisId.Y: 10.0})
-    positioner.release()
-    assert [axis.stops for axis in axes.values()] == [1, 1, 1]

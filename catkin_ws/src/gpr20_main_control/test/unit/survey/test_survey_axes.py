@@ -1,7 +1,5 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
-import threading
-
 import pytest
 from fake_robot import ManualClock, reports
 
@@ -123,29 +121,3 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
 @pytest.fixture
 def settling(make_bench):
     return make_bench(clock=ManualClock(), settle_s=0.7)
-
-
-def test_every_sweep_is_prepared_while_the_antennas_settle_and_comes_after_it(settling):
-    prepared, settled = threading.Semaphore(0), []
-    settling.analyzer.prepare = prepared.release
-    settling.analyzer.on_sweep = lambda: settled.append(settling.clock.waits_s.count(0.7))
-    settling.start()
-    settling.complete()
-    assert settled == list(range(1, 25))
-    assert all(prepared.acquire(timeout=20.0) for _ in settling.storage.samples)
-    assert not prepared.acquire(blocking=False)
-
-
-def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured(settling):
-    usual = settling.clock.wait_s
-
-    def meddle(event, timeout_s):
-        if timeout_s == 0.7 and len(settling.storage.samples) >= 2:
-            settling.z.coordinate = -5.4
-        return usual(event, timeout_s)
-
-    settling.clock.wait_s = meddle
-    settling.start()
-    status = settling.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVED_BY_OTHERS, -5.4)
-    assert all(sample.z_coord_deg in (0.0, 90.0) for sample in settling.storage.samples)

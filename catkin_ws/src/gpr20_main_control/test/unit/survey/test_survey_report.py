@@ -2,7 +2,6 @@
 
 import json
 import math
-import random
 
 import pytest
 from cut_off_surveys import stored_trace
@@ -10,7 +9,6 @@ from fake_robot import ManualClock
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from run_seed import draws
 from survey_examples import AXES
 
 from gpr20_common.message import Fault, Message
@@ -106,10 +104,3 @@ def test_a_clock_that_is_set_is_said_once_with_the_step():
     behind = Steps(stored_trace(0, timestamp_us=round(1e6 * (1.8e9 + 5000))))
     assert behind.shown_after() == [(code, pytest.approx(-5000, abs=0.1))]
     assert behind.shown_after() == []
-
-
-def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():
-    for seed in range(draws(50)):
-        draw, steps = random.Random(seed), Steps()
-        for _trace in range(20):
-            assert steps.shown_after(draw.uniform(-1.0, 1.0) * LARGEST_CORRECTION_S) == [], seed

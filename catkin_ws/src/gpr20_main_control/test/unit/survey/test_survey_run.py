@@ -21,7 +21,7 @@ def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
     assert [sample.index for sample in samples] == list(range(total))
     assert len({(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples}) == total
     assert len({sample.sample_id for sample in samples}) == total
-    assert (status.completion_percent, status.remaining_s) == (100.0, 0.0)
+    assert (status.visited_points, status.remaining_s) == (total, 0.0)
     assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
     assert [one.outcome for one in bench.storage.ends] == ["finished"]
     # The recordings end with the status that is published.

@@ -9,10 +9,10 @@ pytest.importorskip("gpr20_msgs.msg")
 from graph_in_process import Graph
 
 from gpr20_common.faults import PART_SILENT
-from gpr20_common.high.answers import message_from, received
+from gpr20_common.high.answers import message_from
 from gpr20_common.message import Message
 from gpr20_main_control.high.survey_topics import SurveyTopics
-from gpr20_main_control.mid.survey.survey_status import Coverage, Status
+from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_survey.faults import NO_GROUND
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -47,18 +47,6 @@ def test_a_status_has_its_message_with_the_warning_and_the_code_of_its_json(
     assert published.fault.code == (fault.code if fault else missing.code if missing else "")
     assert published.simulated is True
     assert (published.end, published.ended.to_sec()) == (State.STOPPED, 12.5)
-
-
-def test_the_coverage_has_its_verdict_and_its_failures_as_templates_with_values(graph, topics):
-    coverage = Coverage(2, [0])
-    reason = Message("the VNA did not answer within {limit_s:g} s", limit_s=2, details="get_data")
-    coverage.note_failed(1, reason)
-    topics.publish_coverage(coverage, "id")
-    (published,) = graph.published["survey_coverage"]
-    assert [received("", one) for one in published.failure_faults] == [reason]
-    verdict = coverage.verdict().message
-    assert published.verdict == str(verdict)
-    assert received("", published.verdict_fault) == verdict
 
 
 def test_a_change_publishes_only_what_has_changed(graph, topics):

@@ -21,13 +21,10 @@ from gpr20_main_control.mid.devices.robot import (
 from gpr20_main_control.mid.waits import POLL_S, Interruption, Workers, result_of
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
+from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
 from gpr20_survey.plan.survey_points import SurveyPoint
 
-# An axis publishes at 10 Hz at rest; without a reading for this time there is no contact [s].
-# Over a link that loses packets, a single reading may be late by seconds.
-READING_LIMIT_S = SILENCE_LIMIT_S
 # Nodes that are launched together, and links that were down, are connected within this time [s].
 CONNECTION_LIMIT_S = 20.0
 # A move may take this many times its planned duration, plus the extra time.
@@ -100,7 +97,7 @@ class AxisMotion:
         # Whether the axis has a target that it was not at.
         self._begun = False
 
-    def fresh_reading(self, limit_s: float = READING_LIMIT_S) -> Optional[AxisReading]:
+    def fresh_reading(self, limit_s: float = SILENCE_LIMIT_S) -> Optional[AxisReading]:
         """Return the last reading of the axis; None if it is older than that [s]."""
         reading = self.axis.reading()
         return None if reading is None or reading.age_s > limit_s else reading
@@ -114,7 +111,7 @@ class AxisMotion:
                     "the {axis} axis has not reported its position for {limit_s:g} s; check that "
                     "its driver runs",
                     axis=self.axis_id.value,
-                    limit_s=READING_LIMIT_S,
+                    limit_s=SILENCE_LIMIT_S,
                     details=f"{self.axis_id.value}_axis/current_coord",
                 ),
                 fault=self._lost_fault,
@@ -127,11 +124,11 @@ class AxisMotion:
         if not reading.homed:
             raise DeviceError(
                 Message(
-                    "the {axis} axis is not homed: its position is unknown; resume the survey to "
-                    "home it",
+                    "the {axis} axis is not homed: its position is unknown; home it, or resume the "
+                    "survey, which homes it",
                     axis=self.axis_id.value,
                 ),
-                fault=NOT_HOMED,
+                fault=NOT_HOMED if self._parameters.finds_zero else ZERO_UNKNOWN,
             )
         return reading
 
@@ -186,7 +183,7 @@ class AxisMotion:
             self.axis.received.clear()
             now_s = self._clock.now_s()
             if not ended and self._has_ended(target):
-                ended, deadline_s = True, now_s + READING_LIMIT_S
+                ended, deadline_s = True, now_s + SILENCE_LIMIT_S
             self._interruption.check()
             if not self._rests_at(target):
                 rests_since_s = None
@@ -289,7 +286,7 @@ class Positioner:
         begun_s = self._clock.now_s()
 
         def all_publish() -> bool:
-            limit_s = min(self._clock.now_s() - begun_s, READING_LIMIT_S)
+            limit_s = self._clock.now_s() - begun_s
             return all(axis.fresh_reading(limit_s) is not None for axis in self._axes.values())
 
         self._interruption.wait_until(all_publish, CONNECTION_LIMIT_S)
@@ -301,8 +298,8 @@ class Positioner:
             raise DeviceError(error.message) from error
 
     def reading(self, axis_id: AxisId) -> AxisReading:
-        """Return the last reading of an axis."""
-        return self._axes[axis_id].reading()
+        """Return the last reading of an axis; a DeviceError says that it is not homed."""
+        return self._axes[axis_id].homed_reading()
 
     @property
     def lost_fault(self) -> Fault:
@@ -345,7 +342,7 @@ class Positioner:
         if failures:
             raise failures[0]
         self._interruption.wait_until(
-            lambda: all(axis.reading().homed for axis in pending), READING_LIMIT_S
+            lambda: all(axis.reading().homed for axis in pending), SILENCE_LIMIT_S
         )
 
     def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
@@ -399,16 +396,13 @@ class Positioner:
                     MAY_MOVE
                 )
             self._clock.wait_s(never, POLL_S)
-        moved = [axis for axis in self._axes.values() if axis.may_move is not None]
-        for axis in moved:
-            axis.may_move = axis.may_move and readings[axis] is None
-        silent = [axis for axis in moved if readings[axis] is None]
-        if not silent:
-            return None
-        return in_a_row(
-            Message(
-                "the {axis} axis does not answer and may still move: switch the motors off",
-                axis=axis.axis_id.value,
-            ).with_fault(MAY_MOVE)
-            for axis in silent
-        )
+        silent = []
+        for axis, reading in readings.items():
+            axis.may_move = axis.may_move and reading is None
+            if axis.may_move is not None and reading is None:
+                message = Message(
+                    "the {axis} axis does not answer and may still move: switch the motors off",
+                    axis=axis.axis_id.value,
+                )
+                silent.append(message.with_fault(MAY_MOVE))
+        return in_a_row(silent) if silent else None

@@ -121,12 +121,10 @@ class Axis(Protocol):
 
 @dataclass(frozen=True)
 class AnalyzerSetup:
-    """How the analyzer will measure.
+    """How the analyzer will measure: settings as read back, and times [s].
 
-    Attributes:
-        settings: As read back from the instrument.
-        sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
-        request_limit_s: Longest time that a sweep or its confirmation takes [s].
+    A trace takes so long, with its averages (0: nobody knows), and a sweep or its confirmation at
+    most the limit.
     """
 
     settings: SweepSettings
@@ -169,9 +167,6 @@ class Analyzer(Protocol):
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
-
-    def prepare(self) -> None:
-        """Make ready what the next `sweep` needs, if that is possible; never fails."""
 
     def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""

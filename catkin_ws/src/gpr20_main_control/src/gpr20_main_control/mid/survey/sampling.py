@@ -8,9 +8,9 @@ from __future__ import annotations
 import threading
 import uuid
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Any, Callable, Mapping, Optional, Tuple, TypeVar
+from typing import TYPE_CHECKING, Callable, Optional, Tuple, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import (
     SETUP_LIMIT_S,
+    AnalyzerCalibration,
     AnalyzerSetup,
     Position,
     SweepConfirmation,
@@ -32,7 +33,6 @@ from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE, AuxValue
-from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep, storable_remark
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
@@ -42,28 +42,15 @@ if TYPE_CHECKING:  # the survey has this sampling
 
 Result = TypeVar("Result")
 THE_ANALYZER = Message("the VNA")
-# A sweep is prepared while the axes settle for longer than this [s].
-PREPARATION_S = 0.1
 
 
 @dataclass(frozen=True)
 class AnalyzerState:
-    """What is known about the analyzer before a survey.
-
-    Attributes:
-        identity: What the instrument says it is.
-        calibration: The state of its calibration.
-        calibration_details: What else it says of its calibration; its temperature among it.
-        settings: As read back from it.
-        sweep_duration_s: How long one trace takes [s]; measured each time, so that two states of
-            the same analyzer are equal without it.
-    """
+    """What is known about the analyzer before a survey."""
 
     identity: str
-    calibration: CalibrationStatus
-    settings: SweepSettings
-    sweep_duration_s: float = field(compare=False)
-    calibration_details: Mapping[str, Any] = field(compare=False, default_factory=dict)
+    calibration: AnalyzerCalibration
+    setup: AnalyzerSetup
 
 
 class Instruments:
@@ -141,9 +128,7 @@ class Instruments:
         calibration = self._call(analyzer.calibration, Message("calibration status"))
         # What was left to the instrument stays as it is now: to the end of the survey.
         self._wanted, self.setup = accepted, setup
-        return AnalyzerState(
-            identity, calibration.status, accepted, setup.sweep_duration_s, calibration.details
-        )
+        return AnalyzerState(identity, calibration, setup)
 
     def _call(
         self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
@@ -257,8 +242,6 @@ class Sampling:
         self._robot.description.check(self._plan.config)
         position = self._resting_at(point)
         height_call = self._robot.workers.begin(self._instruments.height)
-        if self._settle_s > PREPARATION_S:
-            self._robot.workers.begin(self._robot.analyzer.prepare)
         self._interruption.wait_s(self._settle_s)
         action = Message("height at point {index}", index=point.index)
         limit_s = self._plan.settings.attempts * self._robot.description.limits.height_limit_s

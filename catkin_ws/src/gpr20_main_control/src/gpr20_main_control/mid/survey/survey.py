@@ -135,14 +135,9 @@ class Survey:
         self.clock.wait_s(self.analyzers.checked, limit_s)
         return self._refusal
 
-    def note_warning(self, warning: Message) -> None:
-        """Note a warning, which is stored with the next report."""
-        # The survey continues in spite of it, whatever it is.
-        self.report.note_warning(warning.as_warning())
-
     def show_warning(self, warning: Message) -> None:
         """Note a warning and show it until the next survey begins."""
-        self.note_warning(warning)
+        self.report.note_warning(warning)
         self.status.update(warning=warning)
 
     def _note_clock(self, warning: Message) -> None:

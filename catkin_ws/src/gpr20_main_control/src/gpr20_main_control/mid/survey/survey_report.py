@@ -268,7 +268,8 @@ class SurveyReport:
         self._warnings = list(former.warnings)
 
     def note_warning(self, warning: Message) -> None:
-        """Note a warning about the recording."""
+        """Note a warning, with which the survey continues, whatever it is."""
+        warning = warning.as_warning()
         if len(self._warnings) < MAX_WARNINGS:
             record = {"warning": str(warning), "warning_message": message_record(warning)}
             time = iso_text(time_of_day_us())

@@ -322,7 +322,7 @@ class SurveySteps:
             index=sweep.point.index,
             reason=reason,
         )
-        self._survey.note_warning(self._rejection)
+        self._survey.report.note_warning(self._rejection)
 
     def _check_zeros_at_end(self) -> None:
         try:
