@@ -56,7 +56,6 @@ HARDWARE = Hardware("simulated", simulated=True)
 def graph(world, robot, monkeypatch):
     """Main control, analyzer and height sensor of the robot in one process, as nodes."""
     graph = Graph(monkeypatch)
-    monkeypatch.setattr(robot.parts.nodes, "start", lambda: None)
     MainControlNode(robot.control, robot.parts, robot.status, SurveyTopics())
     VNANode(robot.driver, HARDWARE)
     HeightNode(robot.height_sensor.driver, HARDWARE)

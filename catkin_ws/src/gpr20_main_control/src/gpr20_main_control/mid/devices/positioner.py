@@ -23,7 +23,6 @@ from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.survey_cost import axis_move_duration_s
-from gpr20_survey.plan.survey_points import SurveyPoint
 
 # Nodes that are launched together, and links that were down, are connected within this time [s].
 CONNECTION_LIMIT_S = 20.0
@@ -174,11 +173,9 @@ class AxisMotion:
         A move whose result was lost has ended when the axis rests there for a while. A DeviceError
         says that the move failed, or that the axis rests elsewhere.
         """
-        distance = target - self.reading().coordinate
-        duration_s = axis_move_duration_s(self._parameters, distance)
-        deadline_s = self._clock.now_s() + TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
-        ended = not self._begun
-        rests_since_s: Optional[float] = None
+        duration_s = axis_move_duration_s(self._parameters, target - self.reading().coordinate)
+        moved_s, ended = self._clock.now_s(), not self._begun
+        deadline_s = moved_s + TIME_LIMIT_FACTOR * duration_s + TIME_LIMIT_EXTRA_S
         while True:
             self.axis.received.clear()
             now_s = self._clock.now_s()
@@ -186,13 +183,10 @@ class AxisMotion:
                 ended, deadline_s = True, now_s + SILENCE_LIMIT_S
             self._interruption.check()
             if not self._rests_at(target):
-                rests_since_s = None
-            elif ended:
-                return
-            elif rests_since_s is None:
-                rests_since_s = now_s
-            elif now_s - rests_since_s > LOST_RESULT_S:
-                self.may_move = False
+                moved_s = now_s
+            elif ended or now_s - moved_s > LOST_RESULT_S:
+                if self._begun:
+                    self.may_move = False
                 return
             if now_s > deadline_s:
                 raise DeviceError(
@@ -345,21 +339,18 @@ class Positioner:
             lambda: all(axis.reading().homed for axis in pending), SILENCE_LIMIT_S
         )
 
-    def move_to(self, point: SurveyPoint, on_begun: Callable[[], None]) -> None:
-        """Move the axes, which must be homed, to a point, as `move` does."""
-        self.position()
-        self.move({AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}, on_begun)
-
     def move(
         self, targets: Mapping[AxisId, float], on_begun: Callable[[], None] = lambda: None
     ) -> None:
-        """Move axes to their targets [mm or deg] and return when all of them rest there.
+        """Move homed axes to their targets [mm or deg] and return when all of them rest there.
 
         Whatever is raised, all have been stopped. `on_begun` is called when they have begun.
         """
         self.reserve()
         try:
             with self._interruption.moving():
+                for axis_id in targets:
+                    self._axes[axis_id].homed_reading()
                 for axis_id, target in targets.items():
                     self._axes[axis_id].begin(target)
                 on_begun()

@@ -96,7 +96,9 @@ class Survey:
         self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
         self.waits = WaitStatus(status, interruption)
         self.coverage = Coverage(
-            plan.total_points, plan.reopened.stored_indices, status.show_coverage
+            plan.total_points,
+            plan.reopened.stored_indices,
+            lambda present: status.on_coverage(present, plan.survey_id),
         )
         self.report = SurveyReport(self.coverage, plan.config.axes, plan.reopened.report_json)
         self.analyzers, self.zeros = self.report.analyzers, self.report.zeros
@@ -151,7 +153,7 @@ class Survey:
 
     def _run(self) -> None:
         try:
-            self.status.show_coverage(self.coverage)
+            self.status.on_coverage(self.coverage, self.plan.survey_id)
             while not self._continue():
                 pass
         except ShutDownRequested:

@@ -176,7 +176,7 @@ class SurveyStatus:
     ) -> None:
         """Begin idle; of a change what was and what is, of the survey the rest is announced."""
         self._on_change, self._on_parameters = on_change, on_parameters
-        self._on_coverage = on_coverage
+        self.on_coverage = on_coverage
         self._lock = threading.RLock()
         self._status = Status()
 
@@ -214,10 +214,6 @@ class SurveyStatus:
             end=SurveyState.IDLE,
             ended_us=0,
         )
-
-    def show_coverage(self, coverage: Coverage) -> None:
-        """Announce the state of each sample of the present survey."""
-        self._on_coverage(coverage, self._status.survey_id)
 
     def _show_plan(
         self, plan: SurveyPlan, state: SurveyState, message: Message, **changes: Any
