@@ -78,14 +78,6 @@ def test_the_verdict_names_what_differs_most_and_what_to_check(changes, words):
     assert verdict.good or "check" in str(verdict.message)
 
 
-def test_the_first_check_a_silent_analyzer_and_a_single_odd_check_are_judged_as_good():
-    assert judge(figures(), []).good
-    silent = figures(noise=0.0)
-    assert silent[Part.EMPTY]["noise_db"] is None
-    assert judge(silent, [silent, silent]).good
-    assert judge(figures(4), [*HISTORY_OF_7[:3], figures(3, plate=(0.05, 5e-9))]).good
-
-
 class SeeingAnalyzer(FakeAnalyzer):
     """Sees what was put below the antennas."""
 

@@ -140,20 +140,6 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     assert reports(jogging.exception(LIMIT_S).message, fault or faults.BLOCKED)
 
 
-def test_the_analyzer_is_tested_to_its_first_failure_and_released(bench):
-    test = bench.control.test_analyzer("")
-    assert (test.failure, test.address, test.calibration) == (None, "127.0.0.2", "HIGH")
-    assert (test.points, test.level_db) == (101, pytest.approx(80.0, abs=0.01))
-    # The release is not waited for.
-    bench.robot.analyzer_calls.call(lambda: None, lambda: None)
-    assert bench.analyzer.releases == 1
-    bench.analyzer.calibration_refusal = "there is no calibration"
-    test = bench.control.test_analyzer("10.0.0.1")
-    assert bench.analyzer.connections[-1] == "10.0.0.1" and "MS2026C" in test.identity
-    assert "no calibration" in str(test.failure)
-    assert (test.calibration, test.points, bench.analyzer.sweeps) == ("", 0, 1)
-
-
 @pytest.mark.parametrize("call", ["test_analyzer", "daily_check"])
 def test_a_test_of_the_analyzer_beside_which_no_survey_starts_can_be_stopped(bench, call):
     may_sweep, sweeping = threading.Event(), threading.Event()

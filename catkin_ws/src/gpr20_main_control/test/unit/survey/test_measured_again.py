@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from cut_off_surveys import reopened_survey, stored_trace
+from cut_off_surveys import stored_trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
@@ -21,7 +19,6 @@ from gpr20_main_control.mid.measured_again import (
     Repeated,
     drift_between,
     known_traces,
-    noise_db,
 )
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
@@ -63,14 +60,6 @@ def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s
     assert found.gain_db == pytest.approx(gain_db, abs=0.02)
     assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
     assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
-
-
-@given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
-def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
-    random = np.random.default_rng(seed)
-    first, second = (1.0 + hiss(random, 10.0 ** (level_db / 20.0), 4000) for _ in range(2))
-    assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
-    assert noise_db(first, first) == -math.inf
 
 
 # A known point.
@@ -204,17 +193,3 @@ def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visi
     visiting.control.resume("")
     visiting.complete()
     assert [one["next_index"] for one in visits(visiting)] == [measured, *PLAN.visits]
-
-
-def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visiting):
-    reopened = reopened_survey(range(13), json.dumps({}))
-    # As the storage answers: the first traces too, beside the latest.
-    recent = (stored_trace(0), stored_trace(1), *reopened.recent)
-    visiting.storage.reopened = replace(reopened, recent=recent)
-    visiting.analyzer.level *= 1.05
-    visiting.control.resume("survey")
-    visiting.wait_for(State.FINISHED)
-    rest = [one for one in PLAN.visits if one > 13]
-    assert [one["next_index"] for one in visits(visiting)] == [13, *rest]
-    gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
-    assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)

@@ -8,7 +8,7 @@ from fake_robot import LIMIT_S, PARAMETERS, Bench, reports
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
+from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
 from gpr20_main_control.mid.survey import sampling
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
@@ -56,17 +56,6 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
 
 def break_down(*_arguments):
     raise ValueError("a fault of ours")
-
-
-def test_a_fault_in_storing_pauses_the_survey_and_loses_nothing(bench, monkeypatch):
-    monkeypatch.setattr(bench.storage, "store", break_down)
-    bench.start()
-    message = bench.wait_for(State.PAUSED).message
-    assert DISK_REFUSES in message.faults and message.fault_code == INTERNAL.code
-    monkeypatch.undo()
-    bench.resume_to_the_end()
-    # The storage may have been restarted: the survey is reopened, not opened a second time.
-    assert (len(bench.storage.records), len(bench.storage.reopenings)) == (1, 1)
 
 
 def test_a_slow_disk_makes_the_survey_wait_and_say_so(bench):
