@@ -164,11 +164,7 @@ def _caller(request: Any) -> str:
 
 
 def build_main_control_node() -> MainControlNode:
-    """Read the parameters and build the main control from the bottom up.
-
-    Raises:
-        Gpr20Error: A parameter is not allowed.
-    """
+    """Read the parameters and build the main control from the bottom up."""
     settings = read_parameters(SurveySettings, "survey")
     limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()

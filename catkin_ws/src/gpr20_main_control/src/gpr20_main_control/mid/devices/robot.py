@@ -94,11 +94,7 @@ class Axis(Protocol):
         """Return the last reading of the axis; None before the first."""
 
     def lease(self, number: int = 0, release: bool = False) -> Lease:
-        """Reserve the axis, or renew or release the lease with a number.
-
-        Raises:
-            DeviceError: Another node has the axis, or the lease has ended.
-        """
+        """Reserve the axis, or renew or release the lease with a number."""
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""

@@ -86,11 +86,7 @@ class Survey:
         interruption: Interruption,
         accepted: Accepted = NOTHING,
     ) -> None:
-        """Begin a survey, or continue one from its folder; nothing happens before `run`.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
+        """Begin a survey, or continue one from its folder; nothing happens before `run`."""
         self.plan, self.robot = plan, robot
         self.status, self.interruption, self.clock = status, interruption, interruption.clock
         self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)

@@ -67,13 +67,7 @@ class ClockSteps:
 
 @dataclass(frozen=True)
 class UsedAnalyzer:
-    """An analyzer of a survey.
-
-    Attributes:
-        identity: What the instrument says it is.
-        from_index: Index of the first point that was measured with it.
-        accepted: When the survey began with it, ISO 8601; None if not recorded.
-    """
+    """An analyzer of a survey, since its first point, which was accepted then (ISO 8601)."""
 
     identity: str
     from_index: int
