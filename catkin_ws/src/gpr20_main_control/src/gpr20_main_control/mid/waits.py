@@ -203,7 +203,8 @@ class Workers:
             with self._lock:
                 self._unfinished -= 1
             end()
-            del end  # which has the result
+            # They have the result, and the next call may be late.
+            del future, call, end
 
 
 def result_of(future: Future[Result], check: Check) -> Result:

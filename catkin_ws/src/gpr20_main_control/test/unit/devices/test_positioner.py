@@ -1,12 +1,14 @@
 """The axes together: their leases, and what becomes of the others when one fails."""
 
 import pytest
-from fake_robot import FakeAxis
+from fake_robot import FakeAxis, FastClock
 
 from gpr20_common.message import verbatim
 from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.mid import waits
 from gpr20_main_control.mid.devices.positioner import LeaseKeeper
 from gpr20_main_control.mid.devices.robot import Lease
+from gpr20_main_control.mid.waits import Interruption
 
 
 class ScriptedAxis(FakeAxis):
@@ -49,3 +51,14 @@ def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(neglected, renewal
     axis, script = ScriptedAxis(renewals), Scripted(*neglected)
     LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
     assert axis.asked == asked
+
+
+def test_only_axes_that_move_need_somebody_who_looks(monkeypatch):
+    interruption = Interruption(FastClock())
+    monkeypatch.setattr(waits, "ATTENTION_S", -1.0)
+    assert not interruption.is_neglected
+    with interruption.moving():
+        assert interruption.is_neglected
+        monkeypatch.setattr(waits, "ATTENTION_S", 3600.0)
+        interruption.check()
+        assert not interruption.is_neglected
