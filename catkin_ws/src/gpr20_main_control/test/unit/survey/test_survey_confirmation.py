@@ -3,8 +3,9 @@
 import threading
 
 import pytest
-from fake_robot import LIMIT_S, reports, warning_of
+from fake_robot import LIMIT_S, NODES, reports, warning_of
 
+from gpr20_common.faults import PART_SILENT
 from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, UnconfirmedError
 from gpr20_survey.faults import VNA_FAILED
@@ -111,3 +112,16 @@ def test_a_point_that_is_not_confirmed_after_its_repetitions_pauses_the_survey(
     assert numbers(bench) == [1, 2, 3] and bench.analyzer.sweeps == swept
     bench.resume_to_the_end()
     assert numbers(bench) == [1, 2, 3, *range(swept + 1, swept + 22)]
+
+
+def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep(bench, confirmations):
+    confirmations.held = 3
+    bench.start()
+    assert confirmations.begun.wait(LIMIT_S)
+    bench.nodes.note_silent(VNA)
+    bench.wait_for_fault(PART_SILENT.as_warning(), NODES[VNA])
+    confirmations.release()
+    bench.nodes.note_alive(VNA, 2)
+    bench.complete()
+    assert numbers(bench) == [1, 2, *range(4, 26)]
+    assert State.PAUSED.name not in bench.states
