@@ -34,16 +34,28 @@ class MessageField:
     def __init__(self, datatype: str, path: str) -> None:
         """Find the field, such as `data` or `a.b[0]`, in a type such as `std_msgs/Float64`.
 
-        An InvalidValueError names the fields that there are; none of a type that is not installed.
+        Raises:
+            InvalidValueError: The type is not installed here, or has no such number; the message
+                names its fields.
         """
-        fields, reason = {}, ""
+        reason: object = ""
         try:
             self.message_class = roslib.message.get_message_class(datatype)
-            fields = _fields(datatype)
         except (ValueError, ImportError) as error:
-            reason = str(error)
+            self.message_class, reason = None, error
+        if self.message_class is None:
+            raise InvalidValueError(
+                Message(
+                    "the message type {type} is not installed here; check its name, or install "
+                    "its package",
+                    type=datatype,
+                    details=reason,
+                ),
+                fault=CONFIGURATION,
+            )
         # A name, and the index in a list.
         self._steps: List[Tuple[str, Optional[int]]] = []
+        fields = _fields(datatype)
         for part in path.split("."):
             name, has_index, index = part.partition("[")
             kind, is_list, _length = fields.get(name, "").partition("[")
@@ -57,12 +69,11 @@ class MessageField:
         raise InvalidValueError(
             Message(
                 "{type} has no number {field}; its fields are: {fields}; one value of a list is "
-                "written with its index, such as {example}; a type without fields is not installed",
+                "written with its index, such as {example}",
                 type=datatype,
                 field=path,
-                fields=", ".join(f"{name} ({one})" for name, one in fields.items()) or "-",
+                fields=", ".join(f"{name} ({one})" for name, one in fields.items()),
                 example="data[0]",
-                details=reason,
             ),
             fault=CONFIGURATION,
         )
