@@ -100,7 +100,7 @@ class RobotInProcess:
         self.processing = self._build_storage()
         self.axes = {axis_id: ProcessAxis(world, self.calls, axis_id) for axis_id in AxisId}
         self.driver = self._build_driver(parameters)
-        self._nodes = NodeLiveness(self.clock, self.status.set_missing)
+        self._nodes = NodeLiveness(self.clock, lambda missing: self.status.update(missing=missing))
         for name, plain_name in {**PLAIN_NAMES, STORAGE: STORAGE_NAME}.items():
             # Always the same process.
             self._nodes.watch(name, plain_name, lambda: 1)
@@ -117,7 +117,6 @@ class RobotInProcess:
         self.control = MainControl(
             self.parts, SurveySettings(settle_s=0.0, **settings), self.status, self.clock
         )
-        self._nodes.start()
 
     def _note(self, _before: Status, after: Status) -> None:
         with self._changed:

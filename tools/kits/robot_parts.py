@@ -9,8 +9,9 @@ from __future__ import annotations
 import contextlib
 import threading
 from collections import Counter
+from concurrent.futures import Future
 from dataclasses import replace
-from typing import Callable, Dict, Iterator, List, Optional, Tuple
+from typing import Callable, Dict, Iterator, Tuple
 
 from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, World
@@ -23,7 +24,7 @@ from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.pulse_process import LOCK_LIMIT_S, MADE_US
 from gpr20_axis_driver.motion import StopRequested
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_height_sensor.low.adc_interface import AdcInterface
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
 from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
@@ -32,11 +33,11 @@ from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     AxisReading,
     Lease,
-    MoveOutcome,
     SurveyEnd,
     SurveyRecord,
     SweepConfirmation,
     UnconfirmedSweep,
+    motion_error,
 )
 from gpr20_main_control.mid.waits import Workers
 from gpr20_simulator.mid.analyzer.in_process import StepTime
@@ -144,7 +145,7 @@ class ProcessAxis:
         self.received, self.stopped = threading.Event(), threading.Event()
         self._step = f"step {axis_id.value}"
         self._stops = 0
-        self._ended: List[MoveOutcome] = []
+        self._move: Future[None] = Future()
         self._motions = Workers(most=1)
 
     def reading(self) -> AxisReading:
@@ -165,27 +166,22 @@ class ProcessAxis:
             return Lease(number, RENEWED_S)
 
     def begin_move(self, target: float) -> None:
-        ended: List[MoveOutcome] = []
-        self._ended, stops = ended, self._stops
-
-        def move() -> None:
-            ended.append(
-                self._owned(stops, lambda ends: self.driver.move_to_coordinate(target, ends))
-            )
-            self.received.set()
-
+        stops = self._stops
         with self._calls.answer("move"):
-            self._motions.begin(move)
+            self._move = self._motions.begin(
+                lambda: self._owned(
+                    stops, lambda ends: self.driver.move_to_coordinate(target, ends)
+                )
+            )
+            self._move.add_done_callback(lambda _move: self.received.set())
 
-    def move_outcome(self) -> Optional[MoveOutcome]:
-        return self._ended[0] if self._ended else None
+    def move_ended(self) -> bool:
+        return self._move.done() and self._move.result() is None
 
     def home(self, time_limit_s: float) -> None:
         stops = self._stops
         with self._calls.answer("home"):
-            outcome = self._owned(stops, self.driver.homing)
-            if not outcome.success:
-                raise (NodeLostError if outcome.contact_lost else DeviceError)(outcome.message)
+            self._owned(stops, self.driver.homing)
 
     def set_zero(self) -> None:
         with self._calls.answer("set_zero"), self.ownership.use(CALLER):
@@ -195,7 +191,7 @@ class ProcessAxis:
         self._stops += 1
         self.stopped.set()
 
-    def _owned(self, stops: int, motion: Callable[[StopRequested], None]) -> MoveOutcome:
+    def _owned(self, stops: int, motion: Callable[[StopRequested], None]) -> None:
         """Carry out a motion, until a stop, the end of the lease or the kill."""
 
         def stopped() -> bool:
@@ -212,8 +208,7 @@ class ProcessAxis:
             message = error.message
             if isinstance(error, MotionStopped) and not stopped():
                 message = self.ownership.lapse
-            return MoveOutcome(False, message)
-        return MoveOutcome(True, verbatim(""))
+            raise motion_error(message) from error
 
 
 class ProcessAnalyzer:
@@ -237,9 +232,6 @@ class ProcessAnalyzer:
             accepted = self._driver.set_frequency_sweep(settings)
             duration_s, limit_s = self._driver.trace_duration_s, self._driver.answered_within_s
             return AnalyzerSetup(accepted, duration_s, limit_s)
-
-    def prepare(self) -> None:
-        pass
 
     def sweep(self) -> UnconfirmedSweep:
         with self._answer("sweep"):

@@ -169,11 +169,10 @@ def test_calls_that_follow_each_other_use_one_connection_and_one_lookup(graph):
     assert (len(graph.node.connections), graph.lookups) == (1, 1)
 
 
-@pytest.mark.parametrize("prepared", [True, False])
 @pytest.mark.parametrize("lives", [True, False])
-def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, prepared, lives):
+def test_a_node_that_was_started_again_or_replaced_is_found(graph, monkeypatch, lives):
     client = ServiceClient("add_fact", AddFact, keep_open=True)
-    client.prepare(LIMIT_S) if prepared else call(client, "a")
+    call(client, "a")
     former = graph.replace()
     before = list(former.requests)
     if lives:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Optional
-
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import IN_USE, INTERNAL, PART_RED, PART_SILENT
-from gpr20_common.message import Fault, Message
+from gpr20_common.message import Message
 from gpr20_survey.faults import STOPPED, VNA_FAILED, VNA_REPLACED
 
 # The storage refuses to close a survey for a reason of more than 4096 characters.
@@ -36,11 +34,7 @@ class NodeLostError(DeviceError):
 
 
 class UnconfirmedError(DeviceError):
-    """A sweep could not be confirmed: it is not stored.
-
-    Attributes:
-        repeat: Whether the same point should be measured again at once.
-    """
+    """A sweep could not be confirmed: it is not stored; `repeat` its point at once, or not."""
 
     fault = VNA_FAILED
 
@@ -50,16 +44,12 @@ class UnconfirmedError(DeviceError):
 
 
 class OtherAnalyzerError(DeviceError):
-    """The analyzer is not the one that the survey was measured with.
-
-    Attributes:
-        identity: That of the present analyzer, if the survey was measured with another one.
-    """
+    """The analyzer, which has this identity, is not the one that the survey was measured with."""
 
     fault = VNA_REPLACED
 
-    def __init__(self, message: Message, identity: str, fault: Optional[Fault] = None) -> None:
-        super().__init__(message, fault)
+    def __init__(self, message: Message, identity: str) -> None:
+        super().__init__(message)
         self.identity = identity
 
 

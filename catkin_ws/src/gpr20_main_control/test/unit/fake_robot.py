@@ -23,10 +23,10 @@ from gpr20_main_control.mid.devices.robot import (
     AnalyzerSetup,
     AxisReading,
     Lease,
-    MoveOutcome,
     Robot,
     SweepConfirmation,
     UnconfirmedSweep,
+    motion_error,
 )
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
@@ -122,7 +122,7 @@ class FakeAxis:
         self.begun = threading.Event()
         self.hanging = threading.Event()
         self.hanging.set()
-        self.outcome = None
+        self.failure = None
 
     def reading(self):
         moving = not self.blocked.is_set()
@@ -144,12 +144,14 @@ class FakeAxis:
         assert target != self.coordinate, "a move that is none was sent"
         self.moves.append(target)
         self.begun.set()
-        self.outcome = MoveOutcome(not self.fail_move, verbatim(self.fail_move))
+        self.failure = motion_error(verbatim(self.fail_move)) if self.fail_move else None
         if not self.fail_move and self.blocked.is_set():
             self.coordinate = target
 
-    def move_outcome(self):
-        return self.outcome if self.blocked.is_set() else None
+    def move_ended(self):
+        if self.blocked.is_set() and self.failure is not None:
+            raise self.failure
+        return self.blocked.is_set()
 
     def home(self, time_limit_s):
         self.homings += 1
@@ -203,9 +205,6 @@ class FakeAnalyzer:
         self.requested.append(settings)
         self.settings = self.accept(settings)
         return AnalyzerSetup(self.settings, self.sweep_duration_s, 40.0)
-
-    def prepare(self):
-        pass
 
     def sweep(self):
         self.on_sweep()
@@ -334,7 +333,7 @@ class HandNotedNodes(NodeLiveness):
         super().__init__(clock, lambda missing: started and on_change(missing))
         self.on_refresh = lambda: None
         for name, plain_name in NODES.items():
-            self.watch(name, plain_name, lambda: 1)
+            self.watch(name, plain_name, None)
             self.note_alive(name, 1)
         started.append(True)
 
@@ -375,7 +374,7 @@ class Bench:
         note_coverage = lambda coverage, _survey: self.verdicts.append(coverage.verdict())  # noqa: E731
         self.board = SurveyStatus(self._note, self.parameters.append, note_coverage)
         clock = self.clock = clock or FastClock()
-        self.nodes = HandNotedNodes(clock, self.board.set_missing)
+        self.nodes = HandNotedNodes(clock, lambda missing: self.board.update(missing=missing))
         self.description = described_robot()
         self.robot = Robot(
             dict(zip(AxisId, self.axes)),

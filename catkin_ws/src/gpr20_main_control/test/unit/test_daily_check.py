@@ -78,14 +78,6 @@ def test_the_verdict_names_what_differs_most_and_what_to_check(changes, words):
     assert verdict.good or "check" in str(verdict.message)
 
 
-def test_the_first_check_a_silent_analyzer_and_a_single_odd_check_are_judged_as_good():
-    assert judge(figures(), []).good
-    silent = figures(noise=0.0)
-    assert silent[Part.EMPTY]["noise_db"] is None
-    assert judge(silent, [silent, silent]).good
-    assert judge(figures(4), [*HISTORY_OF_7[:3], figures(3, plate=(0.05, 5e-9))]).good
-
-
 class SeeingAnalyzer(FakeAnalyzer):
     """Sees what was put below the antennas."""
 
@@ -188,15 +180,3 @@ def test_checks_are_compared_with_the_good_ones_before_of_the_same_robot(stepped
         assert "first check" in str(checked(stepped, gain=0.7).message)
     assert [one["good"] for one in lines] == [True, True, False, False, True]
     assert {one["identity"] for one in lines} == {stepped.analyzer.identity}
-
-
-def test_lines_that_cannot_be_read_are_counted_and_left_alone(stepped, tmp_path):
-    checked(stepped)
-    path = tmp_path / HISTORY
-    (line,) = history(tmp_path)
-    odd = [{**line, "figures": one} for one in (7, {"sky": {}}, {"empty": {"a": [1]}})]
-    text = path.read_text() + "".join(json.dumps(one) + "\n" for one in odd) + "{\n"
-    path.write_text(text)
-    verdict = checked(stepped)
-    assert verdict.good and "4 lines" in verdict.message.details
-    assert path.read_text().startswith(text)

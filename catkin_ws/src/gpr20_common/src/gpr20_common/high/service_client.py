@@ -151,13 +151,6 @@ class ServiceClient:
                 )
             raise ServiceUnavailableError(text) from error
 
-    def prepare(self, timeout_s: float) -> None:
-        """Connect now, so that a call that follows soon need not; for a client with `keep_open`."""
-        deadline_s = time.monotonic() + timeout_s
-        with contextlib.suppress(*NOT_CONNECTED):  # the call finds out why
-            connection = self._take_kept() or self._connect(deadline_s, self._given_up)
-            self._kept.append(connection)
-
     def give_up(self) -> None:
         """Let calls that wait for the service's node never be made; one that was made continues."""
         given_up, self._given_up = self._given_up, threading.Event()

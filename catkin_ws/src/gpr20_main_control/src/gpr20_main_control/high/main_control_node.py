@@ -19,8 +19,12 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, own_software
 from gpr20_main_control.errors import OtherAnalyzerError
-from gpr20_main_control.high.ros_axis import RosAxis
-from gpr20_main_control.high.ros_devices import RosAnalyzer, RosStorage, height_over_ros
+from gpr20_main_control.high.ros_devices import (
+    RosAnalyzer,
+    RosAxis,
+    RosStorage,
+    height_over_ros,
+)
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
 from gpr20_main_control.mid.devices.described_robot import (
@@ -83,7 +87,6 @@ class MainControlNode:
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
-        robot.nodes.start()
 
     def _publish(self) -> None:
         self._topics.publish(self._robot, self._status.status)
@@ -161,18 +164,14 @@ def _caller(request: Any) -> str:
 
 
 def build_main_control_node() -> MainControlNode:
-    """Read the parameters and build the main control from the bottom up.
-
-    Raises:
-        Gpr20Error: A parameter is not allowed.
-    """
+    """Read the parameters and build the main control from the bottom up."""
     settings = read_parameters(SurveySettings, "survey")
     limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
     status = SurveyStatus(topics.publish_change, topics.publish_parameters, topics.publish_coverage)
-    nodes = NodeLiveness(clock, status.set_missing)
+    nodes = NodeLiveness(clock, lambda missing: status.update(missing=missing))
     for name, plain_name in NEEDED_NODES.items():
         nodes.watch(name, plain_name, _probe(name))
 

@@ -1,36 +1,52 @@
-"""The analyzer, the height sensor and the storage, over ROS services."""
+"""The parts of the robot over ROS: axes, analyzer, height sensor and storage."""
 
 from __future__ import annotations
 
 import json
 import math
+import threading
 from functools import partial
-from typing import Any, Callable
+from typing import Any, Callable, List, Optional, Tuple
 
+import actionlib
 import numpy as np
+import rospy
 
-from gpr20_common.faults import PART_SILENT
+from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.high.answers import fault_of, message_from, record_of
 from gpr20_common.high.raw_message import microseconds, preserialized, ros_time, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, UnconfirmedError
+from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message, verbatim
+from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
 from gpr20_main_control.high.survey_topics import (
     SurveyTopics,
     coverage_message,
+    only_from,
     progress_message,
 )
 from gpr20_main_control.mid.devices.robot import (
     SETUP_LIMIT_S,
     AnalyzerCalibration,
     AnalyzerSetup,
+    AxisReading,
+    Lease,
     SurveyEnd,
     SurveyRecord,
     SweepConfirmation,
     UnconfirmedSweep,
+    motion_error,
 )
 from gpr20_msgs import srv
-from gpr20_msgs.msg import SurveyCoverage, SurveyData
+from gpr20_msgs.msg import (
+    AxisAction,
+    AxisGoal,
+    AxisResult,
+    CurrentCoordinate,
+    SurveyCoverage,
+    SurveyData,
+)
+from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.results.reopened_survey import ReopenedSurvey
@@ -44,15 +60,16 @@ from gpr20_survey.trace.trace import Trace
 # still open [s].
 WHOLE_SURVEY_LIMIT_S = 620.0
 # Services that are called for each trace; none of them moves anything.
-AT_EVERY_POINT = frozenset(("get_data", "confirm_data", "get_height", "store_data"))
+# Nor does a lease: what a hung driver does late with one is refused or harmless.
+AT_EVERY_POINT = ("get_data", "confirm_data", "get_height", "store_data", "lease")
 # The driver ends a request within the limit that it stated; its answer needs some time too [s].
 MARGIN_S = 5.0
-# A connection that is made ahead of a call and takes longer is left to the call [s].
-PREPARATION_LIMIT_S = 1.0
-
-
-def no_answer(device: Message, error: ServiceUnavailableError) -> Message:
-    return Message("{device} did not answer; check that it runs", device=device, details=error)
+# actionlib waits longer than it is asked to, but not as long as 0, which is for ever.
+SERVER_POLL_S = 0.001
+STOP_LIMIT_S = 5.0
+# Nothing moves, but its process of the pulses may have to be started.
+SET_ZERO_LIMIT_S = 30.0
+LEASE_CALL_LIMIT_S = 1.5
 
 
 class DeviceService:
@@ -69,22 +86,27 @@ class DeviceService:
         service_class: Any,
         time_limit_s: float,
         failure: Callable[[Message, Any], DeviceError] = lambda reason, _: DeviceError(reason),
+        silence: Callable[[Message], DeviceError] = partial(DeviceError, fault=PART_SILENT),
     ) -> None:
-        """Connect to nothing yet; `failure` makes the error of an answer that is one."""
-        self._device, self._failure = device, failure
-        self._client = ServiceClient(name, service_class, keep_open=name in AT_EVERY_POINT)
-        self.time_limit_s = time_limit_s
+        """Connect to nothing yet; `failure` and `silence` make the error of a call without success.
+
+        `failure` is that of an answer which reports one, `silence` that of no answer.
+        """
+        self._device, self._failure, self._silence = device, failure, silence
+        keep_open = name.rpartition("/")[2] in AT_EVERY_POINT
+        self._client = ServiceClient(name, service_class, keep_open)
+        self.time_limit_s, self.give_up = time_limit_s, self._client.give_up
 
     def __call__(self, *request: Any, **fields: Any) -> Any:
-        """Call the service, with a request or its fields, and return the response of a success.
-
-        Raises:
-            DeviceError: No answer came, or the answer was a failure.
-        """
+        """Call the service, with a request or its fields, and return the response of a success."""
         try:
             response = self._client.call(self.time_limit_s, *request, **fields)
         except ServiceUnavailableError as error:
-            raise DeviceError(no_answer(self._device, error), fault=PART_SILENT) from error
+            device = self._device
+            silent = Message(
+                "{device} did not answer; check that it runs", device=device, details=error
+            )
+            raise self._silence(silent) from error
         if not response.success:
             # What the part itself reports decides, also a note.
             reason = message_from(response)
@@ -92,9 +114,147 @@ class DeviceService:
             raise self._failure(carried.with_fault(reason.cause), response)
         return response
 
-    def prepare(self) -> None:
-        """Connect, so that a call that follows soon need not; a failure shows at the call."""
-        self._client.prepare(PREPARATION_LIMIT_S)
+
+class RosAxis:
+    """Implements `gpr20_main_control.mid.devices.robot.Axis`."""
+
+    def __init__(self, axis_id: AxisId, clock: Clock) -> None:
+        """Connect to the axis in its namespace, such as x_axis.
+
+        `clock` measures the age of a reading; the time of day may be set meanwhile.
+        """
+        group = self._group = f"{axis_id.value}_axis"
+        driver = f"{group}/axis_driver"
+        self._clock = clock
+        # The last reading, and when it was received [s].
+        self._last: Optional[Tuple[CurrentCoordinate, float]] = None
+        self.received = threading.Event()
+        # Not a SimpleActionClient: it drops what it receives about a goal before send_goal()
+        # has returned, so the result of a very short move could be lost.
+        self._client = _DriversClient(f"{group}/axis", driver)
+        self._goal: Optional[actionlib.ClientGoalHandle] = None
+        # Why the present move failed, None if it did not; empty while it lasts.
+        self._ends: List[Optional[DeviceError]] = []
+        name = PLAIN_NAMES[driver]
+        failed = lambda reason, _answer: motion_error(reason)  # noqa: E731
+        service = partial(DeviceService, name, failure=failed, silence=NodeLostError)
+        # A homing may have begun, and continue.
+        lost = partial(NodeLostError, fault=PART_LOST)
+        self._homing = service(f"{group}/homing", srv.Command, 0.0, silence=lost)
+        self._set_zero = service(f"{group}/set_zero", srv.Command, SET_ZERO_LIMIT_S)
+        self._stop = service(f"{group}/stop", srv.Command, STOP_LIMIT_S)
+
+        def taken(reason: Message, _answer: Any) -> DeviceError:
+            return DeviceError(
+                Message("{device} is not free: {reason}", device=name, reason=reason)
+            )
+
+        self._lease = service(f"{group}/lease", srv.AxisLease, LEASE_CALL_LIMIT_S, failure=taken)
+        self._stops: List[threading.Thread] = []
+        self._lock = threading.Lock()
+        self._subscriber = rospy.Subscriber(
+            f"{group}/current_coord",
+            CurrentCoordinate,
+            only_from(driver, self._note),
+            queue_size=10,
+        )
+
+    def reading(self) -> Optional[AxisReading]:
+        if self._last is None:
+            return None
+        last, received_s = self._last
+        # Age by this machine's clock: the two machines' clocks may differ.
+        age_s = self._clock.now_s() - received_s
+        zero = ZeroEpoch(last.zero_epoch, microseconds(last.zero_time))
+        return AxisReading(last.coordinate, last.homed, last.moving, age_s, zero)
+
+    def lease(self, number: int = 0, release: bool = False) -> Lease:
+        answer = self._lease(lease=number, release=release)
+        return Lease(answer.lease, answer.limit_s)
+
+    def is_connected(self) -> bool:
+        return bool(self._client.wait_for_server(rospy.Duration(SERVER_POLL_S)))
+
+    def begin_move(self, target: float) -> None:
+        self._await_stops()
+        ends = self._ends = []
+
+        def note(goal: actionlib.ClientGoalHandle) -> None:
+            if goal.get_comm_state() == actionlib.CommState.DONE:
+                ends.append(move_failure(goal))
+                self.received.set()
+
+        # Stored, because a goal whose handle is deleted is no longer followed.
+        self._goal = self._client.send_goal(AxisGoal(target_coordinate=target), note)
+
+    def move_ended(self) -> bool:
+        for failure in self._ends:
+            if failure is not None:
+                raise failure
+        return bool(self._ends)
+
+    def home(self, time_limit_s: float) -> None:
+        self._await_stops()
+        self._homing.time_limit_s = time_limit_s
+        self._homing()
+
+    def set_zero(self) -> None:
+        self._set_zero()
+
+    def stop(self) -> None:
+        # A homing that waits for a lost node must not begin when the node is back.
+        self._homing.give_up()
+        goal = self._goal
+        if goal is not None and goal.get_comm_state() != actionlib.CommState.DONE:
+            # On an open connection: it arrives before the call, which has to connect first.
+            goal.cancel()
+        thread = threading.Thread(target=self._stop_now, name=f"stop {self._group}", daemon=True)
+        with self._lock:
+            thread.start()
+            self._stops = [*filter(threading.Thread.is_alive, self._stops), thread]
+
+    def _await_stops(self) -> None:
+        """Return when no stop is pending: a late one would end the motion that begins now."""
+        with self._lock:
+            stops = self._stops
+        for one in stops:
+            one.join(2.0 * STOP_LIMIT_S)
+
+    def _stop_now(self) -> None:
+        try:
+            self._stop()
+        except DeviceError as error:
+            # The motion of a driver that died, or is unreachable, ends by itself; if it is only
+            # slow, this must be visible. When the robot is shut down, its axes stop by
+            # themselves, and their nodes may have ended already.
+            log = rospy.loginfo if rospy.core.is_shutdown_requested() else rospy.logerr
+            log("%s could not be stopped: %s", self._group, error)
+
+    def _note(self, message: CurrentCoordinate) -> None:
+        self._last = message, self._clock.now_s()
+        self.received.set()
+
+
+class _DriversClient(actionlib.ActionClient):
+    """An action client that listens to the driver of the axis alone."""
+
+    def __init__(self, name: str, driver: str) -> None:
+        # The base class subscribes with these.
+        for callback in ("_status_cb", "_result_cb"):
+            setattr(self, callback, only_from(driver, getattr(self, callback)))
+        super().__init__(name, AxisAction)
+
+
+def move_failure(goal: actionlib.ClientGoalHandle) -> Optional[DeviceError]:
+    """Return why the move of a goal failed; None if it did not."""
+    result: Optional[AxisResult] = goal.get_result()
+    text = goal.get_goal_status_text()
+    if result is None:
+        return DeviceError(Message("the move ended without a result", details=text), PART_LOST)
+    if result.success:
+        return None
+    # The result of a goal that actionlib itself refused has no message.
+    return motion_error(message_from(result) if result.message else verbatim(text))
 
 
 class RosAnalyzer:
@@ -137,9 +297,6 @@ class RosAnalyzer:
         self._data.time_limit_s = self._confirmation.time_limit_s = limit_s
         accepted = record_of(SweepSettings, answer, analyzer=record_of(AnalyzerSettings, answer))
         return AnalyzerSetup(accepted, answer.sweep_duration_s, limit_s)
-
-    def prepare(self) -> None:
-        self._data.prepare()
 
     def sweep(self) -> UnconfirmedSweep:
         data = self._data(confirm_later=True)

@@ -182,7 +182,7 @@ def progress_message(status: Status) -> msg.SurveyData:
     return _stamped(
         msg.SurveyData,
         survey_id=status.survey_id,
-        completion_percent=status.completion_percent,
+        completion_percent=100.0 * status.visited_points / max(1, status.total_points),
         total_points=status.total_points,
         visited_points=status.visited_points,
         remaining_points=status.total_points - status.visited_points,

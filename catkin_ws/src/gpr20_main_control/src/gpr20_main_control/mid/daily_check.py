@@ -7,6 +7,7 @@ noise, and the delay and the level of the echo that plate and reflector add to t
 
 from __future__ import annotations
 
+import contextlib
 import math
 import os
 from dataclasses import dataclass
@@ -63,20 +64,13 @@ COMPARED_CHECKS = 30
 
 @dataclass(frozen=True)
 class Kind:
-    """One kind of figure.
-
-    Attributes:
-        name: What it is.
-        unit: Its unit.
-        limit: Largest difference from the median.
-        advice: What to check if it differs.
-        only_more: Whether less is better.
-    """
+    """A kind of figure: its largest difference from the median, and what to check if it differs."""
 
     name: Message
     unit: str
     limit: float
     advice: Message
+    # Whether less is better.
     only_more: bool = False
 
 
@@ -121,15 +115,10 @@ class DailyCheck:
         self._sweeps: Dict[Part, Pair] = {}
 
     def take(self, step: int, client: str, interruption: Interruption) -> Optional[Verdict]:
-        """Sweep one part.
+        """Sweep one part; return the verdict after the last one.
 
-        Args:
-            step: Number of the part; the first begins a new check.
-            client: Node that asks; the parts of two do not make one check.
-            interruption: What ends the step.
-
-        Returns:
-            The verdict after the last part. A step that failed or was stopped can be repeated.
+        The first begins a new check, and the parts of two clients do not make one. A step that
+        failed or was stopped can be repeated.
         """
         part = self._expected(step, client)
         self._sweep(part, self._robot.description.analyzer_address(), interruption)
@@ -196,19 +185,13 @@ def compared(check: Mapping[str, Any], figures: Figures, use: DataFolderUse) -> 
     path = use.path / HISTORY
     kind: Any = Figures
     history: List[Figures] = []
-    damaged = 0
     for line in map(object_of, reversed(list(lines_backwards(path)))):
         same = all(line.get(key) == check[key] for key in ("format", "robot", "simulated", "sweep"))
-        try:
+        # What cannot be read is not compared with; the verdict has the number of the others.
+        with contextlib.suppress(InvalidValueError):
             if same and line.get("good") is True:
                 history.append(dict(record_from(kind, line.get("figures"), "figures")))
-            damaged += not line
-        except InvalidValueError:
-            damaged += 1
     verdict = judge(figures, history)
-    if damaged:
-        note = f"{HISTORY}: {damaged} lines cannot be read"
-        verdict = Verdict(verdict.good, verdict.message.with_details(note))
     judged = {"good": verdict.good, "verdict": str(verdict.message), "figures": plain(figures)}
     add_line(path, {**check, **judged})
     return verdict

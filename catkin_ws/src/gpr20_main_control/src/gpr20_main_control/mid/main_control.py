@@ -23,7 +23,6 @@ from gpr20_main_control.mid.service import (
     TEST_SWEEP,
     AxisMove,
     AxisService,
-    Service,
     run_analyzer_test,
 )
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
@@ -73,9 +72,11 @@ class MainControl:
         is done for maintenance, and None when it has ended.
         """
         self._robot, self._settings, self._defaults = robot, settings, defaults
-        self._status = status
+        self._status, self._on_service = status, on_service
         self._interruption = Interruption(clock, robot.nodes)
-        self._service = Service(robot.axes, clock, on_service)
+        # What is done for maintenance, and what ends it.
+        self._service: Optional[Message] = None
+        self._in_service = Interruption(clock)
         self._daily_check = DailyCheck(robot, clock)
         self._requests = threading.Lock()
         # What was asked for before a STOP does not begin after it.
@@ -105,13 +106,10 @@ class MainControl:
         permittivity: Optional[float] = None,
         plan_id: str = "",
     ) -> str:
-        """Start a survey with the parameters set before and return its id.
+        """Start a survey with the parameters set before, those of `plan_id`; return its id.
 
-        Args:
-            annotation: What people add to the survey; empty fields become the robot's defaults.
-            refines: Id of the survey that this one measures more finely; empty: none.
-            permittivity: Relative permittivity of the ground; None: not known.
-            plan_id: Of the parameters that the caller has set; empty: whatever is set.
+        Empty fields of the annotation become the robot's defaults, an empty `plan_id` is that of
+        whatever is set; the rest is as in `SurveyPlan`.
         """
         with self._one_at_a_time():
             self._refuse_while_busy()
@@ -159,7 +157,9 @@ class MainControl:
         # No lock: a stop does not wait for other requests. First, so that what begins meanwhile
         # either sees it or is stopped here.
         self._stops += 1
-        if self._service.stop():
+        if self._service is not None:
+            self._in_service.stop.set()
+            self._stop_axes()
             return Message("Stopping the axes")
         if not self._status.status.state.running:
             if self._requests.locked():
@@ -175,12 +175,7 @@ class MainControl:
         return Message("Stopping the axes, then storing the measured traces")
 
     def resume(self, survey: str, accepted: Accepted = NOTHING) -> Message:
-        """Continue the paused survey, or one that was interrupted or ended early.
-
-        Args:
-            survey: Empty for the paused survey; otherwise a survey's id or its folder's name.
-            accepted: What the operator accepts; usually nothing.
-        """
+        """Continue the paused survey (empty), or one on the disk, by its id or folder's name."""
         stops = self._stops
         with self._one_at_a_time():
             status = self._status.status
@@ -223,40 +218,50 @@ class MainControl:
 
     def move_for_service(self, move: AxisMove) -> Message:
         """Move one axis for maintenance and return, when it is at rest, where it is."""
-        with self._in_service(move.activity):
-            return AxisService(self._robot, move, self._service.interruption).execute()
+        with self._serving(move.activity):
+            return AxisService(self._robot, move, self._in_service).execute()
 
     def test_analyzer(self, address: str) -> AnalyzerTest:
         """Test the analyzer at an address; empty: as the robot is configured."""
         check_address(address)
-        with self._in_service(Message("testing the VNA")):
+        with self._serving(Message("testing the VNA")):
             plan = self._plan
             settings = TEST_SWEEP if plan is None else plan.parameters.sweep_settings
-            return run_analyzer_test(self._robot, address, settings, self._service.interruption)
+            return run_analyzer_test(self._robot, address, settings, self._in_service)
 
     def daily_check(self, step: int, client: str = "") -> Optional[Verdict]:
         """Take a step of the daily check of a client; return the verdict after the last one."""
-        with self._in_service(Message("daily check of the radar")):
-            return self._daily_check.take(step, client, self._service.interruption)
+        with self._serving(Message("daily check of the radar")):
+            return self._daily_check.take(step, client, self._in_service)
 
     @contextlib.contextmanager
-    def _in_service(self, activity: Message) -> Iterator[None]:
+    def _serving(self, activity: Message) -> Iterator[None]:
         stops = self._stops
-        with contextlib.ExitStack() as ending:
-            with self._one_at_a_time():
-                self._refuse_while_busy()
-                ending.enter_context(self._service.doing(activity))
+        with self._one_at_a_time():
+            self._refuse_while_busy()
+            self._in_service.stop.clear()
+            self._service = activity
+        try:
             # From now on a STOP reaches the action.
             self._refuse_after_stop(stops)
+            self._on_service(activity)
             yield
+        finally:
+            self._service = None
+            self._on_service(None)
 
     def shut_down(self, time_limit_s: float) -> None:
         """Interrupt a running survey, which can be resumed, and wait until it is closed."""
         self._interruption.shut_down()
-        self._service.interruption.shut_down()
-        self._service.stop()
+        self._in_service.shut_down()
+        if self._service is not None:
+            self._stop_axes()
         if self._thread is not None:
             self._thread.join(time_limit_s)
+
+    def _stop_axes(self) -> None:
+        for axis in self._robot.axes.values():
+            axis.stop()
 
     @contextlib.contextmanager
     def _one_at_a_time(self) -> Iterator[None]:
@@ -268,7 +273,7 @@ class MainControl:
             self._requests.release()
 
     def _refuse_while_busy(self, in_service: bool = True) -> None:
-        activity = self._service.activity if in_service else None
+        activity = self._service if in_service else None
         if self._status.status.state.running:
             activity = Message("a survey that is running or paused")
         if activity is not None:

@@ -38,11 +38,7 @@ PS = 1e12
 class Drift:
     """The difference of a later sweep from an earlier one; infinite if that has no signal.
 
-    Attributes:
-        amplitude_rms_db: Over the band, weighted by power [dB].
-        phase_rms_deg: Over the band, weighted by power [deg].
-        gain_db: Common to the band [dB].
-        delay_s: Common to the band [s].
+    The first two are weighted by power, the others are common to the band.
     """
 
     amplitude_rms_db: float = math.inf
@@ -57,13 +53,7 @@ def s21_of(sweep: Sweep) -> np.ndarray:
 
 
 def drift_between(frequency_hz: np.ndarray, earlier: np.ndarray, later: np.ndarray) -> Drift:
-    """Return the drift between two sweeps.
-
-    Args:
-        frequency_hz: Ascending, evenly spaced frequencies of both [Hz], at least two.
-        earlier: S21 of one sweep.
-        later: S21 of the other.
-    """
+    """Return the drift of S21 between two sweeps of the same, evenly spaced frequencies."""
     power = np.abs(earlier) ** 2
     known = power > 0.0
     if not known.any():
@@ -211,16 +201,11 @@ class KnownPoint:
 
 @dataclass(frozen=True)
 class Visit:
-    """What a visit of the first stop says.
-
-    Attributes:
-        message: The largest drift of any rotation, since the start or what was accepted.
-        exceeded: What asks the operator if that exceeds a limit; None if not.
-        values: What the log says of it, always since the start.
-    """
+    """What a visit of the first stop says; `exceeded` asks the operator if it is too much."""
 
     message: Message
     exceeded: Optional[DeviceError]
+    # What the log says of it, always since the start.
     values: Dict[str, Any]
 
 

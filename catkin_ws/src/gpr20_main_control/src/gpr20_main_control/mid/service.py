@@ -9,22 +9,21 @@ import contextlib
 import enum
 import math
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Iterator, Mapping, Optional
+from typing import Any, Callable, Iterator
 
 import numpy as np
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.positioner import Positioner
-from gpr20_main_control.mid.devices.robot import Analyzer, Axis, Robot
+from gpr20_main_control.mid.devices.robot import Analyzer, Robot
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
-from gpr20_survey.plan.robot_description import ANALYZER, axis_parameters
+from gpr20_survey.faults import NOT_HOMED
+from gpr20_survey.plan.robot_description import axis_parameters
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.trace.sweep import Sweep
@@ -40,47 +39,6 @@ LOWEST_LEVEL = 1.0e-15
 
 # Makes a call to the analyzer and returns its result.
 Call = Callable[[Callable[[], Any]], Any]
-
-
-class Service:
-    """The action that is in progress; who begins one has made sure that there is none.
-
-    Attributes:
-        activity: What is done; None: nothing.
-        interruption: What ends the waits of the action.
-    """
-
-    def __init__(
-        self,
-        axes: Mapping[AxisId, Axis],
-        clock: Clock,
-        on_change: Callable[[Optional[Message]], None],
-    ) -> None:
-        """Begin with no action; `on_change` is called with what is done, None when it has ended."""
-        self.activity: Optional[Message] = None
-        self.interruption = Interruption(clock)
-        self._axes, self._on_change = axes, on_change
-
-    @contextlib.contextmanager
-    def doing(self, activity: Message) -> Iterator[None]:
-        """Be in service; at the end the axes are at rest."""
-        self.interruption.stop.clear()
-        self.activity = activity
-        self._on_change(activity)
-        try:
-            yield
-        finally:
-            self.activity = None
-            self._on_change(None)
-
-    def stop(self) -> bool:
-        """Stop the action at once; return whether there was one."""
-        if self.activity is None:
-            return False
-        self.interruption.stop.set()
-        for axis in self._axes.values():
-            axis.stop()
-        return True
 
 
 class AxisAction(enum.IntEnum):
@@ -151,7 +109,9 @@ class AxisService:
                 self._positioner.home(again=[self._axis_id])
                 return Message("The {axis} axis is homed.", axis=self._axis_id.value)
             if self._move.action is AxisAction.SET_ZERO:
-                return self._set_zero()
+                self._axis.set_zero()
+                axis = self._axis_id.value
+                return Message("The present angle of the {axis} axis is its zero.", axis=axis)
             return self._jog()
         except DeviceError:
             self._positioner.stop()
@@ -162,45 +122,14 @@ class AxisService:
         finally:
             self._positioner.release()
 
-    def _set_zero(self) -> Message:
-        axis = self._axis_id.value
-        if self._parameters.finds_zero:
-            raise RequestRefusedError(
-                Message(
-                    "the endstop determines the zero of the {axis} axis; home it instead",
-                    axis=axis,
-                ),
-                fault=NOT_HOMED,
-            )
-        self._axis.set_zero()
-        return Message("The present angle of the {axis} axis is its zero.", axis=axis)
-
     def _jog(self) -> Message:
         parameters, distance = self._parameters, self._move.distance
         place = {"axis": self._axis_id.value, "unit": self._axis_id.unit}
         reading = self._positioner.reading(self._axis_id)
-        if not reading.homed:
-            raise RequestRefusedError(
-                Message(
-                    "the {axis} axis is not homed: its position is unknown; home it, then move it",
-                    axis=place["axis"],
-                ),
-                fault=NOT_HOMED if parameters.finds_zero else ZERO_UNKNOWN,
-            )
         target = jog_target(parameters, reading.coordinate, distance)
+        # At its end, or nearer to it than a motor step, it stays.
         if (target - reading.coordinate) * distance <= 0.0:
-            raise RequestRefusedError(
-                Message(
-                    "the {axis} axis is at {coordinate:.6g} {unit}; it goes from {low:g} to "
-                    "{high:g} {unit} in steps of {step:g} {unit}",
-                    coordinate=reading.coordinate,
-                    low=parameters.min_coord,
-                    high=parameters.max_coord,
-                    step=parameters.step_size,
-                    **place,
-                ),
-                fault=NOT_ALLOWED,
-            )
+            target = reading.coordinate
         self._positioner.move({self._axis_id: target})
         return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **place)
 
@@ -250,9 +179,7 @@ def run_analyzer_test(
     robot: Robot, address: str, settings: SweepSettings, interruption: Interruption
 ) -> AnalyzerTest:
     """Test the analyzer and release it; nothing moves. Return what was found up to a failure."""
-    nodes, analyzer = robot.description.nodes, robot.analyzer
-    if not address and ANALYZER in nodes:
-        address = str(nodes[ANALYZER].configuration.get("address", ""))
+    analyzer, address = robot.analyzer, address or robot.description.analyzer_address()
     test = AnalyzerTest(address)
     try:
         with analyzer_in_service(robot, interruption) as call:

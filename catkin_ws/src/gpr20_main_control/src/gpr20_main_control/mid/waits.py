@@ -8,7 +8,7 @@ import threading
 import time
 from concurrent.futures import Future
 from concurrent.futures import wait as wait_for_futures
-from dataclasses import dataclass
+from functools import partial
 from typing import Any, Callable, Iterator, Optional, Tuple, TypeVar
 
 from gpr20_common.low.clock import Clock
@@ -21,6 +21,7 @@ from gpr20_survey.faults import STOPPED, TAKES_LONG
 # Called repeatedly during a wait; an error that it raises ends the wait.
 Check = Callable[[], None]
 Result = TypeVar("Result")
+# How often a wait looks for what ends it [s].
 POLL_S = 0.05
 # A wait is shown when it takes this much longer than expected [s].
 LATE_S = 1.5
@@ -30,53 +31,35 @@ MOST_WORKERS = 16
 ATTENTION_S = 1.0
 
 
-class Attention:
-    """Whether the thread that moves axes still looks at what could stop them."""
-
-    def __init__(self) -> None:
-        self._motions = 0
-        self._looked_s = 0.0
-        self._lock = threading.Lock()
-
-    def look(self) -> None:
-        """Note that the thread looks now."""
-        self._looked_s = time.monotonic()
-
-    @contextlib.contextmanager
-    def needed(self) -> Iterator[None]:
-        """Need attention while axes move."""
-        with self._lock:
-            self.look()
-            self._motions += 1
-        try:
-            yield
-        finally:
-            with self._lock:
-                self._motions -= 1
-
-    @property
-    def lacks(self) -> bool:
-        """Whether axes move, and nobody looks."""
-        with self._lock:
-            return self._motions > 0 and time.monotonic() - self._looked_s > ATTENTION_S
-
-
 class Interruption:
     """What ends a wait early: a stop request and, of a survey, a lost node.
 
     Attributes:
         stop: Set when what is in progress must end.
         clock: The clock of every wait.
-        attention: Whether a wait still looks for reasons to end.
     """
 
     def __init__(self, clock: Clock, nodes: Optional[NodeLiveness] = None) -> None:
         """Begin without a reason; `nodes` are those without which a survey cannot continue."""
         self.stop = threading.Event()
-        self._shutting_down = False
-        self._nodes = nodes
         self.clock = clock
-        self.attention = Attention()
+        self._nodes = nodes
+        self._shutting_down = self._moving = False
+        self._looked_s = 0.0
+
+    @contextlib.contextmanager
+    def moving(self) -> Iterator[None]:
+        """Be needed: while axes move, somebody must look for what ends their motion."""
+        self._looked_s, self._moving = time.monotonic(), True
+        try:
+            yield
+        finally:
+            self._moving = False
+
+    @property
+    def is_neglected(self) -> bool:
+        """Whether axes move, and nobody looks."""
+        return self._moving and time.monotonic() - self._looked_s > ATTENTION_S
 
     def shut_down(self) -> None:
         """End every wait, because the main control ends."""
@@ -91,7 +74,7 @@ class Interruption:
 
     def check_stop(self) -> None:
         """Raise StopRequested after a stop, ShutDownRequested if the main control ends."""
-        self.attention.look()
+        self._looked_s = time.monotonic()
         if self._shutting_down:
             raise ShutDownRequested(Message("the robot is shut down"), fault=STOPPED)
         if self.stop.is_set():
@@ -102,13 +85,19 @@ class Interruption:
         self.clock.wait_s(self.stop, duration_s)
         self.check()
 
+    def wait_until(self, condition: Callable[[], bool], limit_s: float) -> bool:
+        """Wait for a condition, at most so long [s]; return whether it is true."""
+        deadline_s = self.clock.now_s() + limit_s
+        while not condition():
+            if self.clock.now_s() > deadline_s:
+                return False
+            self.wait_s(POLL_S)
+        return True
+
     def time_limit(self, limit_s: float, error: DeviceError, stops: bool = False) -> Check:
         """Return a check that ends a wait with an error after a time from now [s].
 
-        Args:
-            limit_s: That time.
-            error: The error.
-            stops: Whether a stop ends the wait too.
+        With `stops` a stop ends it too.
         """
         deadline_s = self.clock.now_s() + limit_s
 
@@ -121,63 +110,52 @@ class Interruption:
         return check
 
 
-@dataclass(frozen=True)
-class ExpectedWait:
-    """What is waited for, and how long that usually takes.
-
-    Attributes:
-        part: The part of the robot.
-        action: What it does.
-        expected_s: How long that usually takes [s].
-        limit_s: When the wait ends in any case [s].
-    """
-
-    part: Message
-    action: Message
-    expected_s: float
-    limit_s: float
-
-
 class WaitStatus:
     """Shows in the status which part of the robot takes longer than expected."""
 
     def __init__(self, status: SurveyStatus, interruption: Interruption) -> None:
-        self._status = status
-        self._interruption = interruption
+        self._status, self._interruption = status, interruption
 
     @contextlib.contextmanager
-    def shown(self, wait: ExpectedWait, check: Optional[Check] = None) -> Iterator[Check]:
+    def shown(
+        self,
+        part: Message,
+        action: Message,
+        limit_s: float,
+        expected_s: float = 0.0,
+        check: Optional[Check] = None,
+    ) -> Iterator[Check]:
         """Yield a check to call repeatedly during a wait.
 
         Args:
-            wait: What is waited for.
+            part: The part of the robot that is waited for.
+            action: What it does.
+            limit_s: When the wait ends in any case [s].
+            expected_s: How long it usually takes [s].
             check: An error that it raises ends the wait; None: an interruption does.
         """
-        check_wait = check or self._interruption.check
-        clock = self._interruption.clock
-        late_s = clock.now_s() + wait.expected_s + LATE_S
+        check_wait, clock = check or self._interruption.check, self._interruption.clock
+        late_s = clock.now_s() + expected_s + LATE_S
         # For people: by the clock on the wall of the robot.
-        until = time.strftime("%H:%M:%S", time.localtime(time.time() + wait.limit_s))
-        shown = False
+        until = time.strftime("%H:%M:%S", time.localtime(time.time() + limit_s))
+        waiting: Optional[Message] = None
 
         def check_and_show() -> None:
-            nonlocal shown
+            nonlocal waiting
             check_wait()
-            if not shown and clock.now_s() > late_s:
-                shown = True
-                self._status.update(
-                    waiting=Message(
-                        "Waiting for {part}: {action}, until {time} at the latest",
-                        part=wait.part,
-                        action=wait.action,
-                        time=until,
-                    ).with_fault(TAKES_LONG)
-                )
+            if waiting is None and clock.now_s() > late_s:
+                waiting = Message(
+                    "Waiting for {part}: {action}, until {time} at the latest",
+                    part=part,
+                    action=action,
+                    time=until,
+                ).with_fault(TAKES_LONG)
+                self._status.update(waiting=waiting)
 
         try:
             yield check_and_show
         finally:
-            if shown:
+            if waiting is not None:
                 self._status.update(waiting=None)
 
 
@@ -214,23 +192,19 @@ class Workers:
 
     def _work(self) -> None:
         while True:
-            self._make(*self._calls.get())
-
-    def _make(self, future: Future[Any], call: Callable[[], Any]) -> None:
-        result, failure = None, None
-        begun = future.set_running_or_notify_cancel()
-        try:
-            result = call() if begun else None
-        except BaseException as error:
-            # Raised again by `result_of`.
-            failure = error
-        # Before the result: who waits for it may begin the next call, without a new thread.
-        with self._lock:
-            self._unfinished -= 1
-        if failure is not None:
-            future.set_exception(failure)
-        elif begun:
-            future.set_result(result)
+            future, call = self._calls.get()
+            end: Callable[[], object] = future.cancel  # of a call that was given up
+            if future.set_running_or_notify_cancel():
+                try:
+                    end = partial(future.set_result, call())
+                except BaseException as error:  # raised again by `result_of`
+                    end = partial(future.set_exception, error)
+            # Before the result: who waits for it may begin the next call, without a new thread.
+            with self._lock:
+                self._unfinished -= 1
+            end()
+            # They have the result, and the next call may be late.
+            del future, call, end
 
 
 def result_of(future: Future[Result], check: Check) -> Result:

@@ -40,12 +40,6 @@ def sensors_with(clock, *received, **changes):
     return AuxSensors([one], clock)
 
 
-def test_many_silent_sensors_leave_room_for_other_remarks(clock):
-    inputs = [SensorInput(sensor(name=f"s{number}"), float, clock) for number in range(32)]
-    _values, (remark,) = AuxSensors(inputs, clock).for_trace()
-    assert "s0" in remark and remark.endswith("...")
-
-
 def test_the_value_is_the_last_one_that_was_received_and_has_the_time_when_it_was(clock):
     sensors = sensors_with(clock, (101.0, 1.0), (102.0, 2.0))
     clock.time_s = 103.5

@@ -3,20 +3,14 @@
 import pytest
 from fake_robot import described_robot
 from fault_kit import raises_fault
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from run_seed import draws
 from survey_examples import AXES
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.described_robot import DescribedRobot, TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import WRONG_VNA
-from gpr20_survey.plan.annotation import Site
-from gpr20_survey.plan.robot_description import PLAIN_NAMES, NodeDescription
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -24,35 +18,6 @@ def redescribe(robot, node, simulated=True, **changes):
     before = robot.nodes[node]
     hardware = Hardware("another", simulated)
     robot.note(NodeDescription(node, hardware, {**before.configuration, **changes}))
-
-
-@settings(max_examples=draws(8))
-@given(st.sets(st.sampled_from(sorted(PLAIN_NAMES))))
-def test_a_robot_is_simulated_or_real_only_where_all_its_nodes_agree(simulated):
-    robot = described_robot(simulated=False)
-    for node in simulated:
-        redescribe(robot, node)
-    if 0 < len(simulated) < len(PLAIN_NAMES):
-        with pytest.raises(InvalidValueError) as refused:
-            robot.config()
-        assert {*PLAIN_NAMES.values()} <= {*refused.value.message.nested()}
-    else:
-        assert robot.config().simulated is bool(simulated)
-
-
-@settings(max_examples=draws(8))
-@given(st.sets(st.sampled_from(sorted(PLAIN_NAMES)), min_size=1))
-def test_a_robot_is_unknown_until_every_node_has_described_itself(silent):
-    known = described_robot().nodes
-    robot = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
-    for node in sorted(known.keys() - silent):
-        robot.note(known[node])
-    with pytest.raises(InvalidValueError) as refused:
-        robot.config()
-    assert {PLAIN_NAMES[node] for node in silent} <= {*refused.value.message.nested()}
-    for node in silent:
-        robot.note(known[node])
-    assert robot.config().simulated is True
 
 
 @pytest.mark.parametrize(

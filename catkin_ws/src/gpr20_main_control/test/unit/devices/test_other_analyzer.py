@@ -1,15 +1,12 @@
 """Another analyzer than the one that a survey began with: used only when it is accepted."""
 
-import json
-
 import pytest
-from cut_off_surveys import reopened_survey
 from fault_kit import raises_fault
 
 from gpr20_common.faults import IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError
-from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
+from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import VNA_REPLACED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -71,23 +68,3 @@ def test_a_survey_continues_only_with_an_analyzer_that_is_accepted_and_records_b
     # The first report with both precedes the first trace of the other one.
     assert swept[-1] == 7
     assert all(one["accepted"] for one in bench.storage.reports[-1]["analyzers"])
-
-
-@pytest.mark.parametrize("accepted_before", [False, True])
-def test_a_survey_from_its_folder_remembers_which_analyzer_was_accepted(bench, accepted_before):
-    accepted = "2026-01-01T00:00:00.000000Z"
-    used = [
-        {"identity": name, "from_index": index, "accepted": accepted}
-        for index, name in enumerate((FORMER, OTHER))
-    ]
-    report = json.dumps({"analyzers": used if accepted_before else used[:1]})
-    bench.storage.reopened = reopened_survey(report=report)
-    bench.analyzer.identity = OTHER
-    if not accepted_before:
-        with pytest.raises(OtherAnalyzerError) as refused:
-            bench.control.resume("survey_5ec1a5d2")
-        assert refused.value.identity == OTHER
-        assert bench.board.status.state is State.PAUSED
-    bench.control.resume("survey_5ec1a5d2", NOTHING if accepted_before else Accepted(OTHER))
-    bench.wait_for(State.FINISHED)
-    assert recorded(bench) == [(FORMER, 0), (OTHER, 1 if accepted_before else 2)]

@@ -2,15 +2,13 @@
 
 import pytest
 from fake_robot import FakeAxis, FastClock
-from survey_examples import AXES
 
 from gpr20_common.message import verbatim
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.axis_motion import LeaseKeeper
-from gpr20_main_control.mid.devices.positioner import Positioner
+from gpr20_main_control.mid import waits
+from gpr20_main_control.mid.devices.positioner import LeaseKeeper
 from gpr20_main_control.mid.devices.robot import Lease
-from gpr20_main_control.mid.waits import Interruption, Workers
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_main_control.mid.waits import Interruption
 
 
 class ScriptedAxis(FakeAxis):
@@ -27,13 +25,13 @@ class ScriptedAxis(FakeAxis):
 
 
 class Scripted:
-    """The attention of the thread that moves axes, turn by turn, and the end after the last."""
+    """Whether the thread that moves axes looks, turn by turn, and the end after the last."""
 
-    def __init__(self, *lacks):
-        self.turns = list(lacks)
+    def __init__(self, *neglected):
+        self.turns = list(neglected)
 
     @property
-    def lacks(self):
+    def is_neglected(self):
         return self.turns.pop(0)
 
     def wait(self, _timeout_s):
@@ -41,7 +39,7 @@ class Scripted:
 
 
 @pytest.mark.parametrize(
-    "lacks, renewals, asked",
+    "neglected, renewals, asked",
     [
         ((False, False), 2, ["renew", "renew", "release"]),
         # Nobody looks at what could stop the axis.
@@ -49,19 +47,18 @@ class Scripted:
         ((False, False), 0, ["renew"]),
     ],
 )
-def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(lacks, renewals, asked):
-    axis, script = ScriptedAxis(renewals), Scripted(*lacks)
+def test_a_lease_is_renewed_while_it_lives_and_somebody_looks(neglected, renewals, asked):
+    axis, script = ScriptedAxis(renewals), Scripted(*neglected)
     LeaseKeeper(axis, script)._keep(Lease(1, 2.0), script)
     assert axis.asked == asked
 
 
-def test_when_one_axis_fails_all_are_stopped_at_once():
-    axes = {axis_id: FakeAxis() for axis_id in AxisId}
-    for axis in axes.values():
-        axis.homed = True
-    axes[AxisId.Y].fail_move = "the endstop was pressed"
-    positioner = Positioner(axes, AXES, Interruption(FastClock()), Workers())
-    with pytest.raises(DeviceError):
-        positioner.move({AxisId.X: 10.0, AxisId.Y: 10.0})
-    positioner.release()
-    assert [axis.stops for axis in axes.values()] == [1, 1, 1]
+def test_only_axes_that_move_need_somebody_who_looks(monkeypatch):
+    interruption = Interruption(FastClock())
+    monkeypatch.setattr(waits, "ATTENTION_S", -1.0)
+    assert not interruption.is_neglected
+    with interruption.moving():
+        assert interruption.is_neglected
+        monkeypatch.setattr(waits, "ATTENTION_S", 3600.0)
+        interruption.check()
+        assert not interruption.is_neglected

@@ -9,29 +9,26 @@ pytest.importorskip("actionlib")
 pytest.importorskip("gpr20_msgs.msg")
 
 import rospy
-from case_kit import each_case
 from fake_robot import LIMIT_S
 from fault_kit import raises_fault
 
-from gpr20_common.faults import PART_LOST, PART_SILENT
+from gpr20_common.faults import PART_LOST
 from gpr20_common.high import service_client
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.raw_message import serialized
-from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Fault, Message, Severity
-from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.high import ros_axis
-from gpr20_main_control.high.ros_devices import height_over_ros
+from gpr20_common.message import Message
+from gpr20_main_control.errors import NodeLostError
+from gpr20_main_control.high import ros_devices
 from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.waits import Workers
 from gpr20_msgs.msg import AxisResult, CurrentCoordinate
-from gpr20_msgs.srv import CommandResponse, GetHeightResponse
+from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
-from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 
 NO_CONTACT = Message("the axis stopped by itself").with_fault(CONTROL_SILENT)
+STOPPED = Message("the move was stopped")
 
 
 @pytest.fixture
@@ -45,7 +42,7 @@ def graph(monkeypatch):
     )
     monkeypatch.setattr(service_client.ServiceClient, "_look_up", lambda *_arguments: "")
     monkeypatch.setattr(rospy, "Subscriber", lambda *_arguments, **_options: None)
-    monkeypatch.setattr(ros_axis, "_DriversClient", lambda *_arguments: None)
+    monkeypatch.setattr(ros_devices, "_DriversClient", lambda *_arguments: None)
     yield graph
     graph.node_is_back.set()
 
@@ -82,7 +79,7 @@ class Connection:
 
 def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
     graph.away = "x_axis/homing"
-    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    axis = ros_devices.RosAxis(AxisId.X, Clock())
     homing = Workers().begin(lambda: axis.home(LIMIT_S))
     assert graph.waiting.wait(LIMIT_S)
     axis.stop()
@@ -96,7 +93,7 @@ def test_a_homing_that_waits_for_its_node_is_not_begun_after_a_stop(graph):
 
 
 def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
-    axis = ros_axis.RosAxis(AxisId.X, Clock())
+    axis = ros_devices.RosAxis(AxisId.X, Clock())
     axis._stops = [SimpleNamespace(join=lambda _limit_s: graph.called.append("stop is over"))]
     axis.home(LIMIT_S)
     assert graph.called == ["stop is over", "x_axis/homing"]
@@ -126,44 +123,14 @@ class EndedGoal:
 
 
 def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
-    assert ros_axis._outcome(EndedGoal(NO_CONTACT)).contact_lost
-    assert not ros_axis._outcome(EndedGoal(Message("the move was stopped"))).contact_lost
+    failures = [ros_devices.move_failure(EndedGoal(one)) for one in (NO_CONTACT, STOPPED, None)]
+    assert [isinstance(one, NodeLostError) for one in failures] == [True, False, False]
     # Without a result the move may continue.
-    assert ros_axis._outcome(EndedGoal(None)).message.fault_code == PART_LOST.code
+    assert failures[2].message.fault_code == PART_LOST.code
 
 
 def test_a_homing_that_stopped_for_lack_of_contact_is_no_failed_axis(graph, monkeypatch):
     response = CommandResponse(success=False, **message_fields(NO_CONTACT))
     monkeypatch.setattr(graph, "call", lambda _name: response)
     with raises_fault(CONTROL_SILENT, error=NodeLostError):
-        ros_axis.RosAxis(AxisId.X, Clock()).home(LIMIT_S)
-
-
-NOTE = Fault("survey.complete", Message("Plan a new survey."), Severity.NOTE)
-REFUSAL = Message("the height sensor reads {height_m:g} m", height_m=1.6, details="ADC 1023")
-REFUSED = GetHeightResponse(success=False, **message_fields(REFUSAL.with_fault(NOTE)))
-GONE = ServiceUnavailableError(Message("service get_height is gone"))
-
-
-@each_case(
-    "answer, cause, value, details",
-    [
-        # What the part reports decides, also if it is a note.
-        (REFUSED, NOTE, REFUSAL, ("get_height", "ADC 1023")),
-        (GONE, PART_SILENT, PLAIN_NAMES[HEIGHT_SENSOR], ("service get_height is gone",)),
-    ],
-)
-def test_a_failure_keeps_what_the_device_said_and_names_it_as_operators_do(
-    answer, cause, value, details
-):
-    def call(_client, _timeout_s):
-        if isinstance(answer, Exception):
-            raise answer
-        return answer
-
-    with pytest.MonkeyPatch.context() as patch, pytest.raises(DeviceError) as refused:
-        patch.setattr(ServiceClient, "call", call)
-        height_over_ros(1.0)()
-    message = refused.value.message
-    assert (message.cause, message.all_details) == (cause, details)
-    assert value in message.values.values()
+        ros_devices.RosAxis(AxisId.X, Clock()).home(LIMIT_S)

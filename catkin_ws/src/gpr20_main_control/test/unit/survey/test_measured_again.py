@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import math
 import threading
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from cut_off_surveys import reopened_survey, stored_trace
+from cut_off_surveys import stored_trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
@@ -21,7 +19,6 @@ from gpr20_main_control.mid.measured_again import (
     Repeated,
     drift_between,
     known_traces,
-    noise_db,
 )
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
@@ -65,20 +62,6 @@ def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s
     assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
 
 
-def test_a_signal_that_is_gone_or_appeared_is_an_infinite_drift():
-    nothing, signal = np.zeros(501, complex), np.ones(501, complex)
-    for found in (drift_between(HZ, signal, nothing), drift_between(HZ, nothing, signal)):
-        assert found.amplitude_rms_db == math.inf
-
-
-@given(st.integers(0, 2**31), st.floats(-100.0, -20.0))
-def test_the_noise_floor_is_that_of_one_sweep(seed, level_db):
-    random = np.random.default_rng(seed)
-    first, second = (1.0 + hiss(random, 10.0 ** (level_db / 20.0), 4000) for _ in range(2))
-    assert noise_db(first, second) == pytest.approx(level_db, abs=0.5)
-    assert noise_db(first, first) == -math.inf
-
-
 # A known point.
 
 
@@ -103,16 +86,6 @@ def test_antennas_that_are_turned_show_where_the_rotations_look_different():
     assert turned.turned and not turned.agrees(100.0)
     # Over ground that looks the same at every rotation nothing can show.
     assert compared(traces_at([3, 3]), traces_at([3, 3])).agrees(-20.0)
-
-
-@pytest.mark.parametrize("height_m, shown", [(0.21, "+10.0 mm"), (math.nan, "- mm")])
-def test_a_repeated_point_is_said_relative_to_the_stored_trace(height_m, shown):
-    (stored,) = traces_at([1])
-    louder = replace(stored, s21_real=1.1 * stored.s21_real, s21_imag=1.1 * stored.s21_imag)
-    repeated = Repeated(stored, (replace(louder, antennae_height_m=height_m),))
-    assert repeated.values["difference_db"] == pytest.approx(-20.0)
-    assert "20.0 dB" in str(repeated.message) and shown in str(repeated.message)
-    assert (repeated.values["height_difference_m"] is None) is math.isnan(height_m)
 
 
 def test_the_known_point_is_the_last_stop_that_was_measured_at_every_rotation():
@@ -211,17 +184,6 @@ def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
     assert [one["fault_code"] for one in warnings] == [faults.DRIFTED.code]
 
 
-@pytest.mark.parametrize("index", [PLAN.visits[0], PLAN.total_points])
-def test_a_visit_that_fails_is_repeated_after_resuming(visiting, index):
-    sweep = index + 1 + SWEEPS * PLAN.visits.index(index)
-    visiting.at_sweep(sweep, lambda: setattr(visiting.analyzer, "failures", 1))
-    visiting.start()
-    visiting.wait_for(State.PAUSED)
-    visiting.control.resume("")
-    visiting.complete()
-    assert [one["next_index"] for one in visits(visiting)] == list(PLAN.visits)
-
-
 def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visiting):
     visiting.at_sweep(4, visiting.control.pause)
     visiting.start()
@@ -231,17 +193,3 @@ def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visi
     visiting.control.resume("")
     visiting.complete()
     assert [one["next_index"] for one in visits(visiting)] == [measured, *PLAN.visits]
-
-
-def test_a_survey_from_the_disk_compares_with_the_first_stop_that_is_stored(visiting):
-    reopened = reopened_survey(range(13), json.dumps({}))
-    # As the storage answers: the first traces too, beside the latest.
-    recent = (stored_trace(0), stored_trace(1), *reopened.recent)
-    visiting.storage.reopened = replace(reopened, recent=recent)
-    visiting.analyzer.level *= 1.05
-    visiting.control.resume("survey")
-    visiting.wait_for(State.FINISHED)
-    rest = [one for one in PLAN.visits if one > 13]
-    assert [one["next_index"] for one in visits(visiting)] == [13, *rest]
-    gain_db = visits(visiting)[-1]["rotations"][0]["gain_db"]
-    assert gain_db == pytest.approx(20.0 * math.log10(1.05), abs=0.001)

@@ -42,21 +42,6 @@ def test_a_failed_height_is_stored_as_none_with_its_reason_where_that_is_the_pol
 
 
 @pytest.mark.parametrize(
-    "change, shown",
-    [
-        ({"analyzer": AnalyzerSettings(1000.0, 1, "HIGH")}, (100.0, 1000.0)),
-        ({"points": 7}, (5, 7)),
-    ],
-)
-def test_an_instrument_that_accepts_another_sweep_is_refused(bench, change, shown):
-    bench.analyzer.accept = lambda settings: replace(settings, **change)
-    bench.start(if_bandwidth_hz=100.0)
-    final = bench.wait_for(State.FAILED)
-    assert reports(final.message, VNA_SETTINGS, *shown)
-    assert bench.storage.records == []
-
-
-@pytest.mark.parametrize(
     "changes, value",
     [
         ({"start_frequency_hz": 1.0e9, "stop_frequency_hz": 2.0e9}, 2000.0),

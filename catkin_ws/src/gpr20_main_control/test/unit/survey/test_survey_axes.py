@@ -1,7 +1,5 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
-import threading
-
 import pytest
 from fake_robot import ManualClock, reports
 
@@ -9,7 +7,7 @@ from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.robot import AxisReading, MoveOutcome
+from gpr20_main_control.mid.devices.robot import AxisReading, motion_error
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
 from gpr20_survey.faults import AXIS_MAY_MOVE
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -40,7 +38,7 @@ def is_refused(axis):
 
 def rests_at(coordinate):
     def set_up(axis):
-        axis.outcome = MoveOutcome(True, Message(""))
+        axis.failure = None
         axis.begin_move = lambda _target: setattr(axis, "coordinate", coordinate)
 
     return set_up
@@ -56,8 +54,8 @@ def falls_silent(axis):
 
 
 def is_stopped_by_another_client(axis):
-    outcome = MoveOutcome(False, STOPPED_BY_OTHERS)
-    axis.begin_move = lambda _target: setattr(axis, "outcome", outcome)
+    failure = motion_error(STOPPED_BY_OTHERS)
+    axis.begin_move = lambda _target: setattr(axis, "failure", failure)
 
 
 @pytest.mark.parametrize(
@@ -83,7 +81,7 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
 
 
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
-    settling.x.move_outcome = lambda: None
+    settling.x.move_ended = lambda: False
     settling.start()
     settling.complete()
 
@@ -123,29 +121,3 @@ def test_an_axis_that_never_speaks_fails_the_survey_before_anything_moves(bench)
 @pytest.fixture
 def settling(make_bench):
     return make_bench(clock=ManualClock(), settle_s=0.7)
-
-
-def test_every_sweep_is_prepared_while_the_antennas_settle_and_comes_after_it(settling):
-    prepared, settled = threading.Semaphore(0), []
-    settling.analyzer.prepare = prepared.release
-    settling.analyzer.on_sweep = lambda: settled.append(settling.clock.waits_s.count(0.7))
-    settling.start()
-    settling.complete()
-    assert settled == list(range(1, 25))
-    assert all(prepared.acquire(timeout=20.0) for _ in settling.storage.samples)
-    assert not prepared.acquire(blocking=False)
-
-
-def test_an_axis_that_somebody_else_moved_during_the_settling_is_never_measured(settling):
-    usual = settling.clock.wait_s
-
-    def meddle(event, timeout_s):
-        if timeout_s == 0.7 and len(settling.storage.samples) >= 2:
-            settling.z.coordinate = -5.4
-        return usual(event, timeout_s)
-
-    settling.clock.wait_s = meddle
-    settling.start()
-    status = settling.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVED_BY_OTHERS, -5.4)
-    assert all(sample.z_coord_deg in (0.0, 90.0) for sample in settling.storage.samples)

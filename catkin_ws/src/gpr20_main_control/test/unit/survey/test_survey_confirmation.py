@@ -114,35 +114,6 @@ def test_a_point_that_is_not_confirmed_after_its_repetitions_pauses_the_survey(
     assert numbers(bench) == [1, 2, 3, *range(swept + 1, swept + 22)]
 
 
-@pytest.mark.parametrize("confirmed", [True, False])
-@pytest.mark.parametrize("ctrl_c", [True, False])
-def test_what_ends_a_survey_stores_its_last_sweep_exactly_if_it_is_confirmed(
-    bench, confirmations, ctrl_c, confirmed
-):
-    confirmations.held = 3
-    bench.start()
-    assert confirmations.begun.wait(LIMIT_S)
-    bench.wait_for_visited(2)
-    if confirmed:
-        confirmations.release()
-    if ctrl_c:
-        bench.control.shut_down(LIMIT_S)
-    else:
-        # It does not wait for ever for a confirmation.
-        bench.control.stop()
-        bench.wait_for(State.STOPPED)
-    assert bench.storage.ends[-1].outcome == ("interrupted" if ctrl_c else "stopped")
-    stored = numbers(bench)
-    assert stored == list(range(1, len(stored) + 1)) and (len(stored) >= 3) is confirmed
-    if not confirmed and not ctrl_c:
-        assert bench.storage.reports[-1]["coverage"] == "mmf" + 21 * "-"
-        # Confirmed too late: its survey is closed.
-        confirmations.release()
-        bench.control.start()
-        bench.wait_for(State.FINISHED)
-        assert 3 not in numbers(bench) and len(bench.storage.samples) == 2 + 24
-
-
 def test_an_analyzer_that_is_lost_while_it_confirms_costs_one_more_sweep(bench, confirmations):
     confirmations.held = 3
     bench.start()

@@ -78,19 +78,6 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(bench):
     bench.resume_to_the_end()
 
 
-def test_an_error_whose_cause_is_a_dead_node_does_not_pause_the_survey(bench):
-
-    def fail():
-        bench.analyzer.failures = 1
-        # The loss is not known yet; the survey has to poll.
-        bench.nodes.on_refresh = lambda: bench.nodes.note_alive(VNA, 2)
-
-    bench.at_sweep(5, fail)
-    bench.start()
-    bench.complete()
-    assert "PAUSED" not in bench.states
-
-
 def die_after(bench, call):
     """Let the storage die after it has carried out a call, once, and wait for it."""
     usual = getattr(bench.storage, call)

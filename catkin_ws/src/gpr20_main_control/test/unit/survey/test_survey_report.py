@@ -1,8 +1,6 @@
 """What is kept of a survey beside its traces: coverage, sentences, and steps of the clock."""
 
 import json
-import math
-import random
 
 import pytest
 from cut_off_surveys import stored_trace
@@ -10,11 +8,9 @@ from fake_robot import ManualClock
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from run_seed import draws
 from survey_examples import AXES
 
-from gpr20_common.message import Fault, Message
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.survey_report import (
@@ -54,22 +50,6 @@ def test_the_coverage_is_what_was_noted_and_is_read_as_it_was(states):
     assert all(a[1] is not b[1] for a, b in zip(runs, runs[1:]))
 
 
-@pytest.mark.parametrize("number", [50.0, math.nan, math.inf])
-def test_a_report_has_its_sentences_as_text_and_as_template_with_values(number):
-    coverage = Coverage(2, [0])
-    reason = Message("the level is {level_db:.1f} dB", level_db=number)
-    coverage.note_failed(1, reason.with_fault(Fault("vna.points")))
-    report = json.loads(SurveyReport(coverage, AXES).to_json(ended=True))
-    json.dumps(report, allow_nan=False)
-    verdict = coverage.verdict().message
-    assert (report["complete"], report["verdict"]) == (False, str(verdict))
-    assert received_message("", report["verdict_message"]) == verdict
-    (failed,) = report["failed"]
-    assert (failed["index"], failed["fault_code"]) == (1, "vna.points")
-    restored = received_message("", failed["reason_message"])
-    assert str(restored) == failed["reason"] == f"the level is {number:.1f} dB"
-
-
 def test_a_report_goes_on_where_the_former_one_ended_and_refuses_what_is_none():
     first = SurveyReport(Coverage(9), AXES)
     first.note_warning(NO_ANSWER)
@@ -106,10 +86,3 @@ def test_a_clock_that_is_set_is_said_once_with_the_step():
     behind = Steps(stored_trace(0, timestamp_us=round(1e6 * (1.8e9 + 5000))))
     assert behind.shown_after() == [(code, pytest.approx(-5000, abs=0.1))]
     assert behind.shown_after() == []
-
-
-def test_nothing_is_said_of_a_clock_that_is_corrected_by_little_in_any_order():
-    for seed in range(draws(50)):
-        draw, steps = random.Random(seed), Steps()
-        for _trace in range(20):
-            assert steps.shown_after(draw.uniform(-1.0, 1.0) * LARGEST_CORRECTION_S) == [], seed

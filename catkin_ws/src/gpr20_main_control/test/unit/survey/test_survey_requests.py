@@ -4,14 +4,11 @@ from dataclasses import replace
 
 import pytest
 from fake_robot import LIMIT_S
-from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import ASKED_FOR
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.survey.survey_status import TRANSITIONS
-from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -102,34 +99,6 @@ def test_what_does_not_fit_the_state_is_refused_with_what_to_do_and_has_no_effec
 # Of two clients none starts the plan of the other.
 
 OTHER = replace(PARAMETERS, y_points=3)
-
-
-def test_a_start_for_another_plan_than_the_one_set_is_refused_and_names_both(bench):
-    own = bench.control.set_parameters(PARAMETERS, "/window").parameters.plan_id
-    other = bench.control.set_parameters(OTHER, "/run_survey").parameters.plan_id
-    with raises_fault(NO_PLAN, own, other, "/run_survey", error=RequestRefusedError):
-        bench.control.start(plan_id=own)
-    assert not bench.storage.records
-    assert not any(axis.moves or axis.homings for axis in bench.axes)
-    bench.control.set_parameters(PARAMETERS, "/window")
-    bench.control.start(plan_id=own)
-    bench.complete()
-
-
-def test_status_and_description_say_whose_plan_it_is(bench):
-    plan = bench.control.set_parameters(replace(PARAMETERS, vna_address=""), "/window")
-    # The id is that of the address of the configuration, too.
-    assert plan.parameters.vna_address
-    shown = bench.board.status
-    assert (shown.plan_id, shown.plan_set_by) == (plan.parameters.plan_id, "/window")
-    # A plan that is refused replaces none.
-    with pytest.raises(InvalidValueError):
-        bench.control.set_parameters(replace(PARAMETERS, x_points=2), "/other")
-    assert bench.board.status == shown
-    bench.control.start(plan_id=plan.parameters.plan_id)
-    bench.complete()
-    ended = bench.board.status
-    assert (ended.plan_id, ended.plan_set_by) == (plan.parameters.plan_id, "/window")
 
 
 def test_how_a_survey_ended_stays_until_the_next_start_whatever_is_planned(bench):

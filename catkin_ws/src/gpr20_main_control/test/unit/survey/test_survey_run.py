@@ -1,15 +1,17 @@
 """A whole survey over a fake robot: its order, its requests, its pauses, its end."""
 
+import threading
+
 import pytest
 from cut_off_surveys import recorded_axes, reopened_survey
-from fake_robot import Bench, ManualClock
+from fake_robot import LIMIT_S, Bench, ManualClock, reports
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError, SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
-from gpr20_survey.faults import STOPPED
+from gpr20_survey.faults import STOPPED, TAKES_LONG
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -21,7 +23,7 @@ def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
     assert [sample.index for sample in samples] == list(range(total))
     assert len({(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples}) == total
     assert len({sample.sample_id for sample in samples}) == total
-    assert (status.completion_percent, status.remaining_s) == (100.0, 0.0)
+    assert (status.visited_points, status.remaining_s) == (total, 0.0)
     assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
     assert [one.outcome for one in bench.storage.ends] == ["finished"]
     # The recordings end with the status that is published.
@@ -150,3 +152,42 @@ def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(
     assert bench.board.status.state is State.IDLE
     assert bench.storage.ends[-1].outcome == "failed"
     assert bench.storage.ends[-1].status.state is State.FAILED
+
+
+# What is waited for.
+
+
+def waits_for(bench, *shown):
+    """Whether the status says that it waits, and what for: shown are the names and the point."""
+    message = bench.board.status.full_message
+    return reports(message, TAKES_LONG) and all(one in str(message) for one in shown)
+
+
+@pytest.mark.parametrize(
+    "part, call, index, shown",
+    [
+        ("analyzer", "sweep", 3, ("the VNA: sweep", "point 3,")),
+        ("analyzer", "confirm", 3, ("the VNA: settings", "point 3,")),
+        ("analyzer", "connect", 0, ("the VNA: connection,",)),
+        ("height", "height_m", 4, ("the height sensor: height", "point 3,")),
+    ],
+)
+def test_a_call_that_takes_long_is_shown_until_it_ends(bench, part, call, index, shown):
+    """One real second is a thousand for the survey."""
+    hang, calls = threading.Event(), []
+    device = getattr(bench, part)
+    usual = getattr(device, call)
+
+    def hang_once(*arguments):
+        calls.append(arguments)
+        if len(calls) == index + 1:
+            hang.wait(LIMIT_S)
+        return usual(*arguments)
+
+    setattr(device, call, hang_once)
+    bench.start()
+    bench.wait_until(lambda: waits_for(bench, *shown))
+    assert bench.board.status.state is (State.CHECKING if index == 0 else State.SURVEYING)
+    hang.set()
+    bench.complete()
+    assert not waits_for(bench)

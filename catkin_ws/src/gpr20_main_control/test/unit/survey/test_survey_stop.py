@@ -8,10 +8,10 @@ from fake_robot import LIMIT_S, reports
 from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
-from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, MAY_MOVE
+from gpr20_common.faults import ASKED_FOR, MAY_MOVE
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_survey.faults import CAN_RESUME, STOPPED
+from gpr20_survey.faults import STOPPED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
 
@@ -46,18 +46,6 @@ def test_shutting_down_stops_the_axes_and_leaves_the_survey_interrupted(bench):
     assert bench.board.status.state is State.STOPPED
     assert [one.outcome for one in bench.storage.ends] == ["interrupted"]
     assert bench.board.status.message.fault_code == STOPPED.code
-
-
-def test_shutting_down_while_a_survey_is_closed_says_finished(bench):
-    closing, close = threading.Event(), bench.storage.close
-    may_close = threading.Event()
-    bench.storage.close = lambda *end: (closing.set(), may_close.wait(LIMIT_S), close(*end))
-    bench.start()
-    assert closing.wait(LIMIT_S)
-    threading.Timer(0.05, may_close.set).start()
-    bench.control.shut_down(LIMIT_S)
-    assert bench.board.status.state is State.FINISHED
-    assert {one.outcome for one in bench.storage.ends} == {"finished"}
 
 
 @pytest.mark.parametrize("silent, disk", [(False, ""), (True, ""), (False, "the disk is full")])
@@ -95,18 +83,6 @@ def test_a_stop_does_not_wait_for_a_part_that_hangs(bench, part, call):
     assert not go_on.is_set()
     go_on.set()
     assert bench.storage.samples == []
-
-
-def test_a_stop_does_not_wait_for_a_storage_that_hangs_and_does_not_come_back(bench, monkeypatch):
-    hang = threading.Event()
-    monkeypatch.setattr(bench.storage, "close", lambda *_: hang.wait(LIMIT_S))
-    bench.at_sweep(3, bench.control.stop)
-    bench.start()
-    bench.wait_for(State.STOPPING)
-    bench.nodes.note_silent("vna_processing")
-    status = bench.wait_for(State.STOPPED)
-    assert {CAN_RESUME, DISK_REFUSES} <= {*status.message.faults}
-    hang.set()
 
 
 def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(bench):

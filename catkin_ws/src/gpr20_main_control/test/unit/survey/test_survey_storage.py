@@ -1,18 +1,15 @@
 """Storing in the background, and its records: disk, metadata, coverage."""
 
 import json
-import threading
 from dataclasses import replace
 
 import pytest
-from fake_robot import LIMIT_S, PARAMETERS, Bench, FakeStorage, reports
+from fake_robot import LIMIT_S, PARAMETERS, Bench, reports
 from fault_kit import raises_fault
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, INTERNAL, NOT_ALLOWED
-from gpr20_common.low.clock import Clock
+from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
 from gpr20_main_control.mid.survey import sampling
-from gpr20_main_control.mid.survey.survey_archive import StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
@@ -57,32 +54,8 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
         bench.control.start(refines=wrong)
 
 
-class FailsThenStores:
-    """Refuses some traces, and then passes them to a storage."""
-
-    def __init__(self, storage, failures):
-        self.storage, self.failures = storage, failures
-
-    def store(self, trace):
-        self.failures -= 1
-        if self.failures >= 0:
-            raise ConnectionError("no survey is open")
-        FakeStorage.store(self.storage, trace)
-
-
 def break_down(*_arguments):
     raise ValueError("a fault of ours")
-
-
-def test_a_fault_in_storing_pauses_the_survey_and_loses_nothing(bench, monkeypatch):
-    monkeypatch.setattr(bench.storage, "store", break_down)
-    bench.start()
-    message = bench.wait_for(State.PAUSED).message
-    assert DISK_REFUSES in message.faults and message.fault_code == INTERNAL.code
-    monkeypatch.undo()
-    bench.resume_to_the_end()
-    # The storage may have been restarted: the survey is reopened, not opened a second time.
-    assert (len(bench.storage.records), len(bench.storage.reopenings)) == (1, 1)
 
 
 def test_a_slow_disk_makes_the_survey_wait_and_say_so(bench):
@@ -121,74 +94,6 @@ def test_a_fault_in_closing_does_not_leave_the_survey_stopping_for_ever(bench):
     bench.start()
     message = bench.wait_for(State.STOPPED).message
     assert CAN_RESUME in message.faults and message.fault_code == INTERNAL.code
-
-
-def test_a_trace_that_is_stored_after_its_survey_ended_does_not_count_for_the_next(
-    make_bench, monkeypatch
-):
-    bench = make_bench(return_limit_s=100.0)
-    begun, go_on, stored = threading.Event(), threading.Event(), threading.Event()
-
-    def store_late(_trace):
-        begun.set()
-        go_on.wait(LIMIT_S)
-        stored.set()
-
-    monkeypatch.setattr(bench.storage, "store", store_late)
-    bench.start()
-    assert begun.wait(LIMIT_S)
-    bench.control.stop()
-    bench.wait_for(State.STOPPED)
-    monkeypatch.undo()
-    bench.storage.free.clear()
-    bench.control.start()
-    bench.wait_for(State.SURVEYING)
-    go_on.set()
-    assert stored.wait(LIMIT_S)
-    with pytest.raises(AssertionError):
-        bench.wait_for_visited(1, limit_s=0.3)
-
-
-def test_a_failure_that_began_before_a_retry_does_not_count(bench, monkeypatch):
-    bench.start()
-    bench.complete()
-    storage, storing, refuse = FakeStorage(), threading.Event(), threading.Event()
-    storage.opened = bench.board.status.survey_id
-
-    def refuse_late(_trace):
-        storing.set()
-        refuse.wait(LIMIT_S)
-        raise ConnectionError("no survey is open")
-
-    monkeypatch.setattr(storage, "store", refuse_late)
-    queue = StorageQueue(storage, bench.clock, lambda _index: None)
-    queue.add(bench.storage.samples[0])
-    assert storing.wait(LIMIT_S)
-    queue.retry()
-    # The attempts that are in progress all fail; those after them do not.
-    monkeypatch.setattr(queue, "_storage", FailsThenStores(storage, 2))
-    refuse.set()
-    queue.wait_until_left(0, lambda: None)
-    queue.close()
-    assert len(storage.samples) == 1
-
-
-def test_a_trace_whose_storing_cannot_be_shown_is_not_stored_again(bench, fault_log):
-    bench.start()
-    bench.wait_for(State.FINISHED)
-    storage, traces = FakeStorage(), bench.storage.samples[:2]
-    storage.opened = bench.board.status.survey_id
-
-    def fail(_index):
-        raise ZeroDivisionError("a fault of ours")
-
-    queue = StorageQueue(storage, Clock(), fail)
-    for trace in traces:
-        queue.add(trace)
-    queue.wait_until_left(0, lambda: None)
-    queue.close()
-    assert storage.samples == traces
-    assert len(fault_log) == 2
 
 
 def test_a_shutdown_closes_a_paused_survey_that_is_complete(bench):

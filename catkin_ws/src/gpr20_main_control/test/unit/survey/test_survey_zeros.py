@@ -92,6 +92,25 @@ def test_agreeing_with_traces_that_nothing_proves_proves_nothing(bench):
     assert marked(bench) == list(range(STORED, 24))
 
 
+def test_zeros_of_a_start_without_a_trace_are_not_those_of_the_survey(bench):
+    """Only traces without proof are marked, and verify counts no more than are marked."""
+    bench.at_sweep(0, bench.control.stop)
+    survey_id = bench.start()
+    bench.wait_for(State.STOPPED)
+    assert proofs(bench) == ["start"] and not bench.storage.samples
+    first = bench.storage.reports[-1]["zeros"]
+    bench.at_sweep(2, bench.control.stop)
+    bench.control.resume(survey_id)
+    bench.wait_for(State.STOPPED)
+    assert bench.storage.samples and bench.storage.reports[-1]["zeros"] != first
+    bench.control.resume(survey_id)
+    bench.complete()
+    assert proofs(bench) == ["start", "measured"]
+    measured = [one.zeros for one in bench.storage.samples]
+    assert len(set(measured)) == 2
+    assert (unproven_zeros(bench.storage.reports[-1], measured), marked(bench)) == (set(), [])
+
+
 def test_zeros_are_unproven_by_the_traces_alone_if_the_report_is_lost():
     one, other = ((ZeroEpoch(number, number),) * 3 for number in (1, 2))
     assert unproven_zeros(None, [(), one, one]) == set()

@@ -87,11 +87,7 @@ class DescribedRobot:
             self._config, self._problem = None, error.message
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
-        """Return what is fixed for the robot; nodes that are starting are waited for [s].
-
-        Raises:
-            InvalidValueError: A node has not described itself, or they disagree.
-        """
+        """Return what is fixed for the robot; nodes that are starting are waited for [s]."""
         with self._described:
             self._described.wait_for(lambda: self._problem is None, wait_s)
             if self._problem is not None:
@@ -100,13 +96,9 @@ class DescribedRobot:
             return self._config
 
     def analyzer_address(self) -> str:
-        """Return the address of the analyzer in the robot's configuration.
-
-        Raises:
-            InvalidValueError: A node has not described itself, or they disagree.
-        """
-        self.config()
-        return str(self.nodes[ANALYZER].configuration.get("address", ""))
+        """Return the address of the analyzer in the robot's configuration; empty: not known."""
+        node = self.nodes.get(ANALYZER)
+        return "" if node is None else str(node.configuration.get("address", ""))
 
     def software_difference(self) -> Optional[Message]:
         """Return which nodes run which software; None if all run the same."""
@@ -252,11 +244,7 @@ class AuxSensors:
         return measured
 
     def for_trace(self) -> Tuple[Tuple[AuxValue, ...], Tuple[str, ...]]:
-        """Return the values of a sweep that has just ended, and remarks on those that are missing.
-
-        Raises:
-            DeviceError: A sensor that is required is silent, or its value is not plausible.
-        """
+        """Return the values of a sweep that has just ended, and a remark on missing ones."""
         measured, now_us = self.check_required(), self._clock.time_of_day_us()
         values = tuple(
             AuxValue(

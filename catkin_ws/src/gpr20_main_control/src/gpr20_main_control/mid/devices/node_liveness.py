@@ -30,24 +30,15 @@ Probe = Callable[[], int]
 
 @dataclass
 class _Known:
-    """What is known about a node.
-
-    Attributes:
-        named: Its names, for a message.
-        probe: Asks it.
-        process: The number of its process; None if the node does not answer.
-        accepted: The process with which the survey continues.
-        seen: Whether it ever answered.
-        asked_s: When it was asked for the last result [s].
-        ask_now: Set when the next question must not wait for its turn.
-    """
+    """A node: its names for a message, its process (None: silent) and the one that is accepted."""
 
     named: Dict[str, object]
-    probe: Probe
     process: Optional[int] = None
     accepted: Optional[int] = None
     seen: bool = False
+    # When it was asked for the last result [s].
     asked_s: float = -math.inf
+    # Set when the next question must not wait for its turn.
     ask_now: threading.Event = field(default_factory=threading.Event)
 
 
@@ -64,39 +55,30 @@ class NodeLiveness:
         on_change: Callable[[Optional[Message]], None],
         period_s: float = PERIOD_S,
     ) -> None:
-        """Begin without a node; `start` begins to ask.
+        """Begin without a node.
 
-        Args:
-            clock: Measures the time that nodes have to start.
-            on_change: Called with a message about the nodes that do not answer, or with None
-                when all of them answer.
-            period_s: Time between two questions to a node [s].
+        `on_change` is called with a message about the nodes that do not answer, or with None when
+        all of them answer; each is asked again after `period_s`.
         """
-        self._clock = clock
-        self._on_change = on_change
-        self._period_s = period_s
+        self._clock, self._on_change, self._period_s = clock, on_change, period_s
         self._changed = threading.Condition(threading.RLock())
         self._known: Dict[str, _Known] = {}
         self._reported: Optional[Message] = None
         self._starting_until_s = clock.now_s() + START_LIMIT_S
-        self._started = self._ended = False
+        self._ended = False
 
-    def watch(self, name: str, plain_name: Message, probe: Probe) -> None:
-        """Watch one more node, which counts as silent at first; one that is watched stays."""
+    def watch(self, name: str, plain_name: Message, probe: Optional[Probe]) -> None:
+        """Watch one more node, which counts as silent at first; one that is watched stays.
+
+        Without a `probe` it is not asked: who knows calls `note`.
+        """
         with self._changed:
-            if name not in self._known:
-                self._known[name] = _Known({"node": plain_name, "details": name}, probe)
-                if self._started:
-                    self._begin(name)
-
-    def start(self) -> None:
-        with self._changed:
-            self._started = True
-            for name in self._known:
-                self._begin(name)
-
-    def _begin(self, name: str) -> None:
-        threading.Thread(target=self._ask, args=(name,), name="node watch", daemon=True).start()
+            if name in self._known:
+                return
+            self._known[name] = _Known({"node": plain_name, "details": name})
+        if probe is not None:
+            asked = (name, probe)
+            threading.Thread(target=self._ask, args=asked, name="node watch", daemon=True).start()
 
     def stop(self) -> None:
         with self._changed:
@@ -145,11 +127,7 @@ class NodeLiveness:
             )
 
     def check(self) -> None:
-        """Return if every node answers and none was restarted since `accept`.
-
-        Raises:
-            NodeLostError: Names the other nodes.
-        """
+        """Raise a NodeLostError unless every node answers and none restarted since `accept`."""
         lost = self.lost()
         if lost is not None:
             raise NodeLostError(lost)
@@ -167,14 +145,14 @@ class NodeLiveness:
             self._reported = missing
             self._on_change(missing)
 
-    def _ask(self, name: str) -> None:
+    def _ask(self, name: str, probe: Probe) -> None:
         known = self._known[name]
         while not self._ended:
             known.ask_now.clear()
             asked_s, process = time.monotonic(), None
             # A node that does not answer is missing.
             with contextlib.suppress(NodeSilentError):
-                process = known.probe()
+                process = probe()
             with self._changed:
                 known.asked_s = asked_s
                 self.note(name, process)

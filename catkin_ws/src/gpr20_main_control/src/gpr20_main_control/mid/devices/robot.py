@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
+from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.faults import BLOCKED
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status
@@ -66,17 +68,11 @@ class Position:
         )
 
 
-@dataclass(frozen=True)
-class MoveOutcome:
-    """How a move ended: whether the axis reached its target, and what it said."""
-
-    success: bool
-    message: Message
-
-    @property
-    def contact_lost(self) -> bool:
-        """Whether the axis stopped by itself, because it had no contact with the main control."""
-        return self.message.fault_code == CONTROL_SILENT.code
+def motion_error(reason: Message) -> DeviceError:
+    """Return the error of a motion that failed for a reason that the axis said."""
+    # It stopped by itself, because it had no contact with the main control.
+    lost = reason.fault_code == CONTROL_SILENT.code
+    return (NodeLostError if lost else DeviceError)(reason, reason.fault or BLOCKED)
 
 
 @dataclass(frozen=True)
@@ -98,11 +94,7 @@ class Axis(Protocol):
         """Return the last reading of the axis; None before the first."""
 
     def lease(self, number: int = 0, release: bool = False) -> Lease:
-        """Reserve the axis, or renew or release the lease with a number.
-
-        Raises:
-            DeviceError: Another node has the axis, or the lease has ended.
-        """
+        """Reserve the axis, or renew or release the lease with a number."""
 
     def is_connected(self) -> bool:
         """Return whether the axis driver will receive the next move."""
@@ -110,11 +102,11 @@ class Axis(Protocol):
     def begin_move(self, target: float) -> None:
         """Begin a move to a target [mm or deg] and return at once."""
 
-    def move_outcome(self) -> Optional[MoveOutcome]:
-        """Return how the move ended; None while the axis moves."""
+    def move_ended(self) -> bool:
+        """Return whether the move has ended, or raise why it failed."""
 
     def home(self, time_limit_s: float) -> None:
-        """Home the axis and return when it is homed; without contact it raises NodeLostError."""
+        """Home the axis and return when it is homed."""
 
     def set_zero(self) -> None:
         """Make the present position of an axis without endstop its zero."""
@@ -125,12 +117,10 @@ class Axis(Protocol):
 
 @dataclass(frozen=True)
 class AnalyzerSetup:
-    """How the analyzer will measure.
+    """How the analyzer will measure: settings as read back, and times [s].
 
-    Attributes:
-        settings: As read back from the instrument.
-        sweep_duration_s: How long one trace takes, with its averages [s]; 0 if nobody knows.
-        request_limit_s: Longest time that a sweep or its confirmation takes [s].
+    A trace takes so long, with its averages (0: nobody knows), and a sweep or its confirmation at
+    most the limit.
     """
 
     settings: SweepSettings
@@ -173,9 +163,6 @@ class Analyzer(Protocol):
 
     def configure(self, settings: SweepSettings) -> AnalyzerSetup:
         """Configure the sweep and return what the instrument accepted."""
-
-    def prepare(self) -> None:
-        """Make ready what the next `sweep` needs, if that is possible; never fails."""
 
     def sweep(self) -> UnconfirmedSweep:
         """Take one sweep that starts now; the driver checks it and repeats a failed one."""

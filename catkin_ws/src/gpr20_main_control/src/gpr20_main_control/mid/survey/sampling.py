@@ -10,27 +10,56 @@ import uuid
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Callable, Optional, Tuple
+from typing import TYPE_CHECKING, Callable, Optional, Tuple, TypeVar
+
+import numpy as np
 
 from gpr20_common.faults import OVERLOADED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.instruments import Instruments
-from gpr20_main_control.mid.devices.robot import Position, SweepConfirmation
+from gpr20_main_control.mid.devices.robot import (
+    SETUP_LIMIT_S,
+    AnalyzerCalibration,
+    AnalyzerSetup,
+    Position,
+    SweepConfirmation,
+)
 from gpr20_main_control.mid.waits import Check, Workers, result_of
 from gpr20_survey.errors import TraceRefusedError
+from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
+from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
+from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.trace.aux_value import VNA_TEMPERATURE, AuxValue
 from gpr20_survey.trace.sweep import Sweep, storable_remark
+from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 if TYPE_CHECKING:  # the survey has this sampling
     from gpr20_main_control.mid.survey.survey import Survey
 
-# A sweep is prepared while the axes settle for longer than this [s].
-PREPARATION_S = 0.1
+Result = TypeVar("Result")
+THE_ANALYZER = Message("the VNA")
+
+
+@dataclass(frozen=True)
+class AnalyzerState:
+    """What is known about the analyzer before a survey."""
+
+    identity: str
+    calibration: AnalyzerCalibration
+    setup: AnalyzerSetup
+
+
+def _in_words(sweep: SweepSettings) -> Message:
+    return Message(
+        "{points} points from {start_mhz:.12g} to {stop_mhz:.12g} MHz",
+        points=sweep.points,
+        start_mhz=1.0e-6 * sweep.start_frequency_hz,
+        stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
+    )
 
 
 @dataclass(frozen=True)
@@ -101,24 +130,40 @@ class Sampling:
     step, too.
     """
 
-    def __init__(self, survey: Survey, instruments: Instruments) -> None:
-        self._survey, self._instruments = survey, instruments
-        self._plan, self._robot = survey.plan, survey.robot
+    def __init__(self, survey: Survey) -> None:
+        self._survey, self._plan, self._robot = survey, survey.plan, survey.robot
         self._positioner, self._waits = survey.positioner, survey.waits
         self._interruption = survey.interruption
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
         self._settled: Optional[Settled] = None
+        self._setup: Optional[AnalyzerSetup] = None
+        self._wanted, last = survey.plan.sweep_settings, survey.plan.last
+        # To the last bit those of every stored trace.
+        self._frequencies_hz = self._wanted.frequencies_hz() if last is None else last.frequency_hz
+
+    def check(self, next_index: int) -> AnalyzerState:
+        """Check all that is needed to measure a point next; return the state of the analyzer.
+
+        Nothing moves. A DeviceError says which check failed.
+        """
+        self._survey.positioner.check_alive()
+        self._robot.description.check(self._plan.config)
+        analyzer = self._check_analyzer(next_index)
+        if self._plan.settings.on_height_failure is HeightPolicy.PAUSE:
+            self._robot.workers.call(self._height, self._survey.interruption.check)
+        self._robot.sensors.check_required()
+        return analyzer
 
     def settle(self, point: SurveyPoint) -> None:
         """Return when vibrations have died down and the height is measured."""
         self._robot.description.check(self._plan.config)
         position = self._resting_at(point)
-        height_call = self._robot.workers.begin(self._instruments.height)
-        if self._settle_s > PREPARATION_S:
-            self._robot.workers.begin(self._robot.analyzer.prepare)
+        height_call = self._robot.workers.begin(self._height)
         self._interruption.wait_s(self._settle_s)
-        with self._waits.shown(self._instruments.height_wait(point)) as check:
+        action = Message("height at point {index}", index=point.index)
+        limit_s = self._plan.settings.attempts * self._robot.description.limits.height_limit_s
+        with self._waits.shown(PLAIN_NAMES[HEIGHT_SENSOR], action, limit_s) as check:
             height_m, remarks = result_of(height_call, check)
         self._resting_at(point)
         self._settled = Settled(position, height_m, remarks)
@@ -143,15 +188,77 @@ class Sampling:
 
         An error of `check`, or else an interruption, ends the wait; the confirmation continues.
         """
-        wait = self._instruments.confirmation_wait(sweep.point)
-        with self._waits.shown(wait, check) as check_and_show:
+        assert self._setup is not None
+        limit_s = self._setup.request_limit_s
+        action = Message("settings after the sweep at point {index}", index=sweep.point.index)
+        with self._waits.shown(THE_ANALYZER, action, limit_s, check=check) as check_and_show:
             return result_of(sweep.confirmed, check_and_show)
 
+    def _height(self) -> Tuple[float, Tuple[str, ...]]:
+        """Return the height [m], and remarks on it; NaN if the survey may do without."""
+        failure: Optional[DeviceError] = None
+        for _attempt in range(self._plan.settings.attempts):
+            try:
+                return self._robot.height_m(), ()
+            except DeviceError as error:
+                failure = error
+        assert failure is not None
+        if self._plan.settings.on_height_failure is HeightPolicy.STORE_WITHOUT:
+            return float("nan"), (storable_remark(f"no height: {failure}"),)
+        raise DeviceError(
+            Message("the antenna height could not be measured: {reason}", reason=failure.message),
+            fault=NO_GROUND,
+        ) from failure
+
+    def _check_settings(self, found: SweepSettings, is_whole: bool) -> None:
+        """Refuse a sweep of other frequencies, or with other settings, than those of the survey."""
+        wanted = self._wanted
+        if is_whole and found.analyzer.fulfils(wanted.analyzer):
+            return
+        shown = [one.analyzer.message if is_whole else _in_words(one) for one in (found, wanted)]
+        raise DeviceError(
+            Message(
+                "the VNA has {found} instead of {wanted}; do not change its settings during a "
+                "survey; if it is so again, correct the plan",
+                found=shown[0],
+                wanted=shown[1],
+            ),
+            fault=VNA_SETTINGS,
+        )
+
+    def _check_analyzer(self, next_index: int) -> AnalyzerState:
+        analyzer, wanted = self._robot.analyzer, self._wanted
+        address = self._plan.parameters.vna_address
+        identity = self._call(lambda: analyzer.connect(address), Message("connection"))
+        self._robot.description.check_identity(identity, self._plan.config)
+        self._survey.analyzers.check(identity, next_index, self._survey.clock.time_of_day_us())
+        setup = self._call(
+            lambda: analyzer.configure(wanted), Message("setup of the sweep"), SETUP_LIMIT_S
+        )
+        accepted = setup.settings
+        is_whole = replace(accepted, analyzer=wanted.analyzer) == wanted
+        self._check_settings(accepted, is_whole)
+        # Other settings, such as the output power, can have changed it.
+        calibration = self._call(analyzer.calibration, Message("calibration status"))
+        # What was left to the instrument stays as it is now: to the end of the survey.
+        self._wanted, self._setup = accepted, setup
+        return AnalyzerState(identity, calibration, setup)
+
+    def _call(
+        self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
+    ) -> Result:
+        if limit_s is None:
+            limit_s = self._robot.description.limits.analyzer_limit_s
+        with self._survey.waits.shown(THE_ANALYZER, action, limit_s) as check:
+            return self._robot.analyzer_calls.call(call, check)
+
     def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
-        settled = self._settled
-        assert settled is not None
+        settled, setup = self._settled, self._setup
+        assert settled is not None and setup is not None
         sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
-        with self._waits.shown(self._instruments.sweep_wait(point)) as check:
+        action = Message("sweep at point {index}", index=point.index)
+        limit_s, expected_s = setup.request_limit_s, setup.sweep_duration_s
+        with self._waits.shown(THE_ANALYZER, action, limit_s, expected_s) as check:
             measured = result_of(sweep_call, check)
         self._interruption.check()
         self._resting_at(point)
@@ -176,13 +283,11 @@ class Sampling:
         return position
 
     def _trace(
-        self,
-        point: SurveyPoint,
-        settled: Settled,
-        sweep: Sweep,
-        remark: Optional[Message],
+        self, point: SurveyPoint, settled: Settled, sweep: Sweep, remark: Optional[Message]
     ) -> Trace:
-        self._instruments.check_sweep(sweep)
+        hz = sweep.frequency_hz
+        found = SweepSettings(float(hz[0]), float(hz[-1]), len(hz), sweep.analyzer)
+        self._check_settings(found, np.array_equal(hz, self._frequencies_hz))
         aux, sensor_remarks = self._robot.sensors.for_trace()
         timestamp_us = time_of_day_us()
         self._survey.clock_steps.check()

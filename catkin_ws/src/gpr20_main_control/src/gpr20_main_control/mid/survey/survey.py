@@ -86,17 +86,15 @@ class Survey:
         interruption: Interruption,
         accepted: Accepted = NOTHING,
     ) -> None:
-        """Begin a survey, or continue one from its folder; nothing happens before `run`.
-
-        Raises:
-            SurveyError: The report of the survey that is resumed cannot be read.
-        """
+        """Begin a survey, or continue one from its folder; nothing happens before `run`."""
         self.plan, self.robot = plan, robot
         self.status, self.interruption, self.clock = status, interruption, interruption.clock
         self.positioner = Positioner(robot.axes, plan.config.axes, interruption, robot.workers)
         self.waits = WaitStatus(status, interruption)
         self.coverage = Coverage(
-            plan.total_points, plan.reopened.stored_indices, status.show_coverage
+            plan.total_points,
+            plan.reopened.stored_indices,
+            lambda present: status.on_coverage(present, plan.survey_id),
         )
         self.report = SurveyReport(self.coverage, plan.config.axes, plan.reopened.report_json)
         self.analyzers, self.zeros = self.report.analyzers, self.report.zeros
@@ -135,14 +133,9 @@ class Survey:
         self.clock.wait_s(self.analyzers.checked, limit_s)
         return self._refusal
 
-    def note_warning(self, warning: Message) -> None:
-        """Note a warning, which is stored with the next report."""
-        # The survey continues in spite of it, whatever it is.
-        self.report.note_warning(warning.as_warning())
-
     def show_warning(self, warning: Message) -> None:
         """Note a warning and show it until the next survey begins."""
-        self.note_warning(warning)
+        self.report.note_warning(warning)
         self.status.update(warning=warning)
 
     def _note_clock(self, warning: Message) -> None:
@@ -156,7 +149,7 @@ class Survey:
 
     def _run(self) -> None:
         try:
-            self.status.show_coverage(self.coverage)
+            self.status.on_coverage(self.coverage, self.plan.survey_id)
             while not self._continue():
                 pass
         except ShutDownRequested:

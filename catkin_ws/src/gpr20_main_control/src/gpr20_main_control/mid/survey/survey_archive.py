@@ -15,11 +15,11 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, message_of
-from gpr20_main_control.mid.devices.instruments import AnalyzerState
 from gpr20_main_control.mid.devices.robot import Storage, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.survey.sampling import AnalyzerState
 from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.survey.survey_status import Status
-from gpr20_main_control.mid.waits import Check, ExpectedWait
+from gpr20_main_control.mid.waits import Check
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.folder.survey_metadata import message_record
@@ -57,7 +57,6 @@ class StorageQueue:
         self._changed = threading.Condition()
         self._traces: Deque[Trace] = deque()
         self._failure: Optional[Exception] = None
-        self._retries = 0
         self._closing = threading.Event()
         threading.Thread(target=self._work, name="storage queue", daemon=True).start()
 
@@ -92,7 +91,6 @@ class StorageQueue:
         """Clear a failure and try again with the trace that failed."""
         with self._changed:
             self._failure = None
-            self._retries += 1
             self._changed.notify_all()
 
     def close(self) -> None:
@@ -109,7 +107,7 @@ class StorageQueue:
                 )
                 if self._closing.is_set():
                     return
-                trace, retries = self._traces[0], self._retries
+                trace = self._traces[0]
             failure = self._store(trace)
             if self._closing.is_set():
                 # The queue is closed, and another survey may have begun.
@@ -123,9 +121,7 @@ class StorageQueue:
             with self._changed:
                 if failure is None:
                     self._traces.popleft()
-                elif retries == self._retries:
-                    # One that began before a retry says nothing about it.
-                    self._failure = failure
+                self._failure = failure
                 self._changed.notify_all()
 
     def _store(self, trace: Trace) -> Optional[Exception]:
@@ -162,7 +158,7 @@ class SurveyArchive:
         self._facts: Deque[Tuple[Kind, Dict[str, Any]]] = deque()
         self._report = ""
         self._stored_traces = 0
-        self._record: Optional[Tuple[AnalyzerState, SurveyRecord]] = None
+        self._record: Optional[Tuple[object, SurveyRecord]] = None
         self._sensors = robot.sensors.recorded()
         self._durations_s = plan.pending_durations_s
         self._spent_s = 0.0
@@ -190,8 +186,8 @@ class SurveyArchive:
         """Return when at most so many traces, up to that of a point, wait for the disk."""
         limit_s = self._survey.robot.description.limits.storage_limit_s
         action = Message("traces up to point {index}", index=point.index)
-        wait = ExpectedWait(STORAGE_NAME, action, 0.0, ATTEMPTS * (limit_s + RETRY_S))
-        with self._survey.waits.shown(wait) as check:
+        longest_s = ATTEMPTS * (limit_s + RETRY_S)
+        with self._survey.waits.shown(STORAGE_NAME, action, longest_s) as check:
             self.queue.wait_until_left(traces, check)
 
     def set_timing(self, measuring: bool) -> None:
@@ -233,9 +229,10 @@ class SurveyArchive:
 
     def _record_with(self, analyzer: AnalyzerState) -> SurveyRecord:
         # The same record again if the answer to the first call was lost: the storage knows it.
-        if self._record is None or self._record[0] != analyzer:
+        key = analyzer.identity, analyzer.calibration.status, analyzer.setup.settings
+        if self._record is None or self._record[0] != key:
             recorded = {**self._survey.robot.description.recorded(), SENSORS: self._sensors}
-            self._record = (analyzer, survey_record(self._plan, analyzer, recorded))
+            self._record = key, survey_record(self._plan, analyzer, recorded)
         return self._record[1]
 
     def _send(self, kind: Kind, values_json: str, check: Check) -> int:
@@ -259,6 +256,8 @@ def survey_record(
     plan: SurveyPlan, analyzer: AnalyzerState, robot: Mapping[str, Any]
 ) -> SurveyRecord:
     """Return what is recorded about a survey when it begins; of the robot, what its parts say."""
+    calibration, settings = analyzer.calibration, asdict(analyzer.setup.settings)
+    sweep = {**settings.pop("analyzer"), **settings}
     metadata = {
         "simulated": plan.config.simulated,
         "parameters": asdict(plan.parameters),
@@ -269,10 +268,10 @@ def survey_record(
         "instrument": {
             "identity": analyzer.identity,
             "address": plan.parameters.vna_address,
-            "calibration_status": int(analyzer.calibration),
-            "calibration": str(analyzer.calibration.meaning),
-            "calibration_details": dict(analyzer.calibration_details),
-            "sweep": _recorded_sweep(analyzer),
+            "calibration_status": int(calibration.status),
+            "calibration": str(calibration.status.meaning),
+            "calibration_details": dict(calibration.details),
+            "sweep": {**sweep, "sweep_duration_s": analyzer.setup.sweep_duration_s},
         },
         "axes": {axis_id.value: asdict(one) for axis_id, one in plan.config.axes.items()},
         "settings": plain(plan.settings),
@@ -283,9 +282,3 @@ def survey_record(
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)
     return SurveyRecord(plan.survey_id, time_of_day_us(), json.dumps(metadata), size)
-
-
-def _recorded_sweep(analyzer: AnalyzerState) -> Dict[str, Any]:
-    settings = asdict(analyzer.settings)
-    receiver = settings.pop("analyzer")
-    return {**settings, **receiver, "sweep_duration_s": analyzer.sweep_duration_s}

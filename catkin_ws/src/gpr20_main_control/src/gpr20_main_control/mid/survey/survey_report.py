@@ -67,13 +67,7 @@ class ClockSteps:
 
 @dataclass(frozen=True)
 class UsedAnalyzer:
-    """An analyzer of a survey.
-
-    Attributes:
-        identity: What the instrument says it is.
-        from_index: Index of the first point that was measured with it.
-        accepted: When the survey began with it, ISO 8601; None if not recorded.
-    """
+    """An analyzer of a survey, since its first point, which was accepted then (ISO 8601)."""
 
     identity: str
     from_index: int
@@ -268,7 +262,8 @@ class SurveyReport:
         self._warnings = list(former.warnings)
 
     def note_warning(self, warning: Message) -> None:
-        """Note a warning about the recording."""
+        """Note a warning, with which the survey continues, whatever it is."""
+        warning = warning.as_warning()
         if len(self._warnings) < MAX_WARNINGS:
             record = {"warning": str(warning), "warning_message": message_record(warning)}
             time = iso_text(time_of_day_us())

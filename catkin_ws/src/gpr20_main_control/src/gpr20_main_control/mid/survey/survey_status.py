@@ -164,11 +164,6 @@ class Status:
         end: Dict[str, Any] = {"end": state, "ended_us": time_us} if state in ENDED else {}
         return replace(self, state=state, message=message, target=target, waiting=None, **end)
 
-    @property
-    def completion_percent(self) -> float:
-        """Part of the plan that is stored durably [%]."""
-        return 100.0 * self.visited_points / self.total_points if self.total_points else 0.0
-
 
 class SurveyStatus:
     """Holds the status, allows only legal transitions, and announces every change."""
@@ -179,16 +174,9 @@ class SurveyStatus:
         on_parameters: Callable[[SurveyParameters], None],
         on_coverage: Callable[[Coverage, str], None],
     ) -> None:
-        """Begin idle.
-
-        Args:
-            on_change: Called with the status before and after each change.
-            on_parameters: Called with the parameters of the next or present survey.
-            on_coverage: Called with the coverage and the id of the present survey.
-        """
-        self._on_change = on_change
-        self._on_parameters = on_parameters
-        self._on_coverage = on_coverage
+        """Begin idle; of a change what was and what is, of the survey the rest is announced."""
+        self._on_change, self._on_parameters = on_change, on_parameters
+        self.on_coverage = on_coverage
         self._lock = threading.RLock()
         self._status = Status()
 
@@ -206,10 +194,6 @@ class SurveyStatus:
         """Change fields of the status other than the state."""
         with self._lock:
             self._change(replace(self._status, **changes))
-
-    def set_missing(self, missing: Optional[Message]) -> None:
-        """Set which nodes do not answer; None if all answer."""
-        self.update(missing=missing)
 
     def set_plan(self, plan: SurveyPlan) -> None:
         """Enter CONFIGURED, and announce the parameters of the next survey."""
@@ -230,10 +214,6 @@ class SurveyStatus:
             end=SurveyState.IDLE,
             ended_us=0,
         )
-
-    def show_coverage(self, coverage: Coverage) -> None:
-        """Announce the state of each sample of the present survey."""
-        self._on_coverage(coverage, self._status.survey_id)
 
     def _show_plan(
         self, plan: SurveyPlan, state: SurveyState, message: Message, **changes: Any

@@ -15,7 +15,6 @@ from gpr20_main_control.errors import (
     UnconfirmedError,
     message_of,
 )
-from gpr20_main_control.mid.devices.instruments import Instruments
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.measured_again import (
     DriftLimits,
@@ -27,6 +26,7 @@ from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
 from gpr20_main_control.mid.survey.survey_archive import CAPACITY
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_points import SurveyPoint
@@ -132,8 +132,7 @@ class SurveySteps:
         self._status, self._positioner = survey.status, survey.positioner
         self._archive, self._zeros = survey.archive, survey.zeros
         self.progress = SurveyProgress(survey.plan)
-        self._instruments = Instruments(survey)
-        self._sampling = Sampling(survey, self._instruments)
+        self._sampling = Sampling(survey)
         self._drift = DriftLimits(survey.plan.settings)
         self._rejections = 0
         self._rejection: Optional[Message] = None
@@ -193,7 +192,7 @@ class SurveySteps:
         self._rejections = 0
         self._survey.robot.nodes.accept()
         self._survey.robot.nodes.check()
-        analyzer = self._instruments.check(self.progress.next_index)
+        analyzer = self._sampling.check(self.progress.next_index)
         self._survey.interruption.check()
         self._archive.open(analyzer, self._survey.interruption.check)
 
@@ -266,7 +265,8 @@ class SurveySteps:
     def _move_to(self, point: SurveyPoint) -> None:
         self._survey.interruption.check()
         # Announced when the axes have begun to move, which need not wait for it.
-        self._positioner.move_to(point, lambda: self._status.update(target=point))
+        target = {AxisId.X: point.x_mm, AxisId.Y: point.y_mm, AxisId.Z: point.z_deg}
+        self._positioner.move(target, lambda: self._status.update(target=point))
 
     @contextlib.contextmanager
     def _measuring(self, point: SurveyPoint) -> Iterator[None]:
@@ -323,7 +323,7 @@ class SurveySteps:
             index=sweep.point.index,
             reason=reason,
         )
-        self._survey.note_warning(self._rejection)
+        self._survey.report.note_warning(self._rejection)
 
     def _check_zeros_at_end(self) -> None:
         try:
