@@ -1,6 +1,7 @@
 """Storing in the background, and its records: disk, metadata, coverage."""
 
 import json
+import threading
 from dataclasses import replace
 
 import pytest
@@ -10,6 +11,7 @@ from fault_kit import raises_fault
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
 from gpr20_main_control.mid.survey import sampling
+from gpr20_main_control.mid.survey.survey_archive import ATTEMPTS, StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
@@ -52,6 +54,19 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
     bench.control.set_parameters(PARAMETERS)
     with raises_fault((NOT_ALLOWED, CONFIGURATION), repr(wrong), error=InvalidValueError):
         bench.control.start(refines=wrong)
+
+
+class FailsThenStores:
+    """Refuses some traces, and then passes them to a storage."""
+
+    def __init__(self, storage, failures):
+        self.storage, self.failures = storage, failures
+
+    def store(self, trace):
+        self.failures -= 1
+        if self.failures >= 0:
+            raise ConnectionError("no survey is open")
+        FakeStorage.store(self.storage, trace)
 
 
 def break_down(*_arguments):
@@ -104,3 +119,29 @@ def test_a_shutdown_closes_a_paused_survey_that_is_complete(bench):
     bench.control.shut_down(LIMIT_S)
     assert bench.states[-3:] == ["PAUSED", "STOPPING", "FINISHED"]
     assert [one.outcome for one in bench.storage.ends] == ["finished"]
+
+
+def test_a_failure_that_began_before_a_retry_does_not_count(bench):
+    bench.start()
+    bench.complete()
+    (trace, *_), storing, refuse = bench.storage.samples, threading.Event(), threading.Event()
+    attempts = []
+
+    class Slow:
+        """Refuses, late, all attempts that began before the retry."""
+
+        def store(self, stored):
+            attempts.append(stored)
+            if len(attempts) <= ATTEMPTS:
+                storing.set()
+                refuse.wait(LIMIT_S)
+                raise ConnectionError("no survey is open")
+
+    queue = StorageQueue(Slow(), bench.clock, lambda _index: None)
+    queue.add(trace)
+    assert storing.wait(LIMIT_S)
+    queue.retry()
+    refuse.set()
+    queue.wait_until_left(0, lambda: None)
+    queue.close()
+    assert attempts == [trace] * (ATTEMPTS + 1)

@@ -57,6 +57,7 @@ class StorageQueue:
         self._changed = threading.Condition()
         self._traces: Deque[Trace] = deque()
         self._failure: Optional[Exception] = None
+        self._retries = 0
         self._closing = threading.Event()
         threading.Thread(target=self._work, name="storage queue", daemon=True).start()
 
@@ -91,6 +92,7 @@ class StorageQueue:
         """Clear a failure and try again with the trace that failed."""
         with self._changed:
             self._failure = None
+            self._retries += 1
             self._changed.notify_all()
 
     def close(self) -> None:
@@ -107,7 +109,7 @@ class StorageQueue:
                 )
                 if self._closing.is_set():
                     return
-                trace = self._traces[0]
+                trace, retries = self._traces[0], self._retries
             failure = self._store(trace)
             if self._closing.is_set():
                 # The queue is closed, and another survey may have begun.
@@ -121,7 +123,9 @@ class StorageQueue:
             with self._changed:
                 if failure is None:
                     self._traces.popleft()
-                self._failure = failure
+                elif retries == self._retries:
+                    # One that began before a retry says nothing about it.
+                    self._failure = failure
                 self._changed.notify_all()
 
     def _store(self, trace: Trace) -> Optional[Exception]:
