@@ -16,7 +16,6 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,
-    VnaError,
     VnaNotReadyError,
     VnaTimeoutError,
 )
@@ -81,22 +80,6 @@ def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(benc
     # Only the survey knows what to sweep.
     with pytest.raises(VnaNotReadyError):
         bench.driver.get_trace()
-
-
-def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
-    bench.faults.set("TRUNCATE")
-    with pytest.raises(VnaError):
-        bench.driver.get_trace()
-    assert bench.driver.trouble == bench.driver.state.last_error is not None
-    check_after(bench)
-    assert bench.driver.trouble is None
-    bench.lose_links()
-    check_after(bench)
-    assert bench.driver.trouble == Message("gone")
-    bench.faults.clear()
-    bench.before = nothing
-    bench.driver.get_trace()
-    assert bench.driver.trouble is None
 
 
 @each_case("end", ["disconnect_from_vna", "shut_down"])
