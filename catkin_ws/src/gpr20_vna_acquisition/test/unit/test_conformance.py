@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import doctest
 import json
 import os
 import sys
 import threading
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from case_kit import each_case
+from fault_kit import raises_fault
 from line_vna import LineVna
 from socket_vna import SocketVna  # the class of the tutorial is a good one
 
@@ -21,6 +24,7 @@ from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Scene
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition import errors
+from gpr20_vna_acquisition.faults import LOCKED
 from gpr20_vna_acquisition.high import check_analyzer
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 from gpr20_vna_acquisition.mid.analyzer_record import (
@@ -34,6 +38,7 @@ from gpr20_vna_acquisition.mid.analyzer_record import (
 from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
+README = Path(__file__).resolve().parents[2] / "README.md"
 QUICK = Extent(21, (1e4,), sweeps=3, watched_s=0.05, limit_s=60.0)
 
 
@@ -140,24 +145,45 @@ def test_a_person_who_changes_what_is_measured_shows_whether_the_next_sweep_is_o
         assert found["by_hand"].status is expected, found["by_hand"]
 
 
-def test_the_simulated_ms2026c_passes():
+@pytest.fixture
+def wired():
+    """A simulated MS2026C on a socket, and the places of its antennas, the last of which counts."""
     places = [AntennaPosition(300.0, 400.0, 90.0), AntennaPosition(100.0, 100.0, 0.0)]
-    vna = SimulatedAnalyzer(
-        *(Ground(Scene()), lambda: places[-1], Clock(), Scene().instrument),
-        AnalyzerOptions(seconds_per_point=5e-4),
-    )
+    ground = Ground(Scene()), lambda: places[-1]
+    vna = SimulatedAnalyzer(*ground, Clock(), Scene().instrument, AnalyzerOptions())
     vna.start()
+    yield vna, places
+    vna.stop()
+
+
+def test_the_simulated_ms2026c_passes_and_is_locked_meanwhile(wired):
+    vna, places = wired
+
+    def to_instrument(address):
+        return connect(address, LinkLimits(), vna.server.port)
+
+    def change_what_is_measured(_text: Message) -> None:
+        places.pop()
+        with raises_fault(LOCKED, error=errors.VnaConnectionError):
+            to_instrument("127.0.0.1").write(":INIT:CONT ON")
+
     bench = Bench(
         VnaParameters(display_settle_s=0.02),
-        lambda address: connect(address, LinkLimits(), vna.server.port),
+        to_instrument,
         replace(QUICK, bandwidths_hz=(1e5,), sweeps=3),
-        # What a person is asked for, a change of what is measured: another place of the antennas.
-        lambda _text: places.pop(),
+        change_what_is_measured,
     )
     found = found_of(bench)
-    vna.stop()
     assert passed(list(found.values())), found
     assert 0.0 <= found["sweep_end"].text.values["lag_ms"] < 50.0
+    # No lock is left behind.
+    to_instrument("127.0.0.1").write(":INIT:CONT ON")
+
+
+def test_the_example_of_the_readme_gives_what_it_shows(wired):
+    port = wired[0].server.port
+    found = doctest.testfile(str(README), module_relative=False, globs={"port": port})
+    assert found.attempted > 10 and found.failed == 0
 
 
 # The program, and what it stores.
