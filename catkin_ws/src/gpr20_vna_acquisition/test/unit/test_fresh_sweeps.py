@@ -18,7 +18,6 @@ from driver_bench import (
     SWEEP,
     TRIGGER,
     Bench,
-    as_sent,
     is_of_one_after,
 )
 from fault_kit import raises_fault
@@ -117,16 +116,6 @@ def test_data_of_which_a_part_is_old_are_an_error_even_if_the_bit_was_seen_clear
     bench.answers(DATA, b"#288" + shown.tobytes())
     with raises_fault(VNA_FAILED, error=VnaSweepError):
         bench.driver.get_trace()
-
-
-def test_data_that_change_after_they_were_read_are_not_confirmed_and_measured_again():
-    bench = Bench().configured()
-    number = bench.taken
-    bench.answers(DATA, lambda right: right[:4] + bytes(4) + right[8:])
-    with raises_fault(VNA_FAILED, error=VnaOldDataError):
-        bench.driver.confirm(number)
-    bench.vna.on_answer = as_sent
-    assert bench.is_new()
 
 
 def test_a_confirmation_whose_data_are_spoilt_reads_them_again():
