@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 
 import yaml
@@ -56,14 +56,6 @@ def test_a_class_that_cannot_be_used_is_refused_with_the_reason(analyzer, option
     parameters = VnaParameters(analyzer=analyzer, analyzer_options=options)
     with raises_fault(common_faults.CONFIGURATION, shown):
         make_foreign_analyzer(parameters, RequestDeadline(Clock()))
-
-
-@each_case("analyzer", ["", "ms2027c", "scikit_rf", "os.system", "a:b:c"])
-def test_an_analyzer_of_no_kind_is_refused_with_what_is_allowed(analyzer):
-    with raises_fault(common_faults.NOT_ALLOWED, "ms2026c", "gpr20_scikit_rf:ScikitRfAnalyzer"):
-        VnaParameters(analyzer=analyzer)
-    with raises_fault(common_faults.CONFIGURATION):
-        replace(VnaParameters(), analyzer_options={"port": 1})
 
 
 class Scripted:

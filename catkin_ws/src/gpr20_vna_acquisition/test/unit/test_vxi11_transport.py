@@ -168,18 +168,14 @@ def test_the_portmapper_is_asked_without_an_explicit_port(server):
         connect(HOST, PATIENT, portmapper_port=server.port)
 
 
-def test_nobody_at_the_port_fails_with_the_address():
-    with socket.create_server((HOST, 0)) as free:
-        port = free.getsockname()[1]
-    with raises_fault(VNA_SILENT, HOST):
-        connect(HOST, PATIENT, port)
-
-
-@each_case("by_portmapper", [False, True])
-def test_a_host_that_never_answers_is_given_up_in_time(by_portmapper):
-    with socket.create_server((HOST, 0)) as silent, pytest.raises(VnaConnectionError):
+@each_case("listens, by_portmapper", [(True, False), (True, True), (False, False)])
+def test_a_host_that_never_answers_is_given_up_in_time_and_named(listens, by_portmapper):
+    with socket.create_server((HOST, 0)) as silent:
         port = silent.getsockname()[1]
-        connect(HOST, QUICK, *((None, port) if by_portmapper else (port,)))
+        if not listens:
+            silent.close()
+        with raises_fault(VNA_SILENT, HOST):
+            connect(HOST, QUICK, *((None, port) if by_portmapper else (port,)))
 
 
 @each_case("procedure", [WRITE, READ])
@@ -191,7 +187,12 @@ def test_a_dropped_connection_is_our_error_and_a_new_link_works(server, procedur
             link.ask_raw("X?")
         server.spoil = proper
     wait_until(lambda: not server.open_connections)
-    assert connect(HOST, PATIENT, server.port).ask_raw("Y?") == b"<Y?>"
+    again = connect(HOST, PATIENT, server.port)
+    assert again.ask_raw("Y?") == b"<Y?>"
+    # Also when the link that has died is only closed.
+    server.spoil = on(DESTROY_LINK, hang_up)
+    again.close()
+    wait_until(lambda: not server.open_connections)
 
 
 def test_a_hanging_answer_ends_in_time_and_is_never_given_to_the_next_question(server):
@@ -336,11 +337,3 @@ def test_a_late_reply_to_an_older_call_is_not_taken_for_the_answer(server, link)
     server.spoil = on(READ, lambda _called, answer: with_xid(answer, 1))
     with raises_fault(VNA_SILENT):
         link.ask_raw("X?")
-
-
-def test_a_link_that_died_unnoticed_can_be_closed_and_made_again(server, link):
-    server.spoil = on(DESTROY_LINK, hang_up)
-    link.close()
-    wait_until(lambda: not server.open_connections)
-    server.spoil = proper
-    assert connect(HOST, PATIENT, server.port).ask_raw("X?") == b"<X?>"
