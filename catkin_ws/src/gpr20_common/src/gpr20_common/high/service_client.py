@@ -197,18 +197,20 @@ class ServiceClient:
             **({"persistent": "1"} if self._keep_open else {}),
         }
         last_s = min(deadline_s, time.monotonic() + START_LIMIT_S) - RETRY_S
+        attempt = 0
         while True:
             try:
-                uri = self._look_up(_remaining_s(deadline_s))
+                uri = self._look_up(attempt, _remaining_s(deadline_s))
                 return ServiceConnection(uri, header, deadline_s)
             except NOT_CONNECTED as error:
                 if given_up.is_set() or rospy.is_shutdown():
                     raise rospy.ROSException(GIVEN_UP) from error
                 if time.monotonic() > last_s:
                     raise
+            attempt += 1
             given_up.wait(RETRY_S)
 
-    def _look_up(self, limit_s: float) -> str:
+    def _look_up(self, _attempt: int, limit_s: float) -> str:
         master = limited_server(rosgraph.get_master_uri(), limit_s)
         name = rospy.resolve_name(self.name)
         return str(value_of(master.lookupService(rospy.get_caller_id(), name)))
