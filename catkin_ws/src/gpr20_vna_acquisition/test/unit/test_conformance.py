@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import doctest
 import json
-import os
 import sys
 import threading
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from case_kit import each_case
@@ -237,25 +237,18 @@ def test_the_program_refuses_what_it_cannot_check(tmp_path, monkeypatch, capsys,
     assert shown in printed.err + printed.out and not (tmp_path / FILE).exists()
 
 
-class Hangs(SocketVna):
-    """Makes a call that does not return."""
-
-    def identify(self):
-        threading.Event().wait()
-
-
-def test_a_class_that_hangs_is_reported_and_ends_the_check(monkeypatch, capsys, vna):
+def test_a_class_that_hangs_is_looked_for_during_the_check_and_reported(monkeypatch, capsys):
     ended = threading.Event()
 
-    def end(status: int) -> None:
-        assert status == 1
-        ended.set()
-        threading.Event().wait()
+    def hang(_bench):
+        assert ended.wait(60.0)
+        return ()
 
-    monkeypatch.setattr(os, "_exit", end)
+    def end_if_overdue(report):
+        report("a:B.identify does not return")
+        ended.set()
+
     monkeypatch.setattr(check_analyzer, "WATCH_PERIOD_S", 0.01)
-    extent = replace(QUICK, limit_s=0.01)
-    bench = bench_of("Hangs", vna, extent, answer_timeout_s=1e-4, connect_timeout_s=0.1)
-    threading.Thread(target=check_analyzer.check, args=(bench,), daemon=True).start()
-    assert ended.wait(60.0)
-    assert "Hangs.identify does not return" in capsys.readouterr().out
+    monkeypatch.setattr(check_analyzer, "results", hang)
+    check_analyzer.check(SimpleNamespace(deadline=SimpleNamespace(end_if_overdue=end_if_overdue)))
+    assert ended.is_set() and "FAILED: a:B.identify" in capsys.readouterr().out
