@@ -56,6 +56,7 @@ class AnyRequests:
         # Of the sweep that was taken last: were its settings those of the set-up, and is it known
         # to be shown still, or not to be.
         self.number, self.was_right, self.is_shown, self.is_other_shown = 0, False, False, False
+        self.is_proven = False
 
     def settings(self):
         return {header: self.bench.ask(f"{header}?") for header in HAND}
@@ -76,7 +77,7 @@ class AnyRequests:
         # What kept its settings is not set up again: that may end its calibration.
         assert before != self.made or not self.is_set_up or self.bench.commands() <= {TRIGGER}
         if found is not None:
-            (self.number, sweep), self.is_other_shown = found, False
+            (self.number, sweep), self.is_other_shown, self.is_proven = found, False, False
             self.was_right = self.settings() == self.made
             assert not self.was_right or is_of_one_after(sweep, number)
 
@@ -85,7 +86,7 @@ class AnyRequests:
         _found, failure = self.failure_of(self.driver.confirm, number)
         is_right = is_last and self.was_right and before == self.made and not self.is_gone
         assert failure is None or not is_right or not self.is_shown or self.is_other_shown
-        assert failure is not None or (is_right and not self.is_other_shown)
+        assert failure is not None or (is_right and (self.is_proven or not self.is_other_shown))
         assert self.settings() == before, "nothing may be written to prove a sweep"
 
     def set_up(self):
@@ -118,6 +119,8 @@ class AnyRequests:
             self.break_once()
         _status, failure = self.failure_of(self.driver.check_calibration_status)
         assert (failure is None) == bool(self.driver.state.identity and not self.is_gone)
+        # On a new link the data may have been read again.
+        self.is_proven = self.is_proven or not self.is_other_shown
         # Settings that were made again hide that they were different.
         self.was_right = self.was_right and self.settings() == before
 
