@@ -276,16 +276,6 @@ def test_scenes_of_the_package_have_targets_that_stand_out_of_the_noise(name):
         assert strongest > 20.0 * 10.0 ** (scene.noise.level_db / 20.0)
 
 
-def test_keys_left_out_keep_their_defaults(tmp_path):
-    scene = scene_from(tmp_path, "robot: {x: {start: 20}}\nsoil: {loss_tangent: 0}")
-    assert scene.robot.x.start == 20.0
-    assert scene.robot.x.upper_stop == 653.0
-    assert scene.robot.y == Scene().robot.y
-    assert scene.soil.relative_permittivity == 4.0
-    # A number without a point becomes a float.
-    assert isinstance(scene.soil.loss_tangent, float)
-
-
 @each_case(
     "text, shown",
     [

@@ -5,7 +5,6 @@ from __future__ import annotations
 import socket
 import threading
 
-import numpy as np
 import pytest
 import pyvisa
 import vxi11
@@ -218,8 +217,7 @@ def test_the_whole_analyzer_is_reached_until_its_link_is_gone_and_leaves_no_thre
     resource = visa(port)
     assert resource.query("*IDN?").startswith('"Anritsu,MS2026C/2,SIMULATED')
     resource.write(":SWE:POIN 101;:FORM REAL,32")
-    values = resource.query_binary_values(":CALC1:DATA? SDAT", container=np.array)
-    assert len(values) == 2 * 101
+    assert len(resource.query_binary_values(":CALC1:DATA? SDAT")) == 2 * 101
     resource.close()
     link = linked(port)
     vna.faults.set("LINK_GONE")

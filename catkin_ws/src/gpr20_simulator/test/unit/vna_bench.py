@@ -24,25 +24,13 @@ def wait_until(condition, what):
         time.sleep(0.002)
 
 
-class Probe(PositionProbe):
-    """Notes how often it is measured, with which noise."""
-
-    def __init__(self):
-        self.gains = []
-
-    def s21(self, frequency_hz, position, sweep_number, noise_gain=1.0):
-        self.gains.append(noise_gain)
-        return super().s21(frequency_hz, position, sweep_number, noise_gain)
-
-
 class Bench(InProcessAnalyzer):
     """An instrument in hold that has swept once, and its antennas."""
 
     def __init__(self, points=POINTS, pace=None, **description):
         self.here = AntennaPosition(0.0, 0.0, 0.0)
-        self.probe = Probe()
         scene = InstrumentScene(**description)
-        super().__init__(self.probe, lambda: self.here, scene, pace or SweepPace())
+        super().__init__(PositionProbe(), lambda: self.here, scene, pace or SweepPace())
         self.send(f":INIT:CONT OFF;:SWE:POIN {points};:SENS:TRACE1:SPAR S21;:FORM REAL,32")
         self.pass_s(3.0)
         self.sweep()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import itertools
+import math
 import struct
 
 import numpy as np
@@ -73,6 +74,9 @@ def test_refuses_a_broken_block_and_another_count():
             with contextlib.suppress(VnaDataError):
                 accepted.append((answer, transfer, parse_numbers(answer, transfer, 2)))
     assert accepted == []
+    for number in (math.nan, math.inf, -math.inf):
+        with pytest.raises(VnaDataError):
+            parse_numbers(block(real32(1.0, number)), REAL32, 2)
 
 
 @given(st.integers(2, 60), st.integers(1, 200), st.sampled_from([REAL32, ASCII]))

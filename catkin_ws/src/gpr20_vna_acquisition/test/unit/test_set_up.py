@@ -176,6 +176,8 @@ def test_another_grid_is_refused_and_its_own_in_single_precision_accepted():
         ("max_frequency_hz", 1.0),
         ("min_level_db", 1.0),
         ("accepted_calibrations", (1, 6)),
+        *(("analyzer", one) for one in ("", "ms2027c", "os.system", "a:b:c")),
+        ("analyzer_options", {"port": 1}),
         # The data depend on it.
         ("unanswered_queries", [":SENS:FREQ:STAR?"]),
     ],

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 from case_kit import each_case
-from driver_bench import ADDRESS, POINTS, STATUS, SWEEP, Bench, nothing
+from driver_bench import ADDRESS, STATUS, SWEEP, Bench, nothing
 from fault_kit import raises_fault
 
 from gpr20_common.faults import BUSY
@@ -16,8 +16,6 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,
-    VnaError,
-    VnaNotReadyError,
     VnaTimeoutError,
 )
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -51,66 +49,6 @@ def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
     bench.driver.check_idle_link()
     assert bench.sent == [":SENS:CORR:COLL:STAT:ACC?"]
     assert bench.driver.state.calibration is CalibrationStatus.LOW
-
-
-def test_a_pulled_cable_is_reported_until_it_is_back_and_the_sweep_is_set_up_again(bench):
-    bench.lose_links()
-    for _ in range(2):
-        check_after(bench)
-        assert bench.driver.trouble == Message("gone")
-        assert not bench.driver.state.linked and bench.open_links == 0
-    bench.before = nothing
-    bench.by_hand(":SENS:SWE:POIN 201")  # it was switched off and on
-    check_after(bench)
-    assert bench.driver.trouble is None and bench.driver.state.linked
-    # Nothing is written before the next sweep: somebody may be calibrating it.
-    assert bench.ask(":SENS:SWE:POIN?") == "201"
-    assert bench.is_new() and bench.ask(":SENS:SWE:POIN?") == str(POINTS)
-
-
-def test_an_address_where_connecting_failed_is_tried_again_until_it_answers(bench):
-    bench.lose_links()
-    with pytest.raises(VnaConnectionError):
-        bench.driver.connect_to_vna(ADDRESS)
-    check_after(bench)
-    assert bench.driver.trouble == Message("gone") and bench.open_links == 0
-    bench.before = nothing
-    check_after(bench)
-    assert bench.driver.trouble is None and bench.driver.state.linked
-    assert bench.driver.state.address == ADDRESS
-    # Only the survey knows what to sweep.
-    with pytest.raises(VnaNotReadyError):
-        bench.driver.get_trace()
-
-
-def test_the_fault_of_a_request_ends_when_the_instrument_answers_again(bench):
-    bench.faults.set("TRUNCATE")
-    with pytest.raises(VnaError):
-        bench.driver.get_trace()
-    assert bench.driver.trouble == bench.driver.state.last_error is not None
-    check_after(bench)
-    assert bench.driver.trouble is None
-    bench.lose_links()
-    check_after(bench)
-    assert bench.driver.trouble == Message("gone")
-    bench.faults.clear()
-    bench.before = nothing
-    bench.driver.get_trace()
-    assert bench.driver.trouble is None
-
-
-@each_case("end", ["disconnect_from_vna", "shut_down"])
-def test_nothing_is_connected_again_after_the_end(end):
-    bench = Bench(link_check_s=CHECK_S).configured()
-    bench.lose_links()
-    with pytest.raises(VnaConnectionError):
-        bench.driver.connect_to_vna(ADDRESS)
-    getattr(bench.driver, end)()
-    bench.before = nothing
-    del bench.sent[:]
-    check_after(bench, 60.0)
-    assert bench.sent == [] and bench.open_links == 0
-    assert bench.driver.trouble is None and not bench.driver.state.linked
 
 
 # The end of a request.
@@ -147,9 +85,11 @@ def test_a_shutdown_ends_a_waiting_sweep_and_later_calls(bench):
     bench.before = lambda message: bench.driver.shut_down() if message == STATUS else None
     with pytest.raises(VnaClosedError):
         bench.driver.get_trace()
-    assert bench.open_links == 0
     with pytest.raises(VnaClosedError):
         bench.driver.connect_to_vna(ADDRESS)
+    del bench.sent[:]
+    check_after(bench)
+    assert bench.sent == [] and bench.open_links == 0
 
 
 # The time limit of a request.

@@ -56,19 +56,6 @@ def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
         bench.control.start(refines=wrong)
 
 
-class FailsThenStores:
-    """Refuses some traces, and then passes them to a storage."""
-
-    def __init__(self, storage, failures):
-        self.storage, self.failures = storage, failures
-
-    def store(self, trace):
-        self.failures -= 1
-        if self.failures >= 0:
-            raise ConnectionError("no survey is open")
-        FakeStorage.store(self.storage, trace)
-
-
 def break_down(*_arguments):
     raise ValueError("a fault of ours")
 

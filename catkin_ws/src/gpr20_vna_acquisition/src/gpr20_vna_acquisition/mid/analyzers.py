@@ -206,11 +206,9 @@ class ForeignAnalyzer:
         return functools.partial(self._call, name)
 
     def release(self) -> None:
-        """Leave the instrument sweeping by itself; never fails."""
         self._last_call("release")
 
     def disconnect(self) -> None:
-        """End the link; never fails."""
         self._last_call("disconnect")
 
     def _call(self, name: str, *arguments: Any) -> Any:

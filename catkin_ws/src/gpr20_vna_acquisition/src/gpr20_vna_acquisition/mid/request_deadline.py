@@ -63,7 +63,6 @@ class RequestDeadline:
         self._ending.set()
 
     def now_s(self) -> float:
-        """Return the time [s] since a fixed moment."""
         return self._clock.now_s()
 
     def check(self) -> None:

@@ -15,6 +15,7 @@ from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaError,
     VnaNotReadyError,
+    VnaOldDataError,
     VnaReplacedError,
     VnaSettingError,
     VnaSweepError,
@@ -75,12 +76,11 @@ class VnaLink:
         self._warn = warn
         # Whether the instrument cannot have lost its settings since they were made or compared.
         self._settings_sure = False
-        # How often settings that differed were made again on a new link.
+        # How often a new link showed that the last sweep cannot be confirmed any more.
         self.restorations = 0
         self.state = VnaState()
 
     def note(self, **changes: Any) -> None:
-        """Change the state."""
         self.state = replace(self.state, **changes)
 
     def note_set_up(self, sweep: SweepSettings) -> None:
@@ -147,6 +147,10 @@ class VnaLink:
             return analyzer
         try:
             analyzer.confirm()
+        except VnaOldDataError:
+            # The next attempt does not know it; the last sweep must not be confirmed any more.
+            self.restorations += 1
+            raise
         except (VnaNotReadyError, VnaSettingError):
             if not restore:
                 raise
