@@ -119,12 +119,12 @@ def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
 
 @pytest.mark.timeout(300)
 def test_a_survey_goes_on_beside_a_second_launch_that_finds_an_empty_master(robot):
-    client, port = robot.client("--x-points=40", "--y-points=40"), free_port()
+    client, uri = robot.client("--x-points=40", "--y-points=40"), f"http://127.0.0.1:{free_port()}"
     wait_until(lambda: stored(robot, 1) > 2, client)
     # A simulated robot is the same one under a master of the same run.
     run = rosgraph.Master(NAME).getParam("/run_id")
     launch = ("gpr20", "survey.launch", "ui:=false", f"data:={robot.data}", "--run_id", run)
-    said = printed_by("roslaunch", "-p", port, *launch, ROS_MASTER_URI=f"http://127.0.0.1:{port}")
+    said = printed_by("timeout", "-s", "INT", "90", "roslaunch", *launch, ROS_MASTER_URI=uri)
     assert "cannot start: another process drives this axis" in said
     before, (folder,) = stored(robot, 1), folders(robot)
     with raises_fault("survey.locked", error=SurveyRefusedError), locked(folder):
