@@ -16,7 +16,8 @@ import time
 from urllib.parse import urlsplit
 
 import pytest
-from robot_kit import MASTER, NODES, LaunchedRobot
+from fault_kit import raises_fault
+from robot_kit import MASTER, NODES, LaunchedRobot, free_port
 from run_seed import SEED
 from user_shell import printed_by, wait_until
 
@@ -28,6 +29,8 @@ from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.high.service_client import ServiceConnection
 from gpr20_msgs.srv import Command
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.files.folder_lock import locked
 
 KILLS = int(os.environ.get("GPR20_MASTER_KILLS", "2"))
 SIDE = 4
@@ -114,6 +117,24 @@ def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
     assert "code:" in printed_by("timeout", "30", "rostopic", "echo", "-n", "1", "/control_status")
 
 
+@pytest.mark.timeout(300)
+def test_a_survey_goes_on_beside_a_second_launch_that_finds_an_empty_master(robot):
+    client, uri = robot.client("--x-points=40", "--y-points=40"), f"http://127.0.0.1:{free_port()}"
+    wait_until(lambda: stored(robot, 1) > 2, client)
+    # A simulated robot is the same one under a master of the same run.
+    run = rosgraph.Master(NAME).getParam("/run_id")
+    launch = ("gpr20", "survey.launch", "ui:=false", f"data:={robot.data}", "--run_id", run)
+    said = printed_by("timeout", "-s", "INT", "90", "roslaunch", *launch, ROS_MASTER_URI=uri)
+    assert "cannot start: another process drives this axis" in said
+    before, (folder,) = stored(robot, 1), folders(robot)
+    with raises_fault("survey.locked", error=SurveyRefusedError), locked(folder):
+        pass
+    wait_until(lambda: stored(robot, 1) > before + 2, client)
+    assert stop_survey().success
+    assert client.wait(LIMIT_S) != 0
+    assert verify_survey(folder).faults == []
+
+
 class Strangers:
     """Connect to ports, say what ROS does not understand, and stay; again when they are ended."""
 
@@ -174,7 +195,7 @@ def stop_survey():
     deadline_s = time.monotonic() + STOP_LIMIT_S
     uri = rosgraph.Master(NAME).lookupService("/stop_survey")
     header = {"service": "/stop_survey", "md5sum": Command._md5sum, "callerid": NAME}
-    connection = ServiceConnection(uri, header, deadline_s, deadline_s)
+    connection = ServiceConnection(uri, header, deadline_s)
     answer = Command._response_class()
     answer.deserialize(connection.call(Command._request_class(), deadline_s))
     connection.close()
