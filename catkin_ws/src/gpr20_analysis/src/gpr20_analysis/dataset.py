@@ -41,6 +41,8 @@ AXIS, AXES = "axis", ("x", "y", "z")
 ANTENNA_DIMS = (POLARIZATION, TERM, FREQUENCY)
 PROCESSING = "processing"
 """Attribute: the steps by which a Dataset was made, as JSON."""
+DISPLAY_ONLY = "display_only"
+"""Attribute: why the amplitudes are for display only and must not be imaged."""
 AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 

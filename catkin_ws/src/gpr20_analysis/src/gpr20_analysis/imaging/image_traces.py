@@ -9,6 +9,7 @@ import xarray as xr
 
 from gpr20_analysis import faults, work
 from gpr20_analysis.dataset import (
+    DISPLAY_ONLY,
     HEIGHT,
     MM_PER_M,
     NAMED,
@@ -27,7 +28,6 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.processing.delay import ADVANCE, REMOVED, delay_to_remove_s, known_height
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
 from gpr20_analysis.processing.sweep import FrequencyGrid

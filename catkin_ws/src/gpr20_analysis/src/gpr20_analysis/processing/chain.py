@@ -52,7 +52,7 @@ class Step:
 
 
 def step_from_text(text: str) -> Step:
-    """Return the step of a text such as `background:method=svd,rank=2`.
+    """Return the step of a text such as `background:method=moving,width=5`.
 
     Raises:
         RecipeError: It is malformed, or a step or parameter is unknown.
@@ -177,7 +177,7 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
 
 
 def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
-    """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
+    """Apply steps given as text, such as "background:method=moving,width=5", one after another.
 
     Args:
         survey: Dataset of a survey, or of an earlier step.

@@ -21,16 +21,12 @@ from gpr20_analysis.errors import AnalysisError, RecipeError
 from gpr20_analysis.processing.antenna_step import without_antenna
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
-from gpr20_analysis.processing.display import apply_gain, envelope
-from gpr20_analysis.processing.filters import dewow, filter_dips
-from gpr20_analysis.processing.robust_pca import remove_low_rank
 from gpr20_analysis.processing.samples import (
     combine_polarizations,
     fill_missing,
     select_polarization,
 )
 from gpr20_analysis.processing.sweep import apply_window, select_band
-from gpr20_analysis.processing.time_zero import correct_topography, pick_time_zero
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.message import Message
 
@@ -40,22 +36,15 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "antenna": without_antenna,
     "coupling": subtract_coupling,
     "background": remove_background,
-    "rpca": remove_low_rank,
-    "fk": filter_dips,
-    "dewow": dewow,
     "band": select_band,
     "window": apply_window,
     "delay": remove_delay,
     "time_zero": set_time_zero,
-    "pick_time_zero": pick_time_zero,
-    "topography": correct_topography,
     "fill": fill_missing,
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
     "frequency": to_frequency,
-    "gain": apply_gain,
-    "envelope": envelope,
 }
 """The steps by name; the arguments after the survey are the parameters of a step."""
 
