@@ -38,7 +38,7 @@ FAILURE = 1
 ENDINGS = {"report": ".html", "image": ".nc", "candidates": ".csv", "process": ".nc",
            "plot": ".png", "export": ""}  # fmt: skip
 """The commands that make one result of one survey, and its usual ending."""
-OF_ONE_SURVEY = ("figures", "publish", "save_recipe")
+OF_ONE_SURVEY = ("figures", "publish")
 """Options whose effect would be the same place for every survey."""
 MADE = ("done", "not complete", "damaged")
 """States of a survey by the exit status of its command; the others are "exists" and "failed"."""

@@ -39,7 +39,7 @@ MODULES = "gpr20_analysis.commands"
 
 SUMMARIES: Dict[str, str] = {
     "info": "show what a survey contains and what is missing in it",
-    "process": "apply a chain of steps and store the result with its recipe",
+    "process": "apply a chain of steps and store the result",
     "image": "image the ground below a survey and list the candidates in it",
     "candidates": "list the candidates in the ground below a survey, and write them to files",
     "hiding": "map where a mine could hide from the survey's own detector",

@@ -26,7 +26,7 @@ from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, permittivity_
 from gpr20_analysis.imaging.permittivity_source import BuriedReference
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.antenna_step import HARMLESS
-from gpr20_analysis.processing.chain import Step, checked, recipe_of
+from gpr20_analysis.processing.chain import Step, checked, recorded_steps
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_attributes import S_PER_NS
 from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
@@ -125,7 +125,7 @@ def add_image_options(parser: argparse.ArgumentParser) -> None:
         help="make the image without the missing samples",
     )
     add("--window", choices=[one.value for one in Window], default=Window.HANN.value,
-        help="weights over the band; a method of another package may have its own")  # fmt: skip
+        help="weights over the band")  # fmt: skip
     add("--widest-angle", type=float, default=70.0, metavar="DEG", help="to the vertical in air")
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; used by back-projection and --buried; default: the "
@@ -179,7 +179,7 @@ def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[St
     """Return the step that removes the antennas, if they are given, and the other steps.
 
     Raises:
-        RecipeError: A step is malformed.
+        StepError: A step is malformed.
     """
     return [*antenna_steps(chosen), *inputs.steps_of(chosen, default)]
 
@@ -191,7 +191,7 @@ def antenna_steps(chosen: argparse.Namespace) -> List[Step]:
 
 def _default_steps(survey: xr.Dataset, options: ImageOptions) -> Sequence[str]:
     """Return the steps of the method, unless a step before has left no surface echo to remove."""
-    before = {one["step"] for one in recipe_of(survey)}
+    before = {one["step"] for one in recorded_steps(survey)}
     is_measured = not before or ("antenna" in before and before <= {"antenna", *HARMLESS})
     return options.method.default_steps if is_measured else ()
 

@@ -28,7 +28,6 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.processing.delay import ADVANCE, REMOVED, delay_to_remove_s, known_height
-from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
@@ -108,7 +107,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
             raise WrongDatasetError(
                 Message(
                     "{count} samples that are marked as good contain NaN from an earlier step; "
-                    "check the recipe",
+                    "check the steps",
                     count=np.count_nonzero(~present),
                 )
             )
@@ -196,13 +195,6 @@ def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
                 count=absent,
                 total=present.size,
                 samples=first_of(missing_samples(survey), NAMED),
-            )
-        )
-    if FILLED in survey and bool(survey[FILLED].any()):
-        notes.append(
-            Message(
-                "{count} samples of the image were not measured but interpolated",
-                count=int(survey[FILLED].sum()),
             )
         )
     return notes

@@ -57,7 +57,7 @@ LEAST_SHARE = 0.6
 # Of the strongest echo of a trace: what is weaker than that may be one of its sidelobes.
 LEAST_LEVEL = 0.05
 # Steps that leave the spectra of a trace as they were measured.
-HARMLESS = ("fill", "polarization")
+HARMLESS = ("polarization",)
 
 
 def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Dataset:

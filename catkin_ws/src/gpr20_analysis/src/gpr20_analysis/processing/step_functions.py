@@ -1,7 +1,7 @@
 """The functions of the steps: those of this package and of installed packages.
 
-An installed package offers steps as entry points of the group `gpr20_analysis.steps`. A recipe can
-name only these and the steps of this package: it never makes anything be imported that was not
+An installed package offers steps as entry points of the group `gpr20_analysis.steps`. Only these
+and the steps of this package can be named: a name never makes anything be imported that was not
 installed.
 """
 
@@ -17,16 +17,15 @@ import xarray as xr
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import AnalysisError, RecipeError
+from gpr20_analysis.errors import AnalysisError, StepError
 from gpr20_analysis.processing.antenna_step import without_antenna
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
-from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
+from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.samples import (
     combine_polarizations,
-    fill_missing,
     select_polarization,
 )
-from gpr20_analysis.processing.sweep import apply_window, select_band
+from gpr20_analysis.processing.sweep import select_band
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.message import Message
 
@@ -37,10 +36,7 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "coupling": subtract_coupling,
     "background": remove_background,
     "band": select_band,
-    "window": apply_window,
-    "delay": remove_delay,
     "time_zero": set_time_zero,
-    "fill": fill_missing,
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
@@ -54,7 +50,7 @@ class StepFunction:
     """The function of a step.
 
     Attributes:
-        name: How recipes and the command line name it.
+        name: How the command line names it.
         call: The function: Dataset and parameters to Dataset.
         origin: Package, version and object; empty for a step of this package.
     """
@@ -133,7 +129,7 @@ STEPS = ExtensionPoint(
     "gpr20_analysis.steps",
     Message("the step"),
     own={name: StepFunction(name, call) for name, call in FUNCTIONS.items()},
-    error=RecipeError,
+    error=StepError,
     fault=faults.STEPS,
 )
 """By this, other packages add steps."""
@@ -143,7 +139,7 @@ def find_step(name: str) -> StepFunction:
     """Return the function of a step.
 
     Raises:
-        RecipeError: There is none, or its package cannot be used.
+        StepError: There is none, or its package cannot be used.
     """
     if name in STEPS.own:
         own: StepFunction = STEPS.own[name]
@@ -160,7 +156,7 @@ def _kept(survey: xr.Dataset) -> Dict[str, Any]:
 def _checked(name: str, function: Any, origin: str) -> StepFunction:
     """Return a step that is not of this package, after a check of its parameters."""
     if not callable(function):
-        raise RecipeError(
+        raise StepError(
             Message("step '{step}' ({origin}) is not a function", step=name, origin=origin),
             fault=faults.STEPS,
         )
@@ -168,7 +164,7 @@ def _checked(name: str, function: Any, origin: str) -> StepFunction:
     for key, (kind, _default) in found.parameters.items():
         is_enum = inspect.isclass(kind) and issubclass(kind, enum.Enum)
         if kind not in (int, float, str, xr.Dataset) and not is_enum:
-            raise RecipeError(
+            raise StepError(
                 Message(
                     "parameter '{parameter}' of step '{step}' ({origin}) must be annotated with "
                     "one of: {allowed}",

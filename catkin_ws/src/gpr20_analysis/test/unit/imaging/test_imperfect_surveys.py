@@ -17,7 +17,6 @@ from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time
-from gpr20_analysis.processing.samples import fill_missing
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.scene import Surface
 
@@ -150,17 +149,6 @@ def test_missing_samples_are_refused_or_left_out_said_and_move_nothing(method):
     assert abs(echo.x_m - TARGET.x_mm / 1e3) < 2e-3
     assert abs(echo.depth_m - TARGET.depth_m) < 2e-3
     assert np.all(np.isfinite(image.image.values))
-
-
-def test_filled_samples_are_said_and_near_the_measured():
-    whole, filled, place = holed(), fill_missing(holed(*HOLES)), HOLES[1]
-    assert int(filled.filled.sum()) == 3
-    error = np.abs(filled.s21.values[place] - whole.s21.values[place]).max()
-    assert error < 0.3 * np.abs(whole.s21.values[place]).max()
-    image = image_survey(remove_background(filled), ImageOptions(permittivity=4.0))
-    assert any("not measured" in note for note in image.attrs["notes"])
-    with raises_fault(faults.INPUT):
-        fill_missing(holed(*((0, row, column) for row in range(4, 7) for column in range(4, 7))))
 
 
 def test_a_missing_sample_does_not_spread_through_the_background():

@@ -7,32 +7,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
-import yaml
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from hypothesis import given
 from hypothesis import strategies as st
-from random_surveys import noise_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import S21_DIMS, Quality
-from gpr20_analysis.errors import RecipeError
+from gpr20_analysis.dataset import S21_DIMS
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
 from gpr20_analysis.processing.chain import (
     apply_steps,
-    read_recipe,
-    recipe_of,
-    recipe_text,
+    recorded_steps,
     step_from_text,
-    steps_from_recipe,
+    text_of,
 )
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.samples import (
     Combination,
     combine_polarizations,
-    fill_missing,
     select_polarization,
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS
@@ -179,7 +173,7 @@ def never(path):
     raise AssertionError(f"no step names a survey, but {path} was read")
 
 
-def test_the_recorded_recipe_repeats_the_result(tmp_path):
+def test_the_recorded_steps_repeat_the_result(tmp_path):
     read = []
     texts = [f"coupling:reference={tmp_path}/sky.nc", "background:method=moving,width=5"]
     texts += ["time_zero", "combine:method=difference", "time"]
@@ -189,11 +183,10 @@ def test_the_recorded_recipe_repeats_the_result(tmp_path):
     recorded = json.loads(first.attrs["processing"])
     assert [one["step"] for one in recorded] == [one.partition(":")[0] for one in texts]
     assert recorded[1] == {"step": "background", "method": "moving", "width": 5}
-    path = tmp_path / "recipe.yaml"
-    path.write_text(recipe_text(recipe_of(first)))
-    second = apply_steps(FEW, steps_from_recipe(read_recipe(path)), lambda path: FEW * 0.5)
+    again = [step_from_text(text_of(one)) for one in recorded_steps(first)]
+    second = apply_steps(FEW, again, lambda path: FEW * 0.5)
     np.testing.assert_array_equal(first.a_scan.values, second.a_scan.values)
-    assert recipe_of(first) == recipe_of(second)
+    assert recorded_steps(first) == recorded_steps(second)
 
 
 NO_STEPS = (
@@ -214,9 +207,6 @@ def test_steps_that_make_no_sense_are_refused_with_what_is_allowed():
     for text, shown in NO_STEPS:
         with raises_fault(faults.STEPS, shown):
             step_from_text(text)
-    for recipe in ("", "[]", "step: background", "- {width: 1}"):
-        with pytest.raises(RecipeError):
-            steps_from_recipe(yaml.safe_load(recipe))
 
 
 def test_the_page_on_imaging_lists_every_step():
@@ -224,11 +214,3 @@ def test_the_page_on_imaging_lists_every_step():
     listed = set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
     different = listed ^ set(FUNCTIONS)
     assert not different, f"only in FUNCTIONS, or only in 'Steps' of {PAGE}: {different}"
-
-
-def test_a_sample_without_neighbours_is_not_filled():
-    survey = noise_survey(6)
-    survey.s21.values[0, :2, :2] = np.nan
-    survey.quality.values[0, :2, :2] = int(Quality.MISSING)
-    with raises_fault(faults.INPUT, "row 0, column 0 of polarization 0"):
-        fill_missing(survey, most=0.5)
