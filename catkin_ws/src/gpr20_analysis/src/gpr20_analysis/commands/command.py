@@ -45,7 +45,7 @@ SUMMARIES: Dict[str, str] = {
     "hiding": "map where a mine could hide from the survey's own detector",
     "delay": "fit the delay of cables and antennas to the surface echo",
     "antenna": "fit the model of the antennas to surveys of a metal plate",
-    "plot": "draw a survey, its A-scans or an image",
+    "plot": "draw a survey or its A-scans",
     "annotate": "set operator, site, notes and position of a survey",
     "found": "note what was found at the candidates of a survey, or list it",
     "trial": "plan a blind trial, seal lists of candidates, and score them",

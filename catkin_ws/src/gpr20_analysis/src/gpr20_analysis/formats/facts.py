@@ -16,7 +16,6 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.processing.to_frequency import SPECTRUM
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import SurveyGrid
 from gpr20_analysis.sentences import (
@@ -39,7 +38,6 @@ TEXTS = (
     survey_attributes.SITE,
     survey_attributes.NOTES,
     survey_attributes.OUTPUT_POWER,
-    SPECTRUM,
     "processing",
     dataset.DISPLAY_ONLY,
 )

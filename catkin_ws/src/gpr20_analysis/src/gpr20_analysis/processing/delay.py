@@ -25,7 +25,6 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
-from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
 from gpr20_analysis.read.survey_attributes import (
     ANTENNA_DELAY,
     ANTENNA_SEPARATION,
@@ -71,7 +70,6 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
     found = a_scans(measured.values, sweep, count, window)
     in_time = survey.drop_vars([S21, FREQUENCY])
-    in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
     in_time = in_time.assign_coords(
         {DELAY: (DELAY, even_delays_s(sweep, count), ATTRIBUTES[DELAY])}
     )
@@ -89,22 +87,12 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: Time zero was set before.
         DamagedSurveyError: A usable sample has no height.
     """
-    require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
         )
-    return advanced(survey, two_way_delay_s(known_height(survey)) + recorded_delay_s(survey))
-
-
-def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
-    """Return a survey without a delay of each trace, which becomes variable `advance`.
-
-    Args:
-        survey: Dataset with `s21`.
-        advance: The delay (polarization, y, x) [s].
-    """
     measured = require(survey, S21, S21_DIMS)
+    advance = two_way_delay_s(known_height(survey)) + recorded_delay_s(survey)
     advance = advance.transpose(*SAMPLE_DIMS)
     turns = phase_advance(survey[FREQUENCY].values, advance.values)
     removed = advance.assign_attrs(units="s", long_name="delay that was removed: time zero")

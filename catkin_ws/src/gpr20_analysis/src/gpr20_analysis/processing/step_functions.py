@@ -10,12 +10,12 @@ from __future__ import annotations
 import enum
 import inspect
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Tuple, get_type_hints
+from typing import Any, Callable, Dict, Tuple, Union, get_type_hints
 
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
+from gpr20_analysis.dataset import PROCESSING, QUALITY, SAMPLE_DIMS
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError, StepError
 from gpr20_analysis.processing.antenna_step import without_antenna
@@ -26,9 +26,9 @@ from gpr20_analysis.processing.samples import (
     select_polarization,
 )
 from gpr20_analysis.processing.sweep import select_band
-from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.message import Message
 
+SIMULATED = "simulated"
 PARAMETER_TYPES = "int, float, str, an Enum or xarray.Dataset"
 
 FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
@@ -40,7 +40,6 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
-    "frequency": to_frequency,
 }
 """The steps by name; the arguments after the survey are the parameters of a step."""
 
@@ -79,28 +78,10 @@ class StepFunction:
         except AnalysisError:
             raise
         except Exception as error:  # the function is not ours: it may raise anything
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) failed: {reason}",
-                    step=self.name,
-                    origin=self.origin,
-                    reason=f"{type(error).__name__}: {error}",
-                ),
-                fault=faults.STEPS,
-            ) from error
-        self._check(survey, result)
-        return result.assign_attrs({**survey.attrs, **result.attrs, **_kept(survey)})
-
-    def _check(self, survey: xr.Dataset, result: object) -> None:
+            raise self.unusable(f"{type(error).__name__}: {error}") from error
         if not isinstance(result, xr.Dataset):
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) returned {type}; it must return an xarray.Dataset",
-                    step=self.name,
-                    origin=self.origin,
-                    type=type(result).__name__,
-                ),
-                fault=faults.STEPS,
+            raise self.unusable(
+                Message("it returned {type}, no xarray.Dataset", type=type(result).__name__)
             )
         lost = [
             name
@@ -113,16 +94,25 @@ class StepFunction:
             if name in result and set(result[name].dims) != set(data.dims)
         ]
         if lost:
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) changed {names}; a step must keep positions, flags "
-                    "and dimensions",
-                    step=self.name,
-                    origin=self.origin,
-                    names=", ".join(lost),
-                ),
-                fault=faults.STEPS,
+            names = ", ".join(lost)
+            raise self.unusable(
+                Message("it changed {names}; positions, flags and dimensions stay", names=names)
             )
+        # Whatever a step does: data stay simulated, and recorded as made by the steps before it.
+        kept = {key: survey.attrs[key] for key in (SIMULATED, PROCESSING) if key in survey.attrs}
+        return result.assign_attrs({**survey.attrs, **result.attrs, **kept})
+
+    def unusable(self, reason: Union[str, Message]) -> StepError:
+        """Return the error of a step that is not of this package."""
+        return StepError(
+            Message(
+                "step '{step}' ({origin}) cannot be used: {reason}",
+                step=self.name,
+                origin=self.origin,
+                reason=reason,
+            ),
+            fault=faults.STEPS,
+        )
 
 
 STEPS = ExtensionPoint(
@@ -145,34 +135,17 @@ def find_step(name: str) -> StepFunction:
         own: StepFunction = STEPS.own[name]
         return own
     added = STEPS.addition(name)
-    return _checked(name, STEPS.load(added), added.origin)
-
-
-def _kept(survey: xr.Dataset) -> Dict[str, Any]:
-    # Whatever a step does: data stay simulated, and recorded as made by the steps before it.
-    return {key: survey.attrs[key] for key in ("simulated", "processing") if key in survey.attrs}
-
-
-def _checked(name: str, function: Any, origin: str) -> StepFunction:
-    """Return a step that is not of this package, after a check of its parameters."""
-    if not callable(function):
-        raise StepError(
-            Message("step '{step}' ({origin}) is not a function", step=name, origin=origin),
-            fault=faults.STEPS,
-        )
-    found = StepFunction(name, function, origin)
+    found = StepFunction(name, STEPS.load(added), added.origin)
+    if not callable(found.call):
+        raise found.unusable(Message("it is not a function"))
     for key, (kind, _default) in found.parameters.items():
         is_enum = inspect.isclass(kind) and issubclass(kind, enum.Enum)
         if kind not in (int, float, str, xr.Dataset) and not is_enum:
-            raise StepError(
+            raise found.unusable(
                 Message(
-                    "parameter '{parameter}' of step '{step}' ({origin}) must be annotated with "
-                    "one of: {allowed}",
+                    "parameter '{parameter}' must be annotated with one of: {allowed}",
                     parameter=key,
-                    step=name,
-                    origin=origin,
                     allowed=PARAMETER_TYPES,
-                ),
-                fault=faults.STEPS,
+                )
             )
     return found
