@@ -21,10 +21,9 @@ from gpr20_analysis.dataset import (
     Y,
     missing_samples,
     require,
-    require_complete,
     usable,
 )
-from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.processing.delay import ADVANCE, REMOVED, delay_to_remove_s, known_height
@@ -102,7 +101,17 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         finite = np.isfinite(np.sum(measured, axis=-1))
     present = usable(survey).transpose(*SAMPLE_DIMS).values & finite
     if not options.leave_out_missing:
-        require_complete(survey, Message("an image without --leave-out-missing"))
+        absent = missing_samples(survey)
+        if absent:
+            raise DamagedSurveyError(
+                Message(
+                    "{count} samples have no data ({samples}); --leave-out-missing makes the "
+                    "image without them",
+                    count=len(absent),
+                    samples=first_of(absent, NAMED),
+                ),
+                fault=faults.INPUT,
+            )
         if not np.all(present):
             raise WrongDatasetError(
                 Message(
