@@ -8,6 +8,7 @@ import pytest
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from run_seed import draws
+from scipy.constants import speed_of_light
 from survey_kit import describe_again, make_survey
 
 from gpr20_analysis import faults
@@ -80,6 +81,8 @@ def test_the_recorded_delay_is_removed_by_default_and_only_once():
     np.testing.assert_allclose(image.image.values, expected, atol=1e-3 * abs(expected).max())
     assert not surface_notes(image)
     assert not surface_notes(image_survey(zero, options))
+    advance_s = 2.0 * zero.height.values / speed_of_light + DELAY_S
+    np.testing.assert_allclose(zero.advance.values, advance_s, rtol=1e-9)
     with raises_fault(NOT_ALLOWED):
         removed = cleaned.assign_attrs(antenna_delay_removed_s=DELAY_S)
         image_survey(removed, replace(options, delay_s=DELAY_S))

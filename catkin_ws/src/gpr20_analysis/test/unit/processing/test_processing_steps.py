@@ -31,6 +31,7 @@ from gpr20_analysis.processing.samples import (
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS
 from gpr20_analysis.processing.sweep import FrequencyGrid, select_band
+from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import Window
 
@@ -92,6 +93,14 @@ def test_an_echo_stands_at_its_delay_with_its_phase(
     centre_hz = start_hz + 27e8
     assert abs(np.angle(trace[at] * np.exp(-2j * np.pi * centre_hz * off_s))) < 1e-6
     assert np.abs(trace[at]) <= 1.0 + 1e-9
+
+
+def test_a_scans_become_the_spectra_that_they_were_made_of():
+    measured = survey(TARGET)
+    in_time = to_time(measured, Window.NONE, padding=3.0)
+    first_hz, *_, last_hz = measured.frequency.values
+    found = to_frequency(in_time, first_hz, last_hz, measured.sizes["frequency"])
+    np.testing.assert_allclose(found.s21.values, measured.s21.values, atol=1e-9)
 
 
 def test_a_difference_shows_what_one_polarization_sees_alone_and_can_be_imaged():
