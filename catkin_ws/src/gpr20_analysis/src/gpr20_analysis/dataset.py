@@ -17,9 +17,7 @@ from typing import Any, Dict, List, Mapping, Sequence
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
-from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
-from gpr20_analysis.sentences import first_of
+from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.message import Message
 from gpr20_survey.trace.trace import TRACE_FIELDS
 
@@ -41,6 +39,8 @@ AXIS, AXES = "axis", ("x", "y", "z")
 ANTENNA_DIMS = (POLARIZATION, TERM, FREQUENCY)
 PROCESSING = "processing"
 """Attribute: the steps by which a Dataset was made, as JSON."""
+DISPLAY_ONLY = "display_only"
+"""Attribute: why the amplitudes are for display only and must not be imaged."""
 AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 
@@ -191,27 +191,3 @@ def require(survey: xr.Dataset, variable: str, dims: Sequence[str]) -> xr.DataAr
             )
         )
     return survey[variable].transpose(*dims)
-
-
-def require_complete(survey: xr.Dataset, purpose: Message) -> None:
-    """Check that no sample is missing.
-
-    Args:
-        survey: The survey.
-        purpose: What needs all samples, for the message.
-
-    Raises:
-        DamagedSurveyError: A sample is missing or damaged.
-    """
-    absent = missing_samples(survey)
-    if absent:
-        raise DamagedSurveyError(
-            Message(
-                "{count} samples have no data ({samples}); {purpose} needs all of them, so apply "
-                "the step fill first",
-                count=len(absent),
-                samples=first_of(absent, NAMED),
-                purpose=purpose,
-            ),
-            fault=faults.INPUT,
-        )

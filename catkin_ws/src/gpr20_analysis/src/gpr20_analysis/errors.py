@@ -54,7 +54,7 @@ class MissingLibraryError(AnalysisError, ImportError):
     fault = faults.STEPS
 
 
-class RecipeError(AnalysisError, ValueError):
+class StepError(AnalysisError, ValueError):
     """A chain of steps is malformed, or a step or parameter is unknown."""
 
     fault = faults.STEPS

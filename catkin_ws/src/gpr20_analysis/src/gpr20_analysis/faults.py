@@ -87,7 +87,7 @@ INPUT = Fault(
 STEPS = Fault(
     "analysis.steps",
     Message(
-        "Correct the step, the recipe or the installed package that the message names. gpr20 "
+        "Correct the step or the installed package that the message names. gpr20 "
         "process --help lists the steps."
     ),
 )

@@ -13,8 +13,8 @@ from typing import Dict, List, Optional, Pattern, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis.dataset import DISPLAY_ONLY
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.sentences import with_decisions, with_notes, with_sentence
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable

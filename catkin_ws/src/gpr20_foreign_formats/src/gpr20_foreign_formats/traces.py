@@ -14,7 +14,6 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.facts import Facts
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import with_notes, with_sentence
 from gpr20_common.faults import NOT_ALLOWED
@@ -114,7 +113,7 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
     data = data.assign_attrs(with_notes(data, _assumed(found.path.name, data)))
     if found.was_moved:
         why = Message("the export had shifted the traces to time zero, so depths would be wrong")
-        data = data.assign_attrs(with_sentence(data.attrs, DISPLAY_ONLY, why))
+        data = data.assign_attrs(with_sentence(data.attrs, dataset.DISPLAY_ONLY, why))
     return data
 
 

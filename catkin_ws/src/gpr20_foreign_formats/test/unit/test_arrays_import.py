@@ -95,8 +95,6 @@ def test_a_scans_become_spectra_at_the_frequencies_that_are_given(tmp_path, band
     # Nothing is removed from them silently, such as their mean.
     np.testing.assert_allclose(ratio, abs(ratio[0, 0]), rtol=1e-6)
     assert not band or found.frequency.values.tolist() == FREQUENCY_HZ.tolist()
-    assert main([*command, "--domain", "time"]) == 0
-    np.testing.assert_array_equal(load_survey(output).a_scan.values[0, 0], scans)
 
 
 def test_samples_of_nan_are_missing_or_damaged(tmp_path):

@@ -24,7 +24,7 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
 from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.processing.chain import process_survey, recipe_of
+from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of
 from gpr20_common.message import Message
@@ -95,7 +95,7 @@ class ViewSession:
     @property
     def first_request(self) -> ImageRequest:
         """The image that is shown first, without background unless earlier steps were chosen."""
-        return ImageRequest(None, background=not recipe_of(self.survey))
+        return ImageRequest(None, background=not recorded_steps(self.survey))
 
     @property
     def deepest_m(self) -> float:

@@ -35,7 +35,7 @@ from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.processing.antenna_step import HARMLESS
-from gpr20_analysis.processing.chain import process_survey, recipe_of
+from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
@@ -95,7 +95,7 @@ def answer(
 
 def default_steps(survey: xr.Dataset, method: Method) -> Sequence[str]:
     """Return the steps of a method, unless a step before has left no surface echo to remove."""
-    before = {one["step"] for one in recipe_of(survey)}
+    before = {one["step"] for one in recorded_steps(survey)}
     is_measured = not before or ("antenna" in before and before <= {"antenna", *HARMLESS})
     return method.default_steps if is_measured else ()
 

@@ -38,11 +38,10 @@ FAILURE = 1
 ENDINGS = {"report": ".html", "image": ".nc", "candidates": ".csv", "process": ".nc",
            "plot": ".png", "export": ""}  # fmt: skip
 """The commands that make one result of one survey, and its usual ending."""
-OF_ONE_SURVEY = ("figures", "publish", "save_recipe")
+OF_ONE_SURVEY = ("figures", "publish")
 """Options whose effect would be the same place for every survey."""
 MADE = ("done", "not complete", "damaged")
 """States of a survey by the exit status of its command; the others are "exists" and "failed"."""
-RECORDINGS = ("*.mcap", "*.bag")
 PLACE = "/result"
 """Stands for the survey and the result where the command's options are read."""
 CONNECT_LIMIT_S = 10.0
@@ -83,8 +82,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     add = parser.add_argument
     add("survey", type=Path, nargs="+",
-        help="survey as for other commands, a folder in which all survey folders are found, or "
-        "one of recordings")  # fmt: skip
+        help="survey as for other commands, or a folder in which all survey folders are found",
+        )  # fmt: skip
     add("--into", type=Path, required=True, metavar="FOLDER",
         help="folder of the results; each is named like its survey")  # fmt: skip
     add("--command", dest="work", type=shlex.split, default=["report"], metavar="'COMMAND OPTIONS'",
@@ -266,11 +265,7 @@ def surveys_at(given: Path, into: Path) -> Iterator[Tuple[Path, str]]:
     found = [one.parent for one in below if not one.parent.parent.name.startswith(BESIDE)]
     found = [one for one in found if into not in one.absolute().parents]
     yield from ((one, str(one.relative_to(given))) for one in found)
-    # A folder of recordings; one with traces is a survey whose description is lost.
-    loose = [] if below or (given / TRACES_FOLDER).exists() else RECORDINGS
-    recordings = [one for kind in loose for one in sorted(given.glob(kind))]
-    yield from ((one, one.stem) for one in recordings)
-    if not found and not recordings:
+    if not found:
         place = given.resolve()
         yield given, place.name if place.is_dir() else place.stem
 

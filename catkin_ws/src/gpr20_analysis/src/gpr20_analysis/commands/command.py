@@ -39,13 +39,13 @@ MODULES = "gpr20_analysis.commands"
 
 SUMMARIES: Dict[str, str] = {
     "info": "show what a survey contains and what is missing in it",
-    "process": "apply a chain of steps and store the result with its recipe",
+    "process": "apply a chain of steps and store the result",
     "image": "image the ground below a survey and list the candidates in it",
     "candidates": "list the candidates in the ground below a survey, and write them to files",
     "hiding": "map where a mine could hide from the survey's own detector",
     "delay": "fit the delay of cables and antennas to the surface echo",
     "antenna": "fit the model of the antennas to surveys of a metal plate",
-    "plot": "draw a survey, its A-scans or an image",
+    "plot": "draw a survey or its A-scans",
     "annotate": "note name, site and position of a survey, and what was found; list markers",
     "trial": "score lists of candidates against buried targets",
     "verify": "check a survey's folder against its manifest, recordings and plan, and repair it",

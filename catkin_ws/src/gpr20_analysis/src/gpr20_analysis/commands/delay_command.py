@@ -9,7 +9,7 @@ from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image_options import check_range
-from gpr20_analysis.processing.chain import recipe_of
+from gpr20_analysis.processing.chain import recorded_steps
 from gpr20_analysis.processing.delay import recorded_delay_s
 from gpr20_analysis.processing.surface_echo import SurfaceFit, fit_delay
 from gpr20_analysis.read.survey_attributes import DELAY_KEY
@@ -43,7 +43,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.height is not None:
         check_range("--height", chosen.height, 0.001, 10.0, "m")
     survey = inputs.load(chosen, catalogue)
-    steps = [one["step"] for one in recipe_of(survey)]
+    steps = [one["step"] for one in recorded_steps(survey)]
     if steps:
         raise WrongDatasetError(
             Message(

@@ -123,7 +123,7 @@ def steps_of(chosen: argparse.Namespace) -> List[Step]:
     """Return the step that removes the antennas, if they are given, and the chosen steps.
 
     Raises:
-        RecipeError: A step is malformed.
+        StepError: A step is malformed.
     """
     antenna = [checked("antenna", {"model": str(chosen.antenna)})] if chosen.antenna else []
     return [*antenna, *inputs.steps_of(chosen)]

@@ -40,13 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         metavar=("START_HZ", "STOP_HZ", "POINTS"),
         help="frequencies of the spectra of simulations and of A-scans over time; default: of "
-        "simulations 600e6 6e9 501, of others as recorded or as found in the data",
-    )
-    parser.add_argument(
-        "--domain",
-        choices=("frequency", "time"),
-        default="frequency",
-        help="what to store of A-scans over time: spectra, which images need, or the A-scans",
+        "simulations 600e6 6e9 501, of others as found in the data",
     )
     parser.add_argument(
         "--height", type=float, metavar="M", help="antenna height [m], if it is not recorded"
@@ -88,7 +82,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         source=chosen.source,
         **_instrument_options(chosen),
     )
-    if dataset.A_SCAN in survey and chosen.domain == "frequency":
+    if dataset.A_SCAN in survey:
         survey = to_frequency(survey, *(dataclasses.astuple(band) if band else ()))
     if chosen.real_ground and is_simulated(survey):
         raise AnalysisError(

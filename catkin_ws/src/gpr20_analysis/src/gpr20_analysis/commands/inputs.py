@@ -18,9 +18,7 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.chain import (
     Step,
     apply_steps,
-    read_recipe,
     step_from_text,
-    steps_from_recipe,
 )
 from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction
 from gpr20_analysis.read.load import load_survey
@@ -65,7 +63,7 @@ def load(chosen: argparse.Namespace, catalogue: Catalogue) -> xr.Dataset:
 
 
 def status_of(survey: xr.Dataset) -> int:
-    """Return the exit status for a survey, before steps filled missing samples."""
+    """Return the exit status for a survey."""
     if survey.attrs.get("faults"):
         return DAMAGED
     return NOT_COMPLETE if survey.attrs.get("missing") else DONE
@@ -102,18 +100,15 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         help="a step; may be repeated, steps are applied in order; "
         + "; ".join(map(_usage, FUNCTIONS)),
     )
-    parser.add_argument("--recipe", type=Path, help="YAML file with a list of steps, applied first")
 
 
 def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
     """Return the chosen steps, or the default without any.
 
     Raises:
-        RecipeError: A step is malformed.
+        StepError: A step is malformed.
     """
-    steps = steps_from_recipe(read_recipe(chosen.recipe)) if chosen.recipe else []
-    steps += [step_from_text(text) for text in chosen.step]
-    return steps or [step_from_text(text) for text in default]
+    return [step_from_text(text) for text in chosen.step or default]
 
 
 def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
@@ -124,7 +119,7 @@ def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
         for key, (kind, _) in step.function.parameters.items()
         if kind is xr.Dataset
     ]
-    return [chosen.survey, *([chosen.recipe] if chosen.recipe else []), *named]
+    return [chosen.survey, *named]
 
 
 def process(

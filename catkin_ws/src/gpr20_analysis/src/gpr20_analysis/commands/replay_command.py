@@ -31,13 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--hold", action="store_true", help="keep the last messages until interrupted")
     add("--wait", type=float, default=0.0, metavar="S",
         help="wait at most this long for a window before the first message [s]")  # fmt: skip
-    add("--longest-pause", type=float, metavar="S",
-        help="shorten longer pauses of the recording, such as a night, to this [s]")  # fmt: skip
 
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
-    pace = Pace(chosen.rate, chosen.longest_pause, chosen.start, chosen.paused)
+    pace = Pace(chosen.rate, chosen.start, chosen.paused)
     namespace = _namespace(chosen.ns)
     replayed = describe(chosen.survey)
     try:

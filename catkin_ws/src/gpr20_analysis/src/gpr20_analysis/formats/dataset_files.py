@@ -310,7 +310,6 @@ def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) 
             for position in positions
         ]
         data = with_doubts(data, *survey_doubts({}, (), len(positions)))
-    # Samples that a step filled in are usable, but were not measured: they stay in the list.
     missing = [*sentences_of(data, "missing"), *dataset.missing_samples(data)]
     missing = list({str(one): one for one in missing}.values())
     attributes = {"notes": [], **data.attrs}

@@ -16,8 +16,6 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.processing.display import DISPLAY_ONLY
-from gpr20_analysis.processing.to_frequency import SPECTRUM
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.read.survey_grid import SurveyGrid
 from gpr20_analysis.sentences import (
@@ -40,9 +38,8 @@ TEXTS = (
     survey_attributes.SITE,
     survey_attributes.NOTES,
     survey_attributes.OUTPUT_POWER,
-    SPECTRUM,
     "processing",
-    DISPLAY_ONLY,
+    dataset.DISPLAY_ONLY,
 )
 NUMBERS = (
     survey_attributes.LATITUDE,

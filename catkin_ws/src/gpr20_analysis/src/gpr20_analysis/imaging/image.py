@@ -106,13 +106,7 @@ def image_survey(
     focus = replace(focus, permittivity=known.permittivity)
     attributes = known.attributes()
     notes = [*notes, *known.notes]
-    if options.method.own_window is not None:
-        focus = replace(focus, window=options.method.own_window)
-    notes = [
-        *notes,
-        *options.method.notes(traces[0].sweep, focus.permittivity),
-        *_separation_notes(heights_m, focus, options.method),
-    ]
+    notes += _separation_notes(heights_m, focus, options.method)
     _check_unambiguous(traces, focus)
     at = (None, None) if options.grid_step_m is None else (x.values, y.values)
     volumes = [
@@ -131,19 +125,12 @@ def image_survey(
         image = image.assign_coords({VALUE: list(ECHO_VALUES)})
     noted = with_notes(survey, notes)
     attributes["mean_height_m"] = heights_m
-    attributes["across_lines"] = _across_lines(image, options.method)
+    attributes["across_lines"] = Y if image.sizes[Y] == 1 else X if image.sizes[X] == 1 else ""
     attributes["relief_m"] = float(np.mean([np.std(one.height_m) for one in traces]))
     attributes["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     delay_s = delay_to_remove_s(survey, options.delay_s)
     record = _record(options, focus, delay_s)
     return described(image).assign_attrs({**noted, **attributes, **record})
-
-
-def _across_lines(image: xr.Dataset, method: Method) -> str:
-    """Return the axis across lines that are imaged on their own; empty if there is none."""
-    if method.lines_alone or image.sizes[Y] == 1:
-        return Y
-    return X if image.sizes[X] == 1 else ""
 
 
 def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Message]:

@@ -9,6 +9,7 @@ import xarray as xr
 
 from gpr20_analysis import faults, work
 from gpr20_analysis.dataset import (
+    DISPLAY_ONLY,
     HEIGHT,
     MM_PER_M,
     NAMED,
@@ -20,15 +21,12 @@ from gpr20_analysis.dataset import (
     Y,
     missing_samples,
     require,
-    require_complete,
     usable,
 )
-from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Traces
 from gpr20_analysis.processing.delay import ADVANCE, REMOVED, delay_to_remove_s, known_height
-from gpr20_analysis.processing.display import DISPLAY_ONLY
-from gpr20_analysis.processing.samples import FILLED
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
@@ -103,12 +101,22 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         finite = np.isfinite(np.sum(measured, axis=-1))
     present = usable(survey).transpose(*SAMPLE_DIMS).values & finite
     if not options.leave_out_missing:
-        require_complete(survey, Message("an image without --leave-out-missing"))
+        absent = missing_samples(survey)
+        if absent:
+            raise DamagedSurveyError(
+                Message(
+                    "{count} samples have no data ({samples}); --leave-out-missing makes the "
+                    "image without them",
+                    count=len(absent),
+                    samples=first_of(absent, NAMED),
+                ),
+                fault=faults.INPUT,
+            )
         if not np.all(present):
             raise WrongDatasetError(
                 Message(
                     "{count} samples that are marked as good contain NaN from an earlier step; "
-                    "check the recipe",
+                    "check the steps",
                     count=np.count_nonzero(~present),
                 )
             )
@@ -196,13 +204,6 @@ def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
                 count=absent,
                 total=present.size,
                 samples=first_of(missing_samples(survey), NAMED),
-            )
-        )
-    if FILLED in survey and bool(survey[FILLED].any()):
-        notes.append(
-            Message(
-                "{count} samples of the image were not measured but interpolated",
-                count=int(survey[FILLED].sum()),
             )
         )
     return notes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, ClassVar, List, Optional, Tuple
+from typing import Callable, ClassVar, Optional, Tuple
 
 import numpy as np
 
@@ -12,10 +12,8 @@ from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
 from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import Window
 
 DEFAULT_STEPS = ("background:method=surface",)
 """Steps before an image of a survey without steps."""
@@ -23,10 +21,6 @@ Positions = Tuple[Optional[np.ndarray], Optional[np.ndarray]]
 """Positions of the image along X and Y [m]; None: those of the traces."""
 Volume = Tuple[np.ndarray, np.ndarray]
 """Image (depth, y, x) of one polarization and its depths [m]."""
-
-
-def _no_notes(sweep: FrequencyGrid, permittivity: float) -> List[Message]:
-    return []
 
 
 @dataclass(frozen=True)
@@ -38,24 +32,18 @@ class Method:
         image: Makes the image of one polarization.
         is_linear: The image of a sum of traces is the sum of their images, and complex.
         factors: Amplitudes that a voxel multiplies: its magnitude is a power of that order.
-        lines_alone: It images each line along X on its own.
         exact_paths: It knows the separation of the antennas, and uneven ground.
-        own_window: Its own weights over the band; None: those that are chosen.
         any_positions: It can image at other positions than those of the survey.
         default_steps: Steps before an image of a survey without steps.
-        notes: Returns what a user should know, by sweep and permittivity.
     """
 
     name: str
     image: Callable[[Traces, Focus, Positions, Progress], Volume]
     is_linear: bool = True
     factors: int = 1
-    lines_alone: bool = False
     exact_paths: bool = False
-    own_window: Optional[Window] = None
     any_positions: bool = True
     default_steps: Tuple[str, ...] = DEFAULT_STEPS
-    notes: Callable[[FrequencyGrid, float], List[Message]] = _no_notes
 
     PHASE_SHIFT: ClassVar[Method]
     BACK_PROJECTION: ClassVar[Method]

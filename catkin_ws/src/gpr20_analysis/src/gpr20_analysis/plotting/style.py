@@ -8,10 +8,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from gpr20_analysis.dataset import MM_PER_M, is_line
+from gpr20_analysis.dataset import DISPLAY_ONLY, MM_PER_M, is_line
 from gpr20_analysis.plotting.noted_figure import NotedFigure
 from gpr20_analysis.plotting.ranges import range_db
-from gpr20_analysis.processing.display import DISPLAY_ONLY
 from gpr20_analysis.processing.samples import COMBINED
 from gpr20_analysis.sentences import (
     DOUBTS,

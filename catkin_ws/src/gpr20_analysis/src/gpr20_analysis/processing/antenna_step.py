@@ -34,12 +34,12 @@ from gpr20_analysis.processing.antenna_model import (
 )
 from gpr20_analysis.processing.delay import REMOVED, known_height
 from gpr20_analysis.processing.surface_echo import MOST_COLUMNS, MOST_ROWS, SURFACE_DELAY, spread
-from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.processing.time_zero import LEAST_SHARE, strongest_s
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
 
 SURFACE_PERMITTIVITY = "surface_permittivity"
 """Attribute: permittivity by the reflection of the surface; with the ends of its range."""
@@ -51,8 +51,13 @@ MOST_MISFIT = 0.25
 # Of the largest transmission: what is fainter is attenuated, since its noise would be amplified.
 FAINT = 10.0 ** (-30.0 / 20.0)
 SURFACE_WITHIN_S = 0.4e-9
+PADDING = 8
+# Of the traces, those in which the surface must be found.
+LEAST_SHARE = 0.6
+# Of the strongest echo of a trace: what is weaker than that may be one of its sidelobes.
+LEAST_LEVEL = 0.05
 # Steps that leave the spectra of a trace as they were measured.
-HARMLESS = ("fill", "polarization")
+HARMLESS = ("polarization",)
 
 
 def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Dataset:
@@ -170,7 +175,7 @@ def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     for turn, antenna in enumerate(antennas):
         spectra = chosen[S21].values[turn][known[turn]]
         expected_s = np.hypot(2.0 * height_m[turn][known[turn]], separation_m) / SPEED_OF_LIGHT_M_S
-        picked_s = strongest_s(spectra, expected_s, sweep, SURFACE_WITHIN_S)
+        picked_s = _strongest_s(spectra, expected_s, sweep, SURFACE_WITHIN_S)
         clear = np.isfinite(picked_s)
         if np.count_nonzero(clear) < LEAST_SHARE * len(clear) or not clear.any():
             continue
@@ -193,6 +198,26 @@ def _described(cleaned: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     ends = np.mean(np.log(accepted), axis=0)
     names = (SURFACE_PERMITTIVITY + end for end in ENDS)
     return cleaned.assign_attrs(dict(zip(names, np.exp(ends).tolist())))
+
+
+def _strongest_s(
+    spectra: np.ndarray, expected_s: np.ndarray, sweep: FrequencyGrid, within_s: float
+) -> np.ndarray:
+    """Return the delay of the highest maximum near an expected one; NaN if none is strong [s]."""
+    step_s = 1.0 / (PADDING * sweep.step_hz * sweep.count)
+    reach = max(2, int(np.ceil(within_s / step_s)))
+    near_s = within_s / reach * np.arange(-reach - 1, reach + 2)
+    least = LEAST_LEVEL * np.abs(a_scans(spectra, sweep, 2 * sweep.count)).max(axis=-1)
+    aligned = spectra * phase_advance(sweep.frequency_hz, expected_s)
+    level = np.abs(aligned @ delay_kernel(sweep.frequency_hz, near_s))
+    here, before, after = level[..., 1:-1], level[..., :-2], level[..., 2:]
+    tops = np.where((here >= before) & (here > after), here, -1.0)
+    top = np.argmax(tops, axis=-1)[..., None]
+    left, middle, right = (np.take_along_axis(level, top + one, -1) for one in (0, 1, 2))
+    bend = np.minimum(left - 2.0 * middle + right, -1e-300)
+    offset = 0.5 * (left - right) / bend * (within_s / reach)
+    found: np.ndarray = expected_s + near_s[1:-1][top[..., 0]] + offset[..., 0]
+    return np.where(np.take_along_axis(tops, top, -1)[..., 0] > least, found, np.nan)
 
 
 def _model(model: xr.Dataset, turn: int) -> AntennaModel:

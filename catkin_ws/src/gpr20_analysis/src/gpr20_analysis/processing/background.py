@@ -31,7 +31,6 @@ from gpr20_analysis.dataset import (
     X,
     Y,
     require,
-    require_complete,
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.delay import ADVANCE
@@ -64,8 +63,6 @@ class Background(enum.Enum):
     """Median of real and imaginary part: targets that fill less than half do not bias it."""
     MOVING = "moving"
     """Mean over a window around each position: follows a sloping surface."""
-    SVD = "svd"
-    """The strongest components of all traces: adapts to shape and strength."""
 
 
 def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
@@ -127,7 +124,7 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
 
 
 def remove_background(
-    survey: xr.Dataset, method: Background = Background.SURFACE, width: int = 11, rank: int = 1
+    survey: xr.Dataset, method: Background = Background.SURFACE, width: int = 11
 ) -> xr.Dataset:
     """Subtract the background of each polarization.
 
@@ -137,20 +134,15 @@ def remove_background(
             20 traces, the surface is the mean.
         width: Width of the moving window along X and along Y, in positions, odd. It ends where the
             survey does: wider than that, or along the one row of a line, it is all of them.
-        rank: Number of components that SVD removes.
 
     Raises:
-        WrongDatasetError: Width or rank do not suit the survey.
-        DamagedSurveyError: A sample is missing and the method is SVD.
+        WrongDatasetError: The width is not allowed.
     """
     measured = require(survey, S21, S21_DIMS)
     s21 = measured.values
     present = np.isfinite(s21).all(axis=-1)
     cleaned: Optional[np.ndarray] = None
-    if method is Background.SVD:
-        require_complete(survey, Message("the background by SVD"))
-        cleaned = _without_strongest(s21, rank)
-    elif method is Background.MOVING:
+    if method is Background.MOVING:
         cleaned = s21 - _moving_mean(s21, present, width)
     elif method is Background.SURFACE:
         cleaned = _without_surface(survey, s21, present)
@@ -194,30 +186,6 @@ def _moving_mean(s21: np.ndarray, present: np.ndarray, width: int) -> np.ndarray
     means: np.ndarray = uniform_filter(held, widths, mode="constant")
     means /= share
     return means
-
-
-def _without_strongest(s21: np.ndarray, rank: int) -> np.ndarray:
-    """Return the traces of each polarization without their strongest components."""
-    traces, frequencies = s21.shape[1] * s21.shape[2], s21.shape[3]
-    if not 1 <= rank < min(traces, frequencies):
-        raise WrongDatasetError(
-            Message(
-                "the rank is {rank}; it must be 1 to {most} for {traces} traces of {frequencies} "
-                "frequencies",
-                rank=rank,
-                most=min(traces, frequencies) - 1,
-                traces=traces,
-                frequencies=frequencies,
-            ),
-            fault=NOT_ALLOWED,
-        )
-    cleaned = np.empty_like(s21)
-    for one, result in zip(s21, cleaned):
-        # The components over frequency are eigenvectors of a matrix as small as the sweep.
-        products = np.tensordot(one.conj(), one, axes=((0, 1), (0, 1)))
-        strongest = np.linalg.eigh(products)[1][:, -rank:]
-        result[:] = one - one @ strongest @ strongest.conj().T
-    return cleaned
 
 
 def _range(frequency_hz: np.ndarray) -> Message:

@@ -1,4 +1,4 @@
-"""Chains of named steps: from text or a recipe, applied, and recorded in the result."""
+"""Chains of named steps: from text, applied, and recorded in the result."""
 
 from __future__ import annotations
 
@@ -11,21 +11,18 @@ from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Sequence, Type
 
 import xarray as xr
-import yaml
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import PROCESSING
-from gpr20_analysis.errors import RecipeError
+from gpr20_analysis.errors import StepError
 from gpr20_analysis.processing.step_functions import StepFunction, find_step
 from gpr20_analysis.processing.surface_echo import with_surface_delay
 from gpr20_analysis.read.load import load_survey
-from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 
 Reader = Callable[[str], xr.Dataset]
 
 ORIGIN = "origin"
-"""Key of a step in a recipe: where its function comes from, if not from this package."""
+"""Key of a recorded step: where its function comes from, if not from this package."""
 
 
 @dataclass(frozen=True)
@@ -42,27 +39,27 @@ class Step:
 
     @property
     def name(self) -> str:
-        """How recipes and the command line name it."""
+        """How the command line names it."""
         return self.function.name
 
     def recorded(self) -> Dict[str, Any]:
-        """Return the step as an item of a recipe."""
+        """Return the step as attribute `processing` lists it."""
         origin = {ORIGIN: self.function.origin} if self.function.origin else {}
         return {"step": self.name, **origin, **self.parameters}
 
 
 def step_from_text(text: str) -> Step:
-    """Return the step of a text such as `background:method=svd,rank=2`.
+    """Return the step of a text such as `background:method=moving,width=5`.
 
     Raises:
-        RecipeError: It is malformed, or a step or parameter is unknown.
+        StepError: It is malformed, or a step or parameter is unknown.
     """
     name, _, rest = text.partition(":")
     parameters: Dict[str, Any] = {}
     for item in rest.split(",") if rest else []:
         key, equals, value = item.partition("=")
         if not equals or key.strip() in parameters:
-            raise RecipeError(
+            raise StepError(
                 Message(
                     "'{item}' in step '{step}' must be written as parameter=value, each only once",
                     item=item,
@@ -73,50 +70,6 @@ def step_from_text(text: str) -> Step:
     return checked(name.strip(), parameters)
 
 
-def steps_from_recipe(recipe: object) -> List[Step]:
-    """Return the steps of a recipe: a list of mappings with `step` and its parameters.
-
-    Raises:
-        RecipeError: It is not such a list, a step or parameter is unknown, or a step was made by
-            another version of its package.
-    """
-    if not isinstance(recipe, list) or not recipe:
-        raise RecipeError(
-            Message("a recipe is a list of one or more steps, such as '- step: background'")
-        )
-    steps = []
-    for place, item in enumerate(recipe, start=1):
-        if not isinstance(item, dict) or not isinstance(item.get("step"), str):
-            raise RecipeError(
-                Message(
-                    "item {number} of the recipe is {item}; it must have the key 'step'",
-                    number=place,
-                    item=repr(item),
-                )
-            )
-        known = ("step", ORIGIN)
-        parameters = {str(key): value for key, value in item.items() if key not in known}
-        step = checked(item["step"], parameters)
-        _check_origin(step, item.get(ORIGIN))
-        steps.append(step)
-    return steps
-
-
-def _check_origin(step: Step, recorded: object) -> None:
-    if recorded is not None and recorded != step.function.origin:
-        raise RecipeError(
-            Message(
-                "the recipe has step '{step}' of {recorded}; now it is of {origin}. Install that "
-                "version, or remove the line '{key}' from the recipe",
-                step=step.name,
-                recorded=str(recorded),
-                origin=step.function.origin or "gpr20_analysis",
-                key=ORIGIN,
-            ),
-            fault=faults.STEPS,
-        )
-
-
 def checked(name: str, parameters: Mapping[str, Any]) -> Step:
     """Return a step after a check of its name and parameters.
 
@@ -125,13 +78,13 @@ def checked(name: str, parameters: Mapping[str, Any]) -> Step:
         parameters: Values by name, as texts or numbers.
 
     Raises:
-        RecipeError: The step or a parameter is unknown, or a value has the wrong type.
+        StepError: The step or a parameter is unknown, or a value has the wrong type.
     """
     function = find_step(name)
     known = function.parameters
     for key in parameters:
         if key not in known:
-            raise RecipeError(
+            raise StepError(
                 Message(
                     "step '{step}' has no parameter '{parameter}'; its parameters are: {known}",
                     step=name,
@@ -144,12 +97,18 @@ def checked(name: str, parameters: Mapping[str, Any]) -> Step:
         if key in parameters:
             values[key] = _plain(name, key, kind, parameters[key])
         elif default is inspect.Parameter.empty:
-            raise RecipeError(
+            raise StepError(
                 Message("step '{step}' needs the parameter '{parameter}'", step=name, parameter=key)
             )
         else:
             values[key] = default.value if isinstance(default, enum.Enum) else default
     return Step(function, values)
+
+
+def text_of(recorded: Mapping[str, Any]) -> str:
+    """Return a recorded step as `--step` takes it, which repeats it."""
+    values = [f"{key}={value}" for key, value in recorded.items() if key not in ("step", ORIGIN)]
+    return ":".join([str(recorded["step"]), *([",".join(values)] if values else [])])
 
 
 def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.Dataset:
@@ -163,38 +122,38 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
         steps: The steps.
         read: Reads a Dataset that a step names, such as a reference survey.
     """
-    if steps and not recipe_of(survey):
+    if steps and not recorded_steps(survey):
         survey = with_surface_delay(survey)
     for step in steps:
         arguments = {
             key: _argument(kind, step.parameters[key], read)
             for key, (kind, _) in step.function.parameters.items()
         }
-        recorded = recipe_of(survey) + [step.recorded()]
+        recorded = recorded_steps(survey) + [step.recorded()]
         survey = step.function.apply(survey, **arguments)
         survey = survey.assign_attrs({PROCESSING: json.dumps(recorded)})
     return survey
 
 
 def process_survey(survey: xr.Dataset, *steps: str) -> xr.Dataset:
-    """Apply steps given as text, such as "background:method=svd,rank=2", one after another.
+    """Apply steps given as text, such as "background:method=moving,width=5", one after another.
 
     Args:
         survey: Dataset of a survey, or of an earlier step.
         steps: The steps, as for `--step` of the command line.
 
     Returns:
-        The Dataset after the steps; attribute `processing` is the recipe that made it.
+        The Dataset after the steps; attribute `processing` lists what made it.
 
     Raises:
-        RecipeError: One is malformed, or a step or parameter is unknown.
+        StepError: One is malformed, or a step or parameter is unknown.
         AnalysisError: A step cannot be applied to the survey.
     """
     return apply_steps(survey, [step_from_text(step) for step in steps], load_survey)
 
 
-def recipe_of(data: xr.Dataset) -> List[Dict[str, Any]]:
-    """Return the recipe by which a Dataset was made; empty for data as measured."""
+def recorded_steps(data: xr.Dataset) -> List[Dict[str, Any]]:
+    """Return the steps by which a Dataset was made, as recorded; empty for data as measured."""
     recorded: List[Dict[str, Any]] = json.loads(data.attrs.get(PROCESSING, "[]"))
     return recorded
 
@@ -215,7 +174,7 @@ def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
     except (TypeError, ValueError) as error:
         is_choice = issubclass(kind, enum.Enum)
         allowed = ", ".join(one.value for one in kind) if is_choice else kind.__name__
-        raise RecipeError(
+        raise StepError(
             Message(
                 "parameter '{parameter}' of step '{step}' is {value}; allowed: {allowed}",
                 parameter=key,
@@ -230,25 +189,3 @@ def _argument(kind: Callable[[Any], Any], value: Any, read: Reader) -> Any:
     if kind is xr.Dataset:
         return read(value)
     return kind(value)
-
-
-def read_recipe(path: Path) -> object:
-    """Return the content of a YAML file.
-
-    Raises:
-        RecipeError: It is not YAML.
-        OSError: It cannot be read.
-    """
-    try:
-        return read_yaml(path)
-    except YamlFileError as error:
-        raise RecipeError(
-            Message(
-                "{path} is not a recipe: {reason}", path=path, reason=error.message
-            ).reporting_only(RecipeError.fault)
-        ) from error
-
-
-def recipe_text(recipe: object) -> str:
-    """Return a recipe as YAML."""
-    return yaml.safe_dump(recipe, sort_keys=False)

@@ -25,7 +25,6 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import DamagedSurveyError, WrongDatasetError
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, even_delays_s
-from gpr20_analysis.processing.to_frequency import SPECTRUM, Spectrum
 from gpr20_analysis.read.survey_attributes import (
     ANTENNA_DELAY,
     ANTENNA_SEPARATION,
@@ -37,7 +36,7 @@ from gpr20_survey.radar.depth import two_way_delay_s
 from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
 
 REMOVED = "antenna_delay_removed_s"
-"""Attribute: the delay that the step `delay` removed from the spectra [s]."""
+"""Attribute: the delay that the step `antenna` removed from the spectra [s]."""
 LONGEST_DELAY_S = 1e-5
 """The record of an impulse radar may begin microseconds before its pulse [s]."""
 ADVANCE = "advance"
@@ -71,41 +70,10 @@ def to_time(survey: xr.Dataset, window: Window = Window.HANN, padding: float = 4
     count = scipy.fft.next_fast_len(int(np.ceil(padding * sweep.count)))
     found = a_scans(measured.values, sweep, count, window)
     in_time = survey.drop_vars([S21, FREQUENCY])
-    in_time = in_time.assign_attrs({SPECTRUM: Spectrum(sweep, window).to_json()})
     in_time = in_time.assign_coords(
         {DELAY: (DELAY, even_delays_s(sweep, count), ATTRIBUTES[DELAY])}
     )
     return in_time.assign({A_SCAN: ((*SAMPLE_DIMS, DELAY), found, ATTRIBUTES[A_SCAN])})
-
-
-def remove_delay(survey: xr.Dataset, delay_s: float) -> xr.Dataset:
-    """Remove the delay of cables and antennas from the spectra.
-
-    Images of the result remove no further delay.
-
-    Args:
-        survey: Dataset with `s21`.
-        delay_s: The delay [s], such as `gpr20 delay` fits it.
-
-    Raises:
-        WrongDatasetError: The delay is out of range or was removed before, or time zero was set.
-    """
-    check_delay(delay_s)
-    measured = require(survey, S21, S21_DIMS)
-    if REMOVED in survey.attrs:
-        raise WrongDatasetError(
-            Message(
-                "the step delay removed {delay_ns:g} ns before; a second delay would add to it",
-                delay_ns=survey.attrs[REMOVED] * 1e9,
-            )
-        )
-    if ADVANCE in survey:
-        raise WrongDatasetError(
-            Message("time zero was set before; apply the step delay before time_zero")
-        )
-    turns = phase_advance(survey[FREQUENCY].values, np.asarray(delay_s))
-    shifted = measured.copy(data=measured.values * turns)
-    return survey.assign({S21: shifted}).assign_attrs({ANTENNA_DELAY: 0.0, REMOVED: delay_s})
 
 
 def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
@@ -119,22 +87,12 @@ def set_time_zero(survey: xr.Dataset) -> xr.Dataset:
         WrongDatasetError: Time zero was set before.
         DamagedSurveyError: A usable sample has no height.
     """
-    require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before; setting it again would shift it twice")
         )
-    return advanced(survey, two_way_delay_s(known_height(survey)) + recorded_delay_s(survey))
-
-
-def advanced(survey: xr.Dataset, advance: xr.DataArray) -> xr.Dataset:
-    """Return a survey without a delay of each trace, which becomes variable `advance`.
-
-    Args:
-        survey: Dataset with `s21`.
-        advance: The delay (polarization, y, x) [s].
-    """
     measured = require(survey, S21, S21_DIMS)
+    advance = two_way_delay_s(known_height(survey)) + recorded_delay_s(survey)
     advance = advance.transpose(*SAMPLE_DIMS)
     turns = phase_advance(survey[FREQUENCY].values, advance.values)
     removed = advance.assign_attrs(units="s", long_name="delay that was removed: time zero")
@@ -154,7 +112,7 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
         raise DamagedSurveyError(
             Message(
                 "{count} usable samples have no height, the first at {position}; give one height "
-                "for all samples (--height), or apply the step fill",
+                "for all samples (--height)",
                 count=int(lacking.sum()),
                 position=positions_of(survey, lacking.values)[0],
             ),
@@ -202,7 +160,7 @@ def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
         given_s: The delay of the image's options [s]; None: the recorded one.
 
     Raises:
-        WrongDatasetError: A delay was given, but the step `delay` has removed one.
+        WrongDatasetError: A delay was given, but a step has removed one.
     """
     if given_s is None:
         return recorded_delay_s(survey)

@@ -1,7 +1,7 @@
 """The functions of the steps: those of this package and of installed packages.
 
-An installed package offers steps as entry points of the group `gpr20_analysis.steps`. A recipe can
-name only these and the steps of this package: it never makes anything be imported that was not
+An installed package offers steps as entry points of the group `gpr20_analysis.steps`. Only these
+and the steps of this package can be named: a name never makes anything be imported that was not
 installed.
 """
 
@@ -10,52 +10,36 @@ from __future__ import annotations
 import enum
 import inspect
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Tuple, get_type_hints
+from typing import Any, Callable, Dict, Tuple, Union, get_type_hints
 
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS
+from gpr20_analysis.dataset import PROCESSING, QUALITY, SAMPLE_DIMS
 from gpr20_analysis.entry_points import ExtensionPoint
-from gpr20_analysis.errors import AnalysisError, RecipeError
+from gpr20_analysis.errors import AnalysisError, StepError
 from gpr20_analysis.processing.antenna_step import without_antenna
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
-from gpr20_analysis.processing.delay import remove_delay, set_time_zero, to_time
-from gpr20_analysis.processing.display import apply_gain, envelope
-from gpr20_analysis.processing.filters import dewow, filter_dips
-from gpr20_analysis.processing.robust_pca import remove_low_rank
+from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.samples import (
     combine_polarizations,
-    fill_missing,
     select_polarization,
 )
-from gpr20_analysis.processing.sweep import apply_window, select_band
-from gpr20_analysis.processing.time_zero import correct_topography, pick_time_zero
-from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.processing.sweep import select_band
 from gpr20_common.message import Message
 
+SIMULATED = "simulated"
 PARAMETER_TYPES = "int, float, str, an Enum or xarray.Dataset"
 
 FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "antenna": without_antenna,
     "coupling": subtract_coupling,
     "background": remove_background,
-    "rpca": remove_low_rank,
-    "fk": filter_dips,
-    "dewow": dewow,
     "band": select_band,
-    "window": apply_window,
-    "delay": remove_delay,
     "time_zero": set_time_zero,
-    "pick_time_zero": pick_time_zero,
-    "topography": correct_topography,
-    "fill": fill_missing,
     "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
-    "frequency": to_frequency,
-    "gain": apply_gain,
-    "envelope": envelope,
 }
 """The steps by name; the arguments after the survey are the parameters of a step."""
 
@@ -65,7 +49,7 @@ class StepFunction:
     """The function of a step.
 
     Attributes:
-        name: How recipes and the command line name it.
+        name: How the command line names it.
         call: The function: Dataset and parameters to Dataset.
         origin: Package, version and object; empty for a step of this package.
     """
@@ -94,28 +78,10 @@ class StepFunction:
         except AnalysisError:
             raise
         except Exception as error:  # the function is not ours: it may raise anything
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) failed: {reason}",
-                    step=self.name,
-                    origin=self.origin,
-                    reason=f"{type(error).__name__}: {error}",
-                ),
-                fault=faults.STEPS,
-            ) from error
-        self._check(survey, result)
-        return result.assign_attrs({**survey.attrs, **result.attrs, **_kept(survey)})
-
-    def _check(self, survey: xr.Dataset, result: object) -> None:
+            raise self.unusable(f"{type(error).__name__}: {error}") from error
         if not isinstance(result, xr.Dataset):
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) returned {type}; it must return an xarray.Dataset",
-                    step=self.name,
-                    origin=self.origin,
-                    type=type(result).__name__,
-                ),
-                fault=faults.STEPS,
+            raise self.unusable(
+                Message("it returned {type}, no xarray.Dataset", type=type(result).__name__)
             )
         lost = [
             name
@@ -128,23 +94,32 @@ class StepFunction:
             if name in result and set(result[name].dims) != set(data.dims)
         ]
         if lost:
-            raise AnalysisError(
-                Message(
-                    "step '{step}' ({origin}) changed {names}; a step must keep positions, flags "
-                    "and dimensions",
-                    step=self.name,
-                    origin=self.origin,
-                    names=", ".join(lost),
-                ),
-                fault=faults.STEPS,
+            names = ", ".join(lost)
+            raise self.unusable(
+                Message("it changed {names}; positions, flags and dimensions stay", names=names)
             )
+        # Whatever a step does: data stay simulated, and recorded as made by the steps before it.
+        kept = {key: survey.attrs[key] for key in (SIMULATED, PROCESSING) if key in survey.attrs}
+        return result.assign_attrs({**survey.attrs, **result.attrs, **kept})
+
+    def unusable(self, reason: Union[str, Message]) -> StepError:
+        """Return the error of a step that is not of this package."""
+        return StepError(
+            Message(
+                "step '{step}' ({origin}) cannot be used: {reason}",
+                step=self.name,
+                origin=self.origin,
+                reason=reason,
+            ),
+            fault=faults.STEPS,
+        )
 
 
 STEPS = ExtensionPoint(
     "gpr20_analysis.steps",
     Message("the step"),
     own={name: StepFunction(name, call) for name, call in FUNCTIONS.items()},
-    error=RecipeError,
+    error=StepError,
     fault=faults.STEPS,
 )
 """By this, other packages add steps."""
@@ -154,40 +129,23 @@ def find_step(name: str) -> StepFunction:
     """Return the function of a step.
 
     Raises:
-        RecipeError: There is none, or its package cannot be used.
+        StepError: There is none, or its package cannot be used.
     """
     if name in STEPS.own:
         own: StepFunction = STEPS.own[name]
         return own
     added = STEPS.addition(name)
-    return _checked(name, STEPS.load(added), added.origin)
-
-
-def _kept(survey: xr.Dataset) -> Dict[str, Any]:
-    # Whatever a step does: data stay simulated, and recorded as made by the steps before it.
-    return {key: survey.attrs[key] for key in ("simulated", "processing") if key in survey.attrs}
-
-
-def _checked(name: str, function: Any, origin: str) -> StepFunction:
-    """Return a step that is not of this package, after a check of its parameters."""
-    if not callable(function):
-        raise RecipeError(
-            Message("step '{step}' ({origin}) is not a function", step=name, origin=origin),
-            fault=faults.STEPS,
-        )
-    found = StepFunction(name, function, origin)
+    found = StepFunction(name, STEPS.load(added), added.origin)
+    if not callable(found.call):
+        raise found.unusable(Message("it is not a function"))
     for key, (kind, _default) in found.parameters.items():
         is_enum = inspect.isclass(kind) and issubclass(kind, enum.Enum)
         if kind not in (int, float, str, xr.Dataset) and not is_enum:
-            raise RecipeError(
+            raise found.unusable(
                 Message(
-                    "parameter '{parameter}' of step '{step}' ({origin}) must be annotated with "
-                    "one of: {allowed}",
+                    "parameter '{parameter}' must be annotated with one of: {allowed}",
                     parameter=key,
-                    step=name,
-                    origin=origin,
                     allowed=PARAMETER_TYPES,
-                ),
-                fault=faults.STEPS,
+                )
             )
     return found

@@ -9,7 +9,7 @@ import scipy.fft
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import FREQUENCY, S21
+from gpr20_analysis.dataset import FREQUENCY
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -108,15 +108,6 @@ def summed(weighted: np.ndarray, sweep: FrequencyGrid, count: int) -> np.ndarray
     turns = sweep.start_hz * even_delays_s(sweep, count)
     samples *= (count * np.exp(2j * np.pi * turns)).astype(samples.dtype)
     return samples
-
-
-def apply_window(survey: xr.Dataset, window: Window = Window.HANN) -> xr.Dataset:
-    """Weight the band of each trace.
-
-    Later steps apply windows too; weighting twice narrows the band twice.
-    """
-    weights = window.weights(survey.sizes[FREQUENCY])
-    return survey.assign({S21: survey[S21] * xr.DataArray(weights, dims=FREQUENCY)})
 
 
 def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Dataset:

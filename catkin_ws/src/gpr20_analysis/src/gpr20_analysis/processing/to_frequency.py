@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from dataclasses import dataclass
-from typing import List, Optional
+from typing import List
 
 import numpy as np
 import xarray as xr
@@ -26,41 +24,12 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
+from gpr20_survey.radar.frequency_to_delay import phase_advance
 
-SPECTRUM = "spectrum"
-"""Attribute: the sweep and window from which A-scans were made, as JSON."""
 FAINTEST = 0.05
 """Edge of a band that is not recorded: amplitude relative to the strongest frequency."""
 EVEN = 1e-3
 BYTES_PER_FACTOR = 48.0
-
-
-@dataclass(frozen=True)
-class Spectrum:
-    """How A-scans were made of spectra.
-
-    Attributes:
-        sweep: The frequencies.
-        window: Weights over the band.
-    """
-
-    sweep: FrequencyGrid
-    window: Window
-
-    def to_json(self) -> str:
-        """Return it as an attribute."""
-        sweep = self.sweep
-        return json.dumps([sweep.start_hz, sweep.step_hz, sweep.count, self.window.value])
-
-    @classmethod
-    def of(cls, survey: xr.Dataset) -> Optional[Spectrum]:
-        """Return the one in the attributes of A-scans; None if it is not recorded."""
-        try:
-            start_hz, step_hz, count, window = json.loads(str(survey.attrs.get(SPECTRUM, "null")))
-            return cls(FrequencyGrid(float(start_hz), float(step_hz), int(count)), Window(window))
-        except (TypeError, ValueError):
-            return None
 
 
 def to_frequency(
@@ -68,14 +37,13 @@ def to_frequency(
 ) -> xr.Dataset:
     """Return spectra at the true frequencies of A-scans over time.
 
-    The window that `time` applied is divided out. Of A-scans by other programs neither their
-    window nor their scale is known: levels are then relative.
+    Neither the window nor the scale of other programs is known: levels are relative.
 
     Args:
         survey: Dataset with `a_scan`, real or complex.
-        start_hz: First frequency [Hz]; 0: as recorded, or where the spectra begin.
-        stop_hz: Last frequency [Hz]; 0: as recorded, or where the spectra end.
-        points: Number of frequencies; 0: as recorded, or as many as the duration resolves.
+        start_hz: First frequency [Hz]; 0: where the spectra begin.
+        stop_hz: Last frequency [Hz]; 0: where the spectra end.
+        points: Number of frequencies; 0: as many as the duration resolves.
 
     Returns:
         Dataset with `s21` (polarization, y, x, frequency) instead of `a_scan`.
@@ -88,15 +56,12 @@ def to_frequency(
     a_scans = require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY))
     delay_s = np.asarray(survey[DELAY].values, dtype=np.float64)
     step_s = _step_s(delay_s)
-    recorded = Spectrum.of(survey)
     notes: List[Message] = []
     if start_hz or stop_hz or points:
-        spectrum = Spectrum(_given(start_hz, stop_hz, points, step_s), Window.NONE)
-    elif recorded is not None:
-        spectrum = recorded
+        sweep = _given(start_hz, stop_hz, points, step_s)
     else:
-        spectrum = Spectrum(_found(a_scans, survey, step_s), Window.NONE)
-        ends = spectrum.sweep.frequency_hz[[0, -1]]
+        sweep = _found(a_scans, survey, step_s)
+        ends = sweep.frequency_hz[[0, -1]]
         notes = [
             Message(
                 "the frequencies of the A-scans are not recorded; the band {start_hz:.4g} to "
@@ -105,13 +70,13 @@ def to_frequency(
                 stop_hz=ends[1],
             )
         ]
-    frequency_hz = spectrum.sweep.frequency_hz
+    frequency_hz = sweep.frequency_hz
     # Traces of others may have many samples, at each of which there is a factor for each frequency.
     needed = BYTES_PER_FACTOR * len(frequency_hz) * len(delay_s)
     work.require_bytes(needed, Message("the transform to frequencies"))
     matrix = phase_advance(frequency_hz, -delay_s)
-    # The factor that `time` has applied, for a full period of it.
-    matrix *= step_s * spectrum.sweep.step_hz / spectrum.window.shares(spectrum.sweep.count)
+    # The unweighted transform of these spectra to time gives the A-scans back.
+    matrix *= step_s * sweep.step_hz * sweep.count
 
     # A real trace has half of its spectrum at negative frequencies.
     halves = 2.0 if not np.any(np.imag(a_scans.values)) else 1.0
@@ -119,7 +84,6 @@ def to_frequency(
     result = survey.drop_vars([A_SCAN, DELAY])
     result = result.assign_coords({FREQUENCY: (FREQUENCY, frequency_hz, ATTRIBUTES[FREQUENCY])})
     result = result.assign({S21: (S21_DIMS, spectra, ATTRIBUTES[S21])})
-    result.attrs.pop(SPECTRUM, None)
     return result.assign_attrs(with_notes(result, notes)) if notes else result
 
 

@@ -158,25 +158,16 @@ class Pace:
 
     Attributes:
         rate: How many times faster than it was recorded.
-        longest_pause_s: Longer gaps of the recording are shortened to this [s]; None: they are not.
         start_s: Where it begins, from the start of the recording [s].
         paused: Whether it begins paused, behind the messages of its first moment.
     """
 
     rate: float = 1.0
-    longest_pause_s: Optional[float] = None
     start_s: float = 0.0
     paused: bool = False
 
     def __post_init__(self) -> None:
         checked_rate(self.rate)
-        if self.longest_pause_s is not None and not self.longest_pause_s >= 0.0:
-            raise AnalysisError(
-                Message(
-                    "the longest pause is {pause_s:g} s; it must be 0 or more",
-                    pause_s=self.longest_pause_s,
-                )
-            )
         if not 0.0 <= self.start_s <= LONGEST_START_S:
             raise AnalysisError(
                 Message(
@@ -199,7 +190,6 @@ class Playback:
 
     def __init__(self, pace: Pace, clock: Clock) -> None:
         self._clock = clock
-        self._longest_pause_s = pace.longest_pause_s
         self._start_s = pace.start_s
         self._changed = threading.Event()
         self.ended = threading.Event()
@@ -259,10 +249,7 @@ class Playback:
     def _wait(self, gap_s: float) -> bool:
         """Wait for a gap of the recording; return False once stopped."""
         self._count_passed()
-        if self._longest_pause_s is None:
-            self._lead_s -= gap_s
-        else:
-            self._lead_s -= min(gap_s, self._longest_pause_s * self.rate)
+        self._lead_s -= gap_s
         while not self.ended.is_set():
             self._changed.clear()
             if self.paused and gap_s > 0.0:

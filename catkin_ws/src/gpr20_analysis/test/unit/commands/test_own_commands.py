@@ -1,7 +1,6 @@
 """Commands, formats, methods and steps of other packages: docs/extend, and what they may not do."""
 
 import itertools
-import json
 import re
 import shlex
 import sys
@@ -11,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 from case_kit import each_case
 from command_kit import install
 from fault_kit import raises_fault
@@ -24,9 +22,9 @@ from gpr20_analysis.formats.imports import IMPORTS, import_survey
 from gpr20_analysis.imaging.methods import imaging_method
 from gpr20_analysis.processing.chain import (
     apply_steps,
-    recipe_of,
+    recorded_steps,
     step_from_text,
-    steps_from_recipe,
+    text_of,
 )
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
@@ -41,7 +39,7 @@ SUMMARY = "print 100 % of the corners"
 # The modules of the page on steps, importable as those of an installed package are.
 _folder = tempfile.TemporaryDirectory()
 STEP_CODE = {}
-for _kind in ("python", "toml", "yaml"):
+for _kind in ("python", "toml"):
     STEP_CODE.update(code_blocks(STEP_PAGE, _kind))
 for _name, _code in STEP_CODE.items():
     Path(_folder.name, _name).write_text(_code)
@@ -176,20 +174,18 @@ def never(path):
     raise AssertionError(path)
 
 
-def test_a_recipe_names_an_installed_step_and_its_version(site, sample):
-    result = apply_steps(sample, steps_from_recipe(yaml.safe_load(STEP_CODE["recipe.yaml"])), never)
-    notch, background = recipe_of(result)
+def test_the_result_names_an_installed_step_and_its_version(site, sample):
+    texts = ("notch:center_hz=1.8e9", "background")
+    result = apply_steps(sample, [step_from_text(one) for one in texts], never)
+    notch, background = recorded_steps(result)
     assert notch["origin"] == "my-steps 1.0, my_steps:notch"
     assert "origin" not in background
-    # What is recorded is a recipe, and makes the same again.
-    again = apply_steps(sample, steps_from_recipe(json.loads(result.attrs["processing"])), never)
-    assert again.identical(result)
-    recipe = [{"step": "notch", "center_hz": 1e9, "origin": "my-steps 0.9, my_steps:notch"}]
-    with raises_fault(faults.STEPS, "my-steps 0.9", "my-steps 1.0"):
-        steps_from_recipe(recipe)
+    # What is recorded makes the same again.
+    again = [step_from_text(text_of(one)) for one in recorded_steps(result)]
+    assert apply_steps(sample, again, never).identical(result)
     for name in ("my_steps:notch", "os:system", "my_steps.notch"):
         with raises_fault(faults.STEPS):
-            steps_from_recipe([{"step": name, "center_hz": 1e9}])
+            step_from_text(f"{name}:center_hz=1e9")
     install(site, "[gpr20_analysis.steps]\nnotch = other:notch\n", "other")
     with raises_fault(faults.STEPS, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
         step_from_text("notch:center_hz=1.8e9")

@@ -1,5 +1,7 @@
 """Damaged input is refused by name, or left out and marked: never part of a picture unnoticed."""
 
+import errno
+import itertools
 import json
 import random
 import re
@@ -23,11 +25,14 @@ from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.read.recordings import is_metadata_topic
+from gpr20_analysis.read.replay import describe
 from gpr20_analysis.read.sources import read_trace
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.trace import trace_message
 
 pytestmark = pytest.mark.usefixtures("blank_figures")
 
@@ -281,9 +286,34 @@ def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it
         assert f"rosbag reindex {name}" in capsys.readouterr().err
 
 
-def test_what_is_damaged_in_a_bag_is_named(recorded_folder, tmp_path):
+def test_what_is_damaged_in_a_recording_is_named(recorded_folder, tmp_path, monkeypatch):
     path, content = tmp_path / "survey.bag", (recorded_folder / "survey.bag").read_bytes()
     for place in (5000, len(content) // 2):
         path.write_bytes(content[:place] + bytes(40) + content[place + 40 :])
         with pytest.raises(AnalysisError):
             load_survey(path)
+    whole = list(StoredMcap(recorded_folder / "survey.mcap").messages())
+    path = tmp_path / "empty.mcap"
+    file = McapFile(path)
+    for one in whole:
+        if one.datatype != trace_message.DATATYPE and not is_metadata_topic(one.topic):
+            file.write(one)
+    file.finish()
+    with raises_fault(faults.INPUT, "its topics are: /"):
+        describe(path)
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2] + bytes(40) + content[len(content) // 2 + 40 :])
+    for read in (describe, load_survey):
+        with raises_fault(faults.FILE_DAMAGED):
+            read(path)
+
+    def failing(_self, datatype=""):
+        wanted = (one for one in whole if datatype in ("", one.datatype))
+        yield from itertools.islice(wanted, 5)
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(StoredMcap, "messages", failing)
+    with raises_fault(survey_faults.DAMAGED, "Input/output error"):
+        load_survey(recorded_folder / "survey.mcap")
+    survey = load_survey(recorded_folder / "survey.mcap", accept_damaged=True)
+    assert survey.attrs["stored"] == 5 and "Input/output error" in survey.attrs["faults"][0]

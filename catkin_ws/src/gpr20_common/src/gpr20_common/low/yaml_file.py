@@ -12,7 +12,7 @@ from gpr20_common import faults
 from gpr20_common.errors import UNREADABLE, Gpr20Error
 from gpr20_common.message import Message
 
-# A scene, a recipe or a profile has some kilobytes; what is far larger is something else.
+# A scene or a profile has some kilobytes; what is far larger is something else.
 MAX_BYTES = 1 << 20
 
 # The reader of plain values raises whatever their conversion does: for the day 2026-13-45 a
