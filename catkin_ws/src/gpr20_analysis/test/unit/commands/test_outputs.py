@@ -16,7 +16,7 @@ from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.common import Imported, as_dataset
-from gpr20_analysis.formats.dataset_files import write_dataset
+from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.faults import NOT_ALLOWED
 
