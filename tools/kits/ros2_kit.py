@@ -32,9 +32,12 @@ def exported(bag: Path) -> Iterator[Decoded]:
 
 
 def differences(recording: Path, bag: Path) -> List[str]:
-    """Return what differs between an MCAP file of ROS 1 and a bag of ROS 2."""
+    """Return what differs between an MCAP file of ROS 1 and a bag of ROS 2, in order of time."""
     found: List[str] = []
-    for number, (one, two) in enumerate(zip_longest(decoded(recording), exported(bag))):
+    both = (
+        sorted(one, key=lambda it: (it[2], it[0])) for one in (decoded(recording), exported(bag))
+    )
+    for number, (one, two) in enumerate(zip_longest(*both)):
         if one is None or two is None:
             return [*found, f"only one has message {number}"]
         if one[:3] != two[:3] or not same(one[3], two[3]):

@@ -1,6 +1,6 @@
 """The recording of a survey as a bag of ROS 1 or ROS 2, message by message.
 
-The messages keep their order and times. What cannot be read is left out and named.
+The messages keep their times, by which they are sorted. What cannot be read is left out and named.
 """
 
 from __future__ import annotations
