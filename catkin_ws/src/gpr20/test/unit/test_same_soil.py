@@ -53,12 +53,18 @@ TIME_US = 1_795_000_000_000_000
 
 
 class Here(Analysis):
-    """The analysis of the imaging node, in this process."""
+    """The worker of the imaging node, in this process."""
 
-    is_installed = True
+    has_analysis = True
 
-    def focus(self, folder, permittivity, _stop):
-        return super().focus(folder, permittivity)
+    def start(self):
+        pass
+
+    def ask(self, _limit_s, _report, name, *arguments):
+        return getattr(self, name)(*arguments)
+
+    def end(self):
+        pass
 
     def close(self):
         pass
@@ -120,17 +126,15 @@ def enter(folder, permittivity):
 
 def answers(folder, capsys):
     """Return the lists of window, API and command, the report, and the window's result."""
-    with closing(Node(folder.parent, Here(), None, lambda *_: None)) as node:
+    with closing(Node(folder.parent, Here(), lambda *_: None)) as node:
         window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
         window.open(folder.name)
         window.keep()
         window.keep()
     survey = gpr20_analysis.load_survey(folder)
-    cleaned = gpr20_analysis.process_survey(survey, "background:method=surface")
-    image = gpr20_analysis.image_survey(cleaned, gpr20_analysis.ImageOptions())
     lists = {
         "window": window.image.found,
-        "API": gpr20_analysis.find_candidates(image),
+        "API": gpr20_analysis.answer(survey, gpr20_analysis.ImageOptions()).found,
         "command": of_command(folder, capsys),
     }
     page = folder.parent / "report.html"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -99,7 +100,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     for path in chosen.markers:
         write_markers(markers, path)
     if chosen.json:
-        print(json_text(markers), end="")
+        print(json.dumps(json.loads(json_text(markers)), indent=2))
         return DONE
     print_rows(_rows(annotation_of(description)), catalogue)
     lines = marker_lines(markers, catalogue) if markers.markers else []

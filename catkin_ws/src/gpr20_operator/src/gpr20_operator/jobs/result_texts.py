@@ -90,7 +90,7 @@ def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> 
             total=found.weaker,
         )
     last = min(first + most, places)
-    counted = Message("{shown} of {total} places to check", shown=last - first, total=places)
+    counted = Message("{shown} of {total} places", shown=last - first, total=places)
     if first:
         counted = Message("{first}-{last} of {total}", first=first + 1, last=last, total=places)
     return in_a_row([counted, *([weaker_line(found)] if found.weaker else [])])
