@@ -6,10 +6,8 @@ Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (bench
 clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
 three bodies at 20 to 200 mm: plastic and metal discs of 30 to 60 mm radius, cylinders, fragments.
 Areas: the five laboratory scenes of Uniandes and three random ones, in three dimensions. Born: 40
-areas by an integral over the body, without any grid. The real line is a GSSI record over 14 bars
-(tools/kits/recorded_worlds.py).
-
-gprMax: 14 lines by that program.
+areas by an integral over the body, without any grid. gprMax: 14 lines by that program. The real
+line is a GSSI record over 14 bars (tools/kits/recorded_worlds.py).
 
 Each is imaged with the default command's steps and method and its true permittivity. A candidate
 within 30 mm of a body's width and between 30 mm above its top and 60 mm below its bottom is that

@@ -10,12 +10,14 @@ import tempfile
 from pathlib import Path
 from typing import Any, Dict, Tuple
 
+import yaml
+
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import MissingLibraryError, UnreadableFileError, library_missing
 from gpr20_analysis.read.doubts import recording_doubts
 from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
-from gpr20_analysis.sentences import with_sentences
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
@@ -68,6 +70,7 @@ def export_recording(survey: Path, path: Path, form: str, progress: Progress) ->
             )
         if form == "ros2":
             _convert(bag, place)
+            _note(place, recording, lost)
     return _export(recording, lost, Message("{count} messages", count=count))
 
 
@@ -89,6 +92,17 @@ def _convert(bag: Path, folder: Path) -> None:
             Message("the recording cannot be converted to ROS 2", details=error),
             fault=faults.INPUT,
         ) from error
+
+
+def _note(folder: Path, recording: Path, lost: Lost) -> None:
+    """Write into the metadata of a bag of ROS 2 what is doubted or lost."""
+    path = folder / "metadata.yaml"
+    described = yaml.safe_load(path.read_text(encoding="utf-8"))
+    losses = [str(one) for one in (*lost.missing, *lost.faults)]
+    said = {DOUBTS: kept_doubts(recording_doubts(recording)), "lost": losses}
+    custom = {name: "; ".join(texts) for name, texts in said.items() if texts}
+    described["rosbag2_bagfile_information"]["custom_data"] = custom
+    path.write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 
 WHAT = ("topics", "msgtypes")
