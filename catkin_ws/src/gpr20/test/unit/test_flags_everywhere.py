@@ -106,7 +106,7 @@ def check(found, folder):
     if shown:
         counted = str(headline(received))
         assert (f"{received.weaker} weaker echoes" in counted) == (received.weaker > 0)
-        assert f"of {len(shown)} places to check" in counted
+        assert f"of {len(shown)} places" in counted
 
     # The markers: everything that is listed.
     markers = candidate_topics.marker_array(found, "base_link", rospy.Time(0)).markers

@@ -153,7 +153,7 @@ def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(su
     surveys.waiting.pop()()
     assert surveys.get(surveys.whole, "/candidates")["state"] == "done"
     shown = surveys.get(surveys.whole)["candidates"]
-    assert shown["headline"] == "1 of 1 places to check; 1 weaker echoes" and shown["list"] == SUM
+    assert shown["headline"] == "1 of 1 places; 1 weaker echoes" and shown["list"] == SUM
     assert str(NO_CLEARANCE) in shown["warnings"] and str(texts.FROM_MARK) in shown["notes"]
     first, second = shown["places"]
     assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")

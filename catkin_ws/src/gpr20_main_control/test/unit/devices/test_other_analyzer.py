@@ -7,7 +7,7 @@ from gpr20_common.faults import IN_USE
 from gpr20_common.low.clock import Clock
 from gpr20_main_control.errors import OtherAnalyzerError, RequestRefusedError
 from gpr20_main_control.mid.survey.survey import Accepted
-from gpr20_survey.faults import VNA_REPLACED
+from gpr20_survey.faults import NONE_OPEN, VNA_REPLACED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -60,8 +60,8 @@ def test_a_survey_continues_only_with_an_analyzer_that_is_accepted_and_records_b
 
     bench.storage.add_fact = note
     bench.control.resume(survey_id, Accepted(OTHER))
-    # A second request accepts nothing.
-    with raises_fault(IN_USE, error=RequestRefusedError):
+    # A second request accepts nothing, whether the survey runs or has ended already.
+    with raises_fault((IN_USE, NONE_OPEN), error=RequestRefusedError):
         bench.control.resume("", Accepted(THIRD))
     bench.complete()
     assert recorded(bench) == [(FORMER, 0), (OTHER, 7)]
