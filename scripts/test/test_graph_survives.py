@@ -181,13 +181,14 @@ def is_open(connection):
 
 
 def node_addresses():
-    """Return both ports of every node."""
-    master = rosgraph.Master(NAME)
+    """Return both ports of every node; of one that is not registered yet, none."""
+    master, found = rosgraph.Master(NAME), []
     state = master.getSystemState()
-    nodes = {node for entries in state for _name, found in entries for node in found}
-    uris = [master.lookupNode(node) for node in nodes]
-    uris += [master.lookupService(f"{node}/get_loggers") for node in nodes]
-    return [(urlsplit(uri).hostname, urlsplit(uri).port) for uri in uris]
+    for node in {node for entries in state for _name, nodes in entries for node in nodes}:
+        with contextlib.suppress(rosgraph.MasterException):
+            uris = master.lookupNode(node), master.lookupService(f"{node}/get_loggers")
+            found += [(urlsplit(uri).hostname, urlsplit(uri).port) for uri in uris]
+    return found
 
 
 def stop_survey():
@@ -204,10 +205,10 @@ def stop_survey():
 
 @pytest.mark.timeout(300)
 def test_stop_and_storing_do_not_wait_behind_strangers(robot, tmp_path):
+    wait_until(lambda: len(set(node_addresses())) == 2 * len({*NODES, "visualization"}))
     addresses = node_addresses()
     _soft, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-    assert len(set(addresses)) == 2 * len({*NODES, "visualization"})
     strangers = Strangers(addresses)
     try:
         wait_until(lambda: strangers.made > STRANGERS * len(addresses))
