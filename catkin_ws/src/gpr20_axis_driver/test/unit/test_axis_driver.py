@@ -204,7 +204,7 @@ def test_its_zero_is_where_it_was_set_and_a_homing_turns_to_it():
     axis.driver.set_zero()
     second = axis.driver.position.zero
     axis.driver.move_to_coordinate(90.0, never)
-    # One that was stopped is not homed, and goes on later.
+    # One that was stopped is not homed, and continues later.
     with pytest.raises(MotionStopped):
         axis.driver.homing(lambda: len(axis.machine.pulses) >= 110)
     assert not axis.driver.homing_done

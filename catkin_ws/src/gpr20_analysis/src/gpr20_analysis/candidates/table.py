@@ -11,7 +11,7 @@ from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate, 
 
 NONE = "-"
 X_COLUMN, Y_COLUMN, RATIO_COLUMN = 1, 2, 6
-WEAKER_TITLE = Message("Weaker echoes: not told from clutter, but weak bodies look the same:")
+WEAKER_TITLE = Message("Weaker echoes: no stronger than clutter, but weak bodies look the same:")
 
 
 def candidate_heading(catalogue: Catalogue = ENGLISH) -> Tuple[str, ...]:

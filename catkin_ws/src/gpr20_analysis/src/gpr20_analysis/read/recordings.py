@@ -133,7 +133,7 @@ def all_messages(
             # The libraries unpack without checks: damaged bytes raise exceptions of any kind.
             lost.faults.append(
                 Message(
-                    "{file} is damaged; gpr20 verify tells what of its survey's folder is whole",
+                    "{file} is damaged; gpr20 verify shows what of its survey's folder is whole",
                     file=path.name,
                     details=repr(error),
                 )
