@@ -19,6 +19,7 @@ from collections import Counter
 import bad_link
 import pytest
 from network_namespaces import badly_linked_machines
+from robot_kit import has_bag
 from two_machine_survey import (
     CLIENT,
     launched,
@@ -50,7 +51,7 @@ pytestmark = [
 def check_complete(folder):
     assert outcome(folder) == "finished"
     assert stored_traces(folder) == Counter(range(TRACES))
-    wait_until((survey_folder(folder) / "survey.bag").exists)
+    wait_until(lambda: has_bag(survey_folder(folder)))
     verify = [sys.executable, "-m", "gpr20_analysis.commands.main", "verify"]
     subprocess.run([*verify, survey_folder(folder)], check=True)
 

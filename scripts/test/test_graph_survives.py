@@ -17,7 +17,7 @@ from urllib.parse import urlsplit
 
 import pytest
 from fault_kit import raises_fault
-from robot_kit import MASTER, NODES, LaunchedRobot, free_port
+from robot_kit import MASTER, NODES, LaunchedRobot, free_port, has_bag
 from run_seed import SEED
 from user_shell import printed_by, wait_until
 
@@ -90,8 +90,9 @@ def stored(robot, surveys):
 
 
 def check_complete(folder):
+    wait_until(lambda: has_bag(folder))
     found = verify_survey(folder)
-    assert (found.status, found.faults) == (COMPLETE, [])
+    assert (found.status, found.faults) == (COMPLETE, []), found.verdict
     assert len(list(folder.glob("traces/*.json"))) == TRACES
 
 

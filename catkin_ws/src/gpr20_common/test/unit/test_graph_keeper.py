@@ -16,9 +16,15 @@ from rospy.impl.tcpros_base import TCPServer
 from test_links import Server
 
 from gpr20_common.high import graph_keeper
-from gpr20_common.high.graph_keeper import BROKEN_LIMIT_S, MOST_OPEN, GraphKeeper, _Doorman
+from gpr20_common.high.graph_keeper import (
+    BROKEN_LIMIT_S,
+    MOST_OPEN,
+    SAY_PERIOD_S,
+    GraphKeeper,
+    _Doorman,
+)
 
-LIMIT_S = 20.0
+LIMIT_S = 60.0
 HEADER = encode_ros_handshake_header({"service": "/stop", "callerid": "/me"})
 PARAMETERS = {"run_id": "1", "launch": "{}", "gpr20_started": {"launch": {"me": True}}}
 
@@ -156,8 +162,10 @@ def test_connections_end_when_the_other_end_is_silent_for_too_long(graph):
 
 
 @pytest.fixture
-def port():
+def port(monkeypatch):
     """The address of a node that tells who has said a whole header, and its doorman."""
+    # A busy computer must not make what is said in pieces too late.
+    monkeypatch.setattr(graph_keeper, "HEADER_LIMIT_S", 5.0)
     said, more = [], threading.Condition()
 
     def begin(connection, _address):
@@ -205,6 +213,27 @@ def test_a_header_is_heard_in_pieces_and_does_not_wait_for_strangers(port):
     assert set(noted) == {one.getsockname() for one in strangers}
     for stranger in strangers:
         stranger.close()
+
+
+def test_who_closes_a_connection_is_no_stranger(port):
+    address, noted, heard = port
+    for _ in range(MOST_OPEN):
+        socket.create_connection(address).close()
+    with socket.create_connection(address) as node:
+        node.sendall(HEADER)
+        assert heard(1) == [HEADER]
+    assert noted == []
+
+
+def test_strangers_are_said_when_several_come_and_not_too_often(monkeypatch):
+    said, doorman = [], _Doorman(SimpleNamespace(inbound_handler=None))
+    monkeypatch.setattr(graph_keeper.LOGGER, "warning", lambda text, **_more: said.append(text))
+    rare = [SAY_PERIOD_S * number for number in range(5)]
+    for now_s in (*rare, *(rare[-1] + 1 + number for number in range(9))):
+        monkeypatch.setattr(graph_keeper, "time", SimpleNamespace(monotonic=lambda: now_s))  # noqa: B023
+        doorman.note(("10.0.0.9", 4711))
+    (only,) = said
+    assert "were ended: 3, the last from 10.0.0.9:4711" in only
 
 
 def test_the_xml_rpc_of_a_node_has_a_bounded_number_of_connections(monkeypatch):

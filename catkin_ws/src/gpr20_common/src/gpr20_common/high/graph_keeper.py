@@ -47,6 +47,8 @@ LENGTH = struct.Struct("<I")
 POLL_S = 0.5
 # Strangers, and a master that does not answer, are said this often [s].
 SAY_PERIOD_S = 10.0
+# Fewer within that time are not said: a busy computer makes a node of this robot late.
+FEWEST_STRANGERS = 3
 
 
 class GraphKeeper:
@@ -181,21 +183,23 @@ class _Doorman:
     def __init__(self, server: Any) -> None:
         self._server, self._begin = server, server.inbound_handler
         self._selector = selectors.DefaultSelector()
-        self._strangers, self._said_s = 0, -math.inf
+        self._noted_s: List[float] = []
+        self._said_s = -math.inf
         server.inbound_handler = self._serve
 
     def note(self, address: Tuple[str, int]) -> None:
-        """Say who connected without speaking as ROS does."""
-        self._strangers += 1
-        if time.monotonic() - self._said_s >= SAY_PERIOD_S:
+        """Say who connected without speaking as ROS does, where several did."""
+        now_s = time.monotonic()
+        self._noted_s = [*(one for one in self._noted_s if now_s - one < SAY_PERIOD_S), now_s]
+        if len(self._noted_s) >= FEWEST_STRANGERS and now_s - self._said_s >= SAY_PERIOD_S:
             said = Message(
                 "connections that say nothing that ROS understands were ended: {count}, the last "
                 "from {address}; find the program that makes them, and end it",
-                count=self._strangers,
+                count=len(self._noted_s),
                 address="{}:{}".format(*address),
             )
             LOGGER.warning(str(said), extra={REMARK: said})
-            self._strangers, self._said_s = 0, time.monotonic()
+            self._said_s = now_s
 
     def _serve(self, first: socket.socket, address: Tuple[str, int]) -> None:
         """Be called by rospy with the next connection; return when the node ends."""
@@ -224,9 +228,12 @@ class _Doorman:
 
     def _hear(self, key: selectors.SelectorKey) -> None:
         connection: Any = key.fileobj
-        head = connection.recv(LENGTH.size, socket.MSG_PEEK).ljust(LENGTH.size, b"\0")
-        size = LENGTH.size + LENGTH.unpack(head)[0]
-        if not LENGTH.size < size <= LARGEST_HEADER_BYTES:
+        head = connection.recv(LENGTH.size, socket.MSG_PEEK)
+        size = LENGTH.size + LENGTH.unpack(head.ljust(LENGTH.size, b"\0"))[0]
+        if not head:  # the other end has closed it
+            self._selector.unregister(connection)
+            connection.close()
+        elif not LENGTH.size < size <= LARGEST_HEADER_BYTES:
             self._turn_away(key)
         elif connection.getsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT) < size:
             connection.setsockopt(socket.SOL_SOCKET, socket.SO_RCVLOWAT, size)
