@@ -9,7 +9,7 @@ from map_kit import focused
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY
-from web_kit import Noted, route_of
+from web_kit import route_of
 
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import Service
@@ -17,9 +17,8 @@ from gpr20_operator.jobs.pictures import Exported, StoredSurvey
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.candidates import Flag
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.roles import Role
 
 DAY_US = 86_400_000_000
 NOW_US = STARTED_US + DAY_US
@@ -63,16 +62,14 @@ class Surveys:
 
     Attributes:
         waiting: What is to be done in the background.
-        audited: What was noted.
     """
 
     def __init__(self, data) -> None:
         self.data = data
         self.kit = Kit(data, now_ns=NOW_US * 1000)
         self.services = Services(self.kit, data)
-        self.waiting, audit = [], Noted()
-        self.audited = audit.entries
-        self.page = SurveysPage(*(self.services, data, audit, self.waiting.append, lambda: NOW_US))
+        self.waiting = []
+        self.page = SurveysPage(self.services, data, self.waiting.append, lambda: NOW_US)
         self.whole = self._add(SURVEY, STARTED_US, len(POINTS), "finished")
         self.part = self._add(OTHER_SURVEY, STARTED_US + DAY_US, 4, "stopped")
 
@@ -85,10 +82,10 @@ class Surveys:
         self.kit.annotate(survey_id, named)
         return folder.name
 
-    def ask(self, method, path, name="berta", role=Role.VIEW, **values):
+    def ask(self, method, path, name="berta", role=Role.WATCH, **values):
         """Return what the page answers a person."""
         route, parts = route_of(self.page.routes, method, path)
-        assert route.blocking and route.right is Role.VIEW
+        assert route.blocking and route.right is Role.WATCH
         return route.answer(Call(Person(name, role, "s", "::1"), "::1", values, parts))
 
     def get(self, folder, rest="", **values):

@@ -26,13 +26,12 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, Robot
 from gpr20_web.mid.controller import Controller, ControlPage
 from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
 from gpr20_web.mid.remote_plan import plan_id
-from gpr20_web.roles import Role
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
 PARAMETERS = SurveyParameters(
@@ -49,9 +48,9 @@ PARAMETERS = SurveyParameters(
 )
 PLAN = RemotePlan(PARAMETERS, EMPTY, "", 4.0)
 ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
-ANA = Person("ana", Role.OPERATE, "one", "10.0.0.5")
-BEN = Person("ben", Role.OPERATE, "two", "10.0.0.6")
-EVA = Person("eva", Role.VIEW, "three", "")
+ANA = Person("ana", Role.CONTROL, "one", "10.0.0.5")
+BEN = Person("ben", Role.CONTROL, "two", "10.0.0.6")
+EVA = Person("eva", Role.WATCH, "three", "")
 
 
 class Control:
@@ -81,7 +80,7 @@ class Control:
 class Desk:
     """The commands, a robot in a state, and what was noted."""
 
-    def __init__(self, view_may_stop: bool = True) -> None:
+    def __init__(self) -> None:
         self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
@@ -91,9 +90,8 @@ class Desk:
             Robot(self.model, self.control, self.allowance, self.time),
             self.controller,
             self.audit,
-            view_may_stop,
         )
-        self.control_page = ControlPage(self.controller, self.time, self.audit)
+        self.control_page = ControlPage(self.controller, self.time)
         self.be(SurveyState.CONFIGURED)
 
     @property
@@ -355,7 +353,7 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
                 desk.ask(what, argument, plan=plan_id(PLAN), survey=SURVEY)
         for command in desk.control.asked[asked:]:
             if command == "resume" or command[0] == "start":
-                assert argument.role >= Role.OPERATE
+                assert argument.role >= Role.CONTROL
                 assert desk.time.time_s <= allowed_until_s
                 assert holder is not None and argument.session == holder.session
 

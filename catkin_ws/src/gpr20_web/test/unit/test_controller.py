@@ -10,12 +10,11 @@ from hypothesis import strategies as st
 from web_kit import ManualClock
 
 from gpr20_common.faults import BUSY
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.controller import ABSENT_S, ANSWER_S, Controller, ControlPage
-from gpr20_web.roles import Role
 
-ANA, BEN, EVA = (Person(name, Role.OPERATE, f"session of {name}", "") for name in "abe")
+ANA, BEN, EVA = (Person(name, Role.CONTROL, f"session of {name}", "") for name in "abe")
 
 
 class Room:
@@ -57,7 +56,7 @@ def test_control_passes_only_to_whom_its_person_has_seen_asking() -> None:
     with pytest.raises(NotNowError):
         room.controller.give(ANA, BEN.mark)
     assert room.controller.has(ANA) and room.controller.asked is not None
-    page = ControlPage(room.controller, room.time, lambda *_what, **_values: None)
+    page = ControlPage(room.controller, room.time)
     steps = {one.pattern: one.answer for one in page.routes}
     with pytest.raises(BadRequestError, match="mark"):
         steps["/api/control/pass"](Call(ANA))

@@ -10,11 +10,10 @@ from typing import Any, Callable, Dict, List
 import pytest
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Person, Stream
+from gpr20_web.calls import Person, Role, Stream
 from gpr20_web.errors import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
-from gpr20_web.roles import Role
 
 LIMIT_S = 30.0
 
@@ -43,7 +42,7 @@ class Browser:
 
 
 def person(name: str = "ana", session: str = "one") -> Person:
-    return Person(name, Role.VIEW, session, "")
+    return Person(name, Role.WATCH, session, "")
 
 
 def in_loop(test: Callable[..., Any]) -> Callable[..., None]:

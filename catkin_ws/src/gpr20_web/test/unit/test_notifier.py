@@ -27,10 +27,9 @@ from gpr20_operator.robot.events import ControlState, Progress
 from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState as S
-from gpr20_web.low.notifier import TRIES, Notifier
+from gpr20_web.low.notifier import TRIES, News, Notifier, Occasion
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.watch import Watch
-from gpr20_web.news import News, Occasion
 
 LIMIT_S = 20.0
 NEWS = News(1, Occasion.FAULT, Message("the VNA"), Message("it is silent"), Message("look"), 34)

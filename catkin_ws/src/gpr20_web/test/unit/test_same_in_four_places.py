@@ -30,9 +30,8 @@ from gpr20_user_interface.terminal.displays import terminal_line
 from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
 from gpr20_user_interface.terminal.session import outcome_lines
 from gpr20_web import faults
-from gpr20_web.calls import Call, Route
+from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import NotNowError
-from gpr20_web.roles import Role
 
 HANDS_OFF = {
     Language.ENGLISH: "Keep your hands clear: the robot may still move. ",

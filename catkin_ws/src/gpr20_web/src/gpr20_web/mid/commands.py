@@ -18,14 +18,13 @@ from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Call, Route
+from gpr20_web.calls import Audited, Call, Role, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.controller import Controller
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.presses import Presses, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 
 @dataclass
@@ -51,7 +50,6 @@ class Commands(WebPage):
         robot: What is commanded.
         controller: Who may start and resume.
         audit: Notes who did what.
-        view_may_stop: Whether the site lets those stop who may only watch.
     """
 
     words: Mapping[str, Message] = {
@@ -84,9 +82,7 @@ class Commands(WebPage):
         "unknown": Message("{command}: unknown", command="{command}"),
     }
 
-    def __init__(
-        self, robot: Robot, controller: Controller, audit: Audited, view_may_stop: bool
-    ) -> None:
+    def __init__(self, robot: Robot, controller: Controller, audit: Audited) -> None:
         self._robot, self._controller, self._audit = robot, controller, audit
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
@@ -97,10 +93,10 @@ class Commands(WebPage):
         self._stop = StopConfirmation(robot.clock)
         self._warning: Optional[StopWarning] = None
         self.routes = (
-            Route("POST", "/api/stop", Role.VIEW if view_may_stop else Role.OPERATE, self._on_stop),
-            Route("POST", "/api/pause", Role.VIEW, self._pause),
-            Route("POST", "/api/start", Role.OPERATE, self._start),
-            Route("POST", "/api/resume", Role.OPERATE, self._resume),
+            Route("POST", "/api/stop", Role.WATCH, self._on_stop),
+            Route("POST", "/api/pause", Role.WATCH, self._pause),
+            Route("POST", "/api/start", Role.CONTROL, self._start),
+            Route("POST", "/api/resume", Role.CONTROL, self._resume),
         )
 
     def on_event(self, event: object) -> None:

@@ -11,10 +11,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Call, Person, Route, text_of
+from gpr20_web.calls import Call, Person, Role, Route, text_of
 from gpr20_web.errors import NotAllowedError, NotNowError
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 # Who does not answer the request of another one for so long [s] is not there.
 ANSWER_S = 20.0
@@ -148,12 +147,12 @@ class ControlPage(WebPage):
         ),
     }
 
-    def __init__(self, controller: Controller, clock: Clock, audit: Audited) -> None:
-        self._controller, self._clock, self._audit = controller, clock, audit
+    def __init__(self, controller: Controller, clock: Clock) -> None:
+        self._controller, self._clock = controller, clock
         steps = {"take": self._take, "release": self._release, "pass": self._pass}
         steps["keep"] = self._keep
         self.routes = tuple(
-            Route("POST", f"/api/control/{name}", Role.OPERATE, step)
+            Route("POST", f"/api/control/{name}", Role.CONTROL, step)
             for name, step in steps.items()
         )
 
@@ -172,22 +171,18 @@ class ControlPage(WebPage):
 
     def _take(self, call: Call) -> Mapping[str, Any]:
         self._controller.take(call.who)
-        self._audit(call, "control", "taken" if self._controller.has(call.who) else "asked for")
         return {}
 
     def _release(self, call: Call) -> Mapping[str, Any]:
         self._controller.release(call.who)
-        self._audit(call, "control", "given up")
         return {}
 
     def _pass(self, call: Call) -> Mapping[str, Any]:
         self._controller.give(call.who, text_of(call, "mark"))
-        self._audit(call, "control", "passed")
         return {}
 
     def _keep(self, call: Call) -> Mapping[str, Any]:
         self._controller.keep(call.who)
-        self._audit(call, "control", "kept")
         return {}
 
 

@@ -17,13 +17,12 @@ from gpr20_operator.palette import Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.trace.trace import Trace
-from gpr20_web.calls import Body, Call, Route
+from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import BusyError, NotNowError
 from gpr20_web.mid.ground_choice import FLAGS, THEMES, Values
 from gpr20_web.mid.ground_document import Text, document
 from gpr20_web.mid.shown_ground import ShownGround, pattern_png
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.
 PERIOD_S = 1.0
@@ -68,12 +67,12 @@ class GroundPage(WebPage):
         # The survey that each of them is for.
         self._asked: Dict[str, str] = {}
         self.routes = (
-            Route("GET", "/api/ground", Role.VIEW, self._ground),
-            Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.VIEW, self._png),
-            Route("GET", r"/api/ground/sign\.png", Role.VIEW, self._sign),
-            Route("POST", "/api/ground/focus", Role.VIEW, self._focus),
-            Route("POST", "/api/ground/hide", Role.OPERATE, self._hide),
-            Route("POST", "/api/ground/cancel", Role.OPERATE, self._cancel),
+            Route("GET", "/api/ground", Role.WATCH, self._ground),
+            Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.WATCH, self._png),
+            Route("GET", r"/api/ground/sign\.png", Role.WATCH, self._sign),
+            Route("POST", "/api/ground/focus", Role.WATCH, self._focus),
+            Route("POST", "/api/ground/hide", Role.CONTROL, self._hide),
+            Route("POST", "/api/ground/cancel", Role.CONTROL, self._cancel),
         )
 
     def on_event(self, event: object) -> None:

@@ -31,7 +31,7 @@ from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace import utc_time
-from gpr20_web.calls import Body, Call, Route
+from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import (
     BadRequestError,
     BusyError,
@@ -44,7 +44,6 @@ from gpr20_web.mid.candidate_search import CandidateSearches, SurveyServices
 from gpr20_web.mid.ground_page import SURVEY_RUNS
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 SURVEYS_PER_PAGE = 50
 MOST_CHARACTERS = 2000
@@ -60,7 +59,6 @@ class SurveysPage(WebPage):
     Args:
         services: Storage and imaging node.
         data: The data folder, on this computer.
-        audit: Notes what a person has written, see `Audit.add`.
         in_background: Calls something in a thread of its own.
     """
 
@@ -100,18 +98,17 @@ class SurveysPage(WebPage):
         self,
         services: SurveyServices,
         data: Path,
-        audit: Callable[..., None],
         in_background: Callable[[Callable[[], None]], None],
         time_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        self._services, self._data, self._audit, self._time_us = services, data, audit, time_us
+        self._services, self._data, self._time_us = services, data, time_us
         self._searches = CandidateSearches(services, in_background)
         self._running, self._replay = "", False
         # A note is added to those that were read just before.
         self._noting = threading.Lock()
         self._making, self._making_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
-            Route(method, pattern, Role.VIEW, answer, blocking=True)
+            Route(method, pattern, Role.WATCH, answer, blocking=True)
             for method, pattern, answer in (
                 ("GET", "/api/surveys", self._list),
                 ("GET", SURVEY, self._details),
@@ -209,7 +206,6 @@ class SurveysPage(WebPage):
             before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
             after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
             self._add_fact(folder, Kind.ANNOTATION, after.values())
-        self._audit(call, "note", folder=folder, text=text)
         return {}
 
     def _change_markers(self, call: Call) -> Mapping[str, Any]:
@@ -223,7 +219,6 @@ class SurveysPage(WebPage):
             values = {"marker_id": str(uuid.uuid4()), **place, "text": text, "author": who}
             marker = record_from(Marker, values, "marker")
             self._add_fact(folder, Kind.MARKER, marker.request())
-        self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
         return {}
 
     def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
@@ -235,12 +230,12 @@ class SurveysPage(WebPage):
         authors = [one.author for one in markers if one.marker_id == marker_id]
         if not authors:
             raise NotFoundError(Message("there is no such marker; it may have been removed"))
-        if call.who.role < Role.OPERATE and authors != [call.who.name]:
+        if call.who.role < Role.CONTROL and authors != [call.who.name]:
             raise NotAllowedError(
                 Message(
                     "the marker is by {author}; to remove it needs the right {right}",
                     author=authors[0] or "?",
-                    right=Role.OPERATE.word,
+                    right=Role.CONTROL.word,
                 )
             )
 
@@ -258,7 +253,6 @@ class SurveysPage(WebPage):
         result.note_found(place, what, depth_mm, call.who.name)
         if result.noting.problem is not None:
             raise NotNowError(result.noting.problem)
-        self._audit(call, "found", folder=folder, candidate=place.id, found=what.value)
         return {}
 
     def _find(self, call: Call) -> Mapping[str, Any]:

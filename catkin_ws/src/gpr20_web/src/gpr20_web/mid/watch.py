@@ -11,9 +11,9 @@ from gpr20_operator.robot.job import percent_of
 from gpr20_operator.robot.notices import fault_notice
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.low.notifier import News, Occasion
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.news import News, Occasion
 
 Key = Tuple[Hashable, ...]
 

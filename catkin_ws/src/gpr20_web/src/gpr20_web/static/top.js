@@ -80,9 +80,9 @@ export class Top {
     this.chip.hidden = !robot.simulated;
     const { paused } = state.job;
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
-    this.pause.hidden = !(state.job.running && (!paused || this.app.mayOperate));
-    this.start.hidden = !this.app.mayOperate || !can.start;
-    this.stop.hidden = !can.stop || !this.app.mayStop;
+    this.pause.hidden = !(state.job.running && (!paused || this.app.mayControl));
+    this.start.hidden = !this.app.mayControl || !can.start;
+    this.stop.hidden = !can.stop;
     this.showCommand(state);
     if (!state.stop_open) this.endStop(state.command?.press);
     this.tick();
@@ -141,7 +141,7 @@ export class Top {
   }
 
   showRemote({ remote, control }) {
-    if (!this.app.mayOperate) {
+    if (!this.app.mayControl) {
       this.remote.hidden = true;
       return;
     }

@@ -38,7 +38,7 @@ export default {
     const focus = button(word("focus"), () => search("focus", {}));
     const hide = button(word("hide"), () => search("hide", { target: target.value }));
     const cancel = button(word("cancel"), () => search("cancel", {}));
-    const searches = app.mayOperate ? [field(word("target"), target), hide, cancel] : [];
+    const searches = app.mayControl ? [field(word("target"), target), hide, cancel] : [];
     const said = element("p", { role: "status" });
     const hiding = element("p", { class: "muted" });
     root.append(

@@ -29,7 +29,7 @@ export default {
       element("h2", {}, word("parts")),
       this.parts,
     );
-    if (app.mayOperate)
+    if (app.mayControl)
       root.append(element("div", { class: "card" }, element("p", {}, word("contents")),
         this.bundle, this.said));
     this.key = "";
