@@ -142,4 +142,4 @@ class HttpServer:
 
 
 def _ignore(_answer: object) -> None:
-    """Take what is of no interest: the audit says who did what, not a log of requests."""
+    """Take what is of no interest: the logs of the surveys say who did what."""
