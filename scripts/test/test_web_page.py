@@ -14,7 +14,7 @@ from browser_kit import HEIGHTS
 from other_origin_kit import TRIES, other_origin
 from robot_kit import WATCHDOG, WEB
 from translation_kit import english_words
-from web_site_kit import PASSWORD, Site, launched_site
+from web_site_kit import Site, launched_site
 
 # A link that loses STOP, and PAUSE once `losePause` is called.
 LOSE = """
@@ -92,7 +92,7 @@ ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
 return [width, document.documentElement.clientWidth];
 """
-PAGES = ("now", "map", "radar", "surveys", "robots", "service")
+PAGES = ("now", "map", "radar", "surveys", "more", "robots", "service")
 
 
 # One robot and one browser: about 30 s of processor time to begin with.
@@ -154,10 +154,11 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     assert screen.arming.web is not None
     assert re.fullmatch(r"([0-9A-F]{4} ){15}[0-9A-F]{4}", screen.arming.web.fingerprint)
     assert not browser.run("return document.querySelector('#start').offsetParent")
+    browser.press("#control summary")
     browser.press("#take")
     browser.wait(lambda: not screen.model.snapshot().fields_locked, "the robot is ready")
     screen.arming.arm(screen.model.snapshot())
-    browser.wait_for_text("A person at the robot allows remote control", "#top")
+    browser.wait_for_text("A person at the robot allows remote control", "#control")
     browser.press("#start")
     browser.wait_for_text("Hands clear", "dialog")
     # The question covers the page, but not STOP.
@@ -165,7 +166,7 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     browser.press("dialog button.primary")
     site.wait_for_state("SURVEYING")
     screen.arming.touched()
-    browser.wait_for_text("Nobody at the robot allows it now", "#top")
+    browser.wait_for_text("Nobody at the robot allows it now", "#control")
     browser.press("#pause")
     site.wait_for_state("PAUSED")
     assert not browser.find("#pause").is_enabled()
@@ -325,7 +326,8 @@ def test_a_page_of_another_origin_reads_nothing_and_does_nothing(site: Site) -> 
     answers = [one["params"] for one in log if one["method"] == "Network.responseReceivedExtraInfo"]
     assert 403 in {one["statusCode"] for one in answers}
     site.log_in("ada")
-    assert "ada" in browser.text("footer")
+    site.show("more")
+    assert "ada" in browser.text("#page")
 
 
 def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Site) -> None:
@@ -356,13 +358,14 @@ def test_who_asks_for_control_and_a_stop_that_is_not_confirmed_are_in_sight(site
     browser = site.browser
     site.log_in("otto")
     browser.resize(360)
+    browser.press("#control summary")
     browser.press("#take")
-    browser.wait_for_text("You are in control", "#top")
+    browser.wait_for_text("Give control up", "#control")
     browser.run(ASKED)
-    browser.wait_for_text("ana asks for control", "#top")
+    browser.wait_for_text("ana asks for control", "#control")
     browser.run("document.querySelector('.remote button').focus()")
     # Of 20 s; not one second of them: a busy machine may leave one out.
-    browser.wait_for_text("It passes in 1", "#top")
+    browser.wait_for_text("It passes in 1", "#control")
     assert browser.run("return document.activeElement.innerText") == "Pass control to ana"
     browser.press(".remote button")
     browser.wait_for_text("who asked for control does not ask for it now", "#alerts")

@@ -80,10 +80,7 @@ class Site:
         """Choose a page."""
         self.browser.run("location.hash = arguments[0]", page)
         self.browser.wait(
-            lambda: (
-                self.browser.run("return document.querySelector('nav a[aria-current]').hash")
-                == f"#{page}"
-            ),
+            lambda: self.browser.run("return document.body.dataset.page") == page,
             f"{page} is shown",
         )
 

@@ -58,6 +58,7 @@ class Commands(WebPage):
         "pause": Message("PAUSE"),
         "resume": Message("RESUME"),
         "start": Message("START"),
+        "control": Message("Control the robot"),
         "armed": Message("A person at the robot allows remote control for {time}.", time="{time}"),
         "confirm_start": Message("Start this survey?"),
         "confirm_resume": Message("Resume the survey?"),

@@ -251,6 +251,7 @@ class MapPage(WebPage):
         "back": Message("Back to the robot's survey"),
         "age": Message("Last trace {seconds} s ago", seconds="{seconds}"),
         "layer": Message("Layer"),
+        "options": Message("Options"),
         "coverage": Message("Coverage"),
         "echoes": Message("Echoes"),
         "focused": Message("Focused image"),

@@ -82,8 +82,8 @@ class LoginPage(WebPage):
     words: Mapping[str, Message] = {
         "name": Message("Name"),
         "password": Message("Password"),
-        "log_in": Message("LOG IN"),
-        "log_out": Message("LOG OUT"),
+        "log_in": Message("Log in"),
+        "log_out": Message("Log out"),
     }
 
     def __init__(self, accounts: Accounts, logins: Logins, clock: Clock) -> None:

@@ -45,7 +45,7 @@ class NowPage(WebPage):
     """
 
     words: Mapping[str, Message] = {
-        "title": Message("Now"),
+        "title": Message("Survey"),
         "stored": Message("Stored"),
         "traces": Message("{stored} of {planned} traces", stored="{stored}", planned="{planned}"),
         "survey": Message("Survey"),
@@ -55,9 +55,8 @@ class NowPage(WebPage):
         "height": Message("Height over the ground"),
         "last_fault": Message("Last fault"),
         "first": Message("First"),
-        "details": Message("DETAILS"),
+        "details": Message("Details"),
         "simulated": Message("SIMULATED"),
-        "unknown": Message("not known"),
     }
 
     def __init__(self, robot: str) -> None:

@@ -19,7 +19,10 @@ export class Ground {
   constructor(root, app, hasSection) {
     Object.assign(this, { app, hasSection, images: new Map(), turn: 0 });
     const [page, folder = ""] = window.location.hash.split("/");
-    if (app.ground?.survey !== folder) app.ground = { survey: folder, layer: "coverage" };
+    if (app.ground?.survey !== folder) {
+      const layer = app.state.job?.running && !folder ? "coverage" : "echoes";
+      app.ground = { survey: folder, layer };
+    }
     this.choice = app.ground;
     this.title = element("strong", { role: "status" });
     this.age = element("span", {});
@@ -45,8 +48,13 @@ export class Ground {
     this.addChoice("permittivity", this.word("permittivity"),
       [["", this.word("own")], ...PERMITTIVITIES.map((one) => [String(one), one])]);
     const back = element("a", { class: "button", href: page }, this.word("back"));
-    this.controls.append(this.depthField, folder ? back : this.follow);
-    root.append(this.head, this.controls, pictures, this.lines, this.notes);
+    root.append(
+      this.head, pictures,
+      element("div", { class: "row" }, this.depthField, folder ? back : this.follow),
+      this.lines,
+      element("details", {}, element("summary", {}, this.word("options")), this.controls),
+      this.notes,
+    );
     this.poll();
   }
 

@@ -15,7 +15,7 @@ const STOP_AGAIN_MS = 1000;
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
 export class Top {
-  constructor(root, app) {
+  constructor(root, bottom, app) {
     this.app = app;
     // The last press of this page, until it is shown what became of it.
     this.press = null;
@@ -43,23 +43,14 @@ export class Top {
     this.warning = document.getElementById("stop-warning");
     this.said = element("p", { class: "said", role: "status" });
     this.remote = element("p", { class: "remote" });
-    this.bar = element(
-      "div",
-      { class: "bar" },
-      this.band,
-      element(
-        "div",
-        { class: "commands" },
-        this.start,
-        this.pause,
-        element("div", { class: "stop" }, this.stop, note),
-      ),
-    );
-    root.replaceChildren(
-      this.bar,
-      this.age,
-      this.said,
-      this.remote,
+    // Folded on the page SURVEY, for those who may.
+    this.control = element("details", { id: "control", hidden: !app.mayControl },
+      element("summary", {}, word("commands.control")), this.remote);
+    this.places = element("nav", { id: "pages", "aria-label": word("shell.pages") });
+    root.replaceChildren(this.band, this.age, this.said);
+    bottom.replaceChildren(
+      element("div", { class: "commands" }, this.start, this.pause, this.stop, note),
+      this.places,
     );
     for (const [press] of app.stops) this.repeatStop(press);
   }
@@ -130,7 +121,7 @@ export class Top {
 
   // What is asked covers the page: then it is there.
   showWarning(warning) {
-    const above = document.querySelector("dialog h2") ?? this.bar;
+    const above = document.querySelector("dialog h2") ?? this.band;
     if (above.nextElementSibling !== this.warning) above.after(this.warning);
     const key = JSON.stringify(warning);
     if (key === this.warningKey) return;
@@ -141,12 +132,8 @@ export class Top {
   }
 
   showRemote({ remote, control }) {
-    if (!this.app.mayControl) {
-      this.remote.hidden = true;
-      return;
-    }
-    this.remote.hidden = false;
     const { app } = this;
+    if (!app.mayControl) return;
     const parts = [];
     if (remote.armed && remote.until_ms !== null) {
       const seconds = Math.floor(app.live.secondsUntil(remote.until_ms));
@@ -154,11 +141,15 @@ export class Top {
       parts.push(app.word("commands.armed", { time }));
     } else parts.push(remote.obstacle);
     const { holder, asked } = control;
-    if (app.inControl) parts.push(app.word("control.you"));
+    // One missing step at a time.
+    if (!remote.armed && !holder) parts.push("");
+    else if (app.inControl) parts.push(app.word("control.you"));
     else if (holder) parts.push(app.word("control.other", { name: holder.name }));
     else parts.push(app.word("control.nobody"));
     parts.push(
       asked ? app.word("control.asked", { name: asked.name, seconds: asked.passes_s }) : "");
+    // Whoever asks for control is seen.
+    if (asked && app.inControl) this.control.open = true;
     // The buttons stay while time alone changes: else a press or the focus is lost.
     const key = JSON.stringify([holder, asked?.mark, app.inControl]);
     if (key !== this.remoteKey) {

@@ -31,20 +31,23 @@ export default {
           this.progress,
           this.left,
           element("dl", {}, ...Object.values(this.figures)),
+          app.top.control,
         ),
         element("div", { class: "card" }, this.map),
       ),
       this.cards,
-      app.notices.permission(),
     );
     this.cardsKey = "";
   },
 
   update(state, app) {
     const { job, band } = state;
-    const unknown = app.word("now.unknown");
-    const put = (name, text) => write(this.figures[name].lastChild, text || unknown);
-    write(this.percent, job.percent === null ? "—" : `${job.percent} %`);
+    const put = (name, text) => {
+      this.figures[name].hidden = !text;
+      write(this.figures[name].lastChild, text);
+    };
+    this.percent.hidden = job.percent === null;
+    write(this.percent, `${job.percent} %`);
     this.progress.hidden = job.percent === null;
     this.progress.value = job.percent ?? 0;
     write(this.left, band.left);
@@ -63,14 +66,16 @@ export default {
     }
   },
 
-  showMap({ ground }, app) {
-    if (!ground || this.revision === `${ground.survey} ${ground.revision}`) return;
-    this.revision = `${ground.survey} ${ground.revision}`;
+  // What is measured while it runs, then what was.
+  showMap({ ground, job }, app) {
+    const layer = job.running ? "coverage" : "echoes";
+    if (!ground || this.shown === `${layer} ${ground.survey} ${ground.revision}`) return;
+    this.shown = `${layer} ${ground.survey} ${ground.revision}`;
     const theme = document.documentElement.dataset.theme;
     this.map.hidden = !ground.survey;
     if (ground.survey)
       this.map.src = app.server.address(
-        `/api/ground/map.png?layer=coverage&theme=${theme}&revision=${ground.revision}`,
+        `/api/ground/map.png?layer=${layer}&theme=${theme}&revision=${ground.revision}`,
       );
   },
 
@@ -97,6 +102,6 @@ export default {
   },
 
   leave() {
-    this.revision = null;
+    this.shown = null;
   },
 };
