@@ -29,7 +29,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller, ControlPage
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
 from gpr20_web.mid.remote_plan import plan_id
 
@@ -85,18 +85,17 @@ class Desk:
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
         self.audit = Noted()
-        self.controller = Controller(self.time, lambda _session: True)
+        self.lease = Lease(self.time, lambda _session: True)
         self.commands = Commands(
             Robot(self.model, self.control, self.allowance, self.time),
-            self.controller,
+            self.lease,
             self.audit,
         )
-        self.control_page = ControlPage(self.controller, self.time)
         self.be(SurveyState.CONFIGURED)
 
     @property
     def routes(self) -> Any:
-        return (*self.commands.routes, *self.control_page.routes)
+        return self.commands.routes
 
     def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
         self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
@@ -340,7 +339,7 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
     desk = Desk()
     allowed_until_s = -1.0
     for what, argument in steps:
-        asked, holder = len(desk.control.asked), desk.controller.holder
+        asked, holder = len(desk.control.asked), desk.lease.holder
         if what == "allow":
             desk.commands.on_event(RemoteArmed(argument, 600.0 if argument else 0.0, PLAN))
             allowed_until_s = desk.time.time_s + 3.0 if argument else -1.0

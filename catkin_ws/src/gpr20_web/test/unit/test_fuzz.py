@@ -111,7 +111,7 @@ class Fuzz:
         least = least_right(method, path.partition("?")[0])
         assert least is not None and role >= least, sent
         if any(one == "resume" or one[0] == "start" for one in page.control.asked):
-            holder = page.controller.holder
+            holder = page.lease.holder
             assert holder is not None and holder.session == page.session(role), sent
 
     def _status(self, method: str, sent: bytes) -> int:

@@ -93,8 +93,6 @@ NOT_HERE = (
     "/api/login",
     "/api/logout",
     "/api/control/take",
-    "/api/control/keep",
-    "/api/control/pass",
     "/api/ground/focus",
     "/api/ground/hide",
     "/api/ground/cancel",
@@ -109,7 +107,7 @@ def test_who_may_do_something_does_it(page: WholePage, row: Row) -> None:
     role = max(row.right, WATCH)
     page.renew()
     page.be(STATES.get(row.path, SurveyState.CONFIGURED))
-    page.controller.holder = page.person(role)
+    page.lease.holder = page.person(role)
     before = page.done()
     pressed = {"press": uuid4().hex, "pressed_ms": 1e3 * page.clock.time_s}
     reply = page.ask(row.method, _path(page, row), role, {**row.values, **pressed})

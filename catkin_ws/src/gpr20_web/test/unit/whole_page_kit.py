@@ -43,7 +43,7 @@ from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.mid.shell import Shell
 
@@ -80,9 +80,9 @@ class WholePage:
         self._tokens: Dict[Role, str] = {}
         self.audit = CountedAudit(lambda *_note: None, self.acts.append, self.clock)
         self.model = SurveyModel(self.clock)
-        self.controller = Controller(self.clock, lambda _session: True)
+        self.lease = Lease(self.clock, lambda _session: True)
         robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
-        self.commands = Commands(robot, self.controller, self.audit.add)
+        self.commands = Commands(robot, self.lease, self.audit.add)
         self.shell = Shell(all_pages(self._surroundings()))
         self._measure()
         self.routes = tuple(self.shell.all_routes())
@@ -103,7 +103,6 @@ class WholePage:
             accounts=self.accounts,
             logins=self.logins,
             commands=self.commands,
-            controller=self.controller,
             source=self.storage,
             requests=self.requests,
             services=self.surveys.services,
@@ -212,7 +211,7 @@ class WholePage:
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),
             (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
-            (self.controller.holder, self.controller.asked),
+            self.lease.holder,
             (self.audit.added, tuple(map(str, self.acts))),
             tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
             tuple(self.is_logged_in(role) for role in PEOPLE),
@@ -278,8 +277,6 @@ TABLE = (
     Row("POST", "/api/resume", CONTROL, {**PRESS, "survey": SURVEY}),
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
-    Row("POST", "/api/control/pass", CONTROL, {"mark": "0" * 16}),
-    Row("POST", "/api/control/keep", CONTROL),
     # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
     Row("POST", "/api/ground/cancel", CONTROL),

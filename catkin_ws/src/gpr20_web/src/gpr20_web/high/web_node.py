@@ -54,7 +54,7 @@ from gpr20_web.low.notifier import Notifier
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.web_parameters import WebParameters
 
@@ -105,12 +105,10 @@ class WebNode:
             *(parameters.notified(), socket.gethostname()),
             *(read_catalogue(language).text, self._warn),
         )
-        self._controller = Controller(
-            self._clock, lambda session: self._server.streams.has(session)
-        )
+        self._lease = Lease(self._clock, lambda session: self._server.streams.has(session))
         self._commands = Commands(
             Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
-            *(self._controller, self._audit.add),
+            *(self._lease, self._audit.add),
         )
         self._shell = Shell(all_pages(self._surroundings(data)))
         self._server = HttpServer(
@@ -152,7 +150,6 @@ class WebNode:
             accounts=self._accounts,
             logins=self._logins,
             commands=self._commands,
-            controller=self._controller,
             source=self._storage,
             requests=self._requests,
             services=RosSurveyServices(self._requests),
@@ -199,7 +196,7 @@ class WebNode:
 
     def _refresh(self) -> bool:
         now_s = self._clock.now_s()
-        watchers, holder = len(self._server.streams), self._controller.holder
+        watchers, holder = len(self._server.streams), self._lease.holder
         if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()

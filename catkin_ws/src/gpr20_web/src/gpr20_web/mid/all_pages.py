@@ -16,7 +16,6 @@ from gpr20_web.low.cookies import Logins
 from gpr20_web.low.notifier import News
 from gpr20_web.mid.candidate_search import SurveyServices
 from gpr20_web.mid.commands import Commands
-from gpr20_web.mid.controller import Controller, ControlPage
 from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
@@ -49,7 +48,6 @@ class Surroundings:
     accounts: Accounts
     logins: Logins
     commands: Commands
-    controller: Controller
     source: TraceSource
     requests: Requests
     services: SurveyServices
@@ -69,7 +67,6 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
     return {
         "now": NowPage(given.name),
         "commands": given.commands,
-        "control": ControlPage(given.controller, clock),
         "ground": ground,
         "map": MapPage(),
         "radar": RadarPage(),

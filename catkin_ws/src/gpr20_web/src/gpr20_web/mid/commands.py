@@ -20,7 +20,7 @@ from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_web import faults
 from gpr20_web.calls import Audited, Call, Role, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.presses import Presses, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
@@ -48,7 +48,7 @@ class Commands(WebPage):
 
     Args:
         robot: What is commanded.
-        controller: Who may start and resume.
+        lease: Who may start and resume.
         audit: Notes who did what.
     """
 
@@ -59,6 +59,11 @@ class Commands(WebPage):
         "resume": Message("RESUME"),
         "start": Message("START"),
         "control": Message("Control the robot"),
+        "take": Message("Take control"),
+        "release": Message("Give control up"),
+        "nobody": Message("Nobody is in control."),
+        "you": Message("You are in control."),
+        "other": Message("{name} is in control.", name="{name}"),
         "armed": Message("A person at the robot allows remote control for {time}.", time="{time}"),
         "confirm_start": Message("Start this survey?"),
         "confirm_resume": Message("Resume the survey?"),
@@ -83,8 +88,8 @@ class Commands(WebPage):
         "unknown": Message("{command}: unknown", command="{command}"),
     }
 
-    def __init__(self, robot: Robot, controller: Controller, audit: Audited) -> None:
-        self._robot, self._controller, self._audit = robot, controller, audit
+    def __init__(self, robot: Robot, lease: Lease, audit: Audited) -> None:
+        self._robot, self._lease, self._audit = robot, lease, audit
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
         self._refusal: Optional[Refusal] = None
@@ -98,6 +103,8 @@ class Commands(WebPage):
             Route("POST", "/api/pause", Role.WATCH, self._pause),
             Route("POST", "/api/start", Role.CONTROL, self._start),
             Route("POST", "/api/resume", Role.CONTROL, self._resume),
+            Route("POST", "/api/control/take", Role.CONTROL, self._take),
+            Route("POST", "/api/control/release", Role.CONTROL, self._release),
         )
 
     def on_event(self, event: object) -> None:
@@ -136,6 +143,7 @@ class Commands(WebPage):
         self._robot.allowance.note(snapshot)
         if self._robot.allowance.obstacle is not None:
             self._robot.control.withdraw_start()
+        self._lease.refresh(self._robot.allowance.armed)
         self._warning = self._stop.warning(snapshot)
         self._presses.refresh(self._robot.clock.now_s())
 
@@ -161,6 +169,9 @@ class Commands(WebPage):
                 "obstacle": sentence(text, allowance.obstacle),
                 "plan": None if plan is None else plan_values(plan, text),
             },
+            "holder": None
+            if self._lease.holder is None
+            else {"name": self._lease.holder.name, "mark": self._lease.holder.mark},
             "command": self._presses.values(text),
             "refusal": self._refused(text),
             "stop_open": self._is_stop_open,
@@ -188,6 +199,14 @@ class Commands(WebPage):
                 self._stop.press(self._snapshot)
             self._note(call, Request.STOP, press)
         return {"confirmed": not self._is_stop_open}
+
+    def _take(self, call: Call) -> Mapping[str, Any]:
+        self._lease.take(call.who, self._robot.allowance.armed)
+        return {}
+
+    def _release(self, call: Call) -> Mapping[str, Any]:
+        self._lease.release(call.who)
+        return {}
 
     def _pause(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
@@ -254,7 +273,7 @@ class Commands(WebPage):
                 )
             if obstacle is not None:
                 raise NotNowError(obstacle.with_fault(faults.NOT_ARMED))
-            self._controller.check(call.who)
+            self._lease.check(call.who)
         except (NotNowError, NotAllowedError) as error:
             self._audit(call, "refused", str(error), self._survey)
             raise

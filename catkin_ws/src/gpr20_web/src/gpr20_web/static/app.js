@@ -101,7 +101,7 @@ class App {
   }
 
   get inControl() {
-    return this.state.control?.holder?.mark === this.me.mark;
+    return this.state.holder?.mark === this.me.mark;
   }
 
   // The presses of STOP that are not confirmed yet, and when; who has no session sends none.

@@ -131,7 +131,7 @@ export class Top {
       ...(warning ? [element("strong", {}, warning.title), " ", warning.text] : []));
   }
 
-  showRemote({ remote, control }) {
+  showRemote({ remote, holder }) {
     const { app } = this;
     if (!app.mayControl) return;
     const parts = [];
@@ -140,42 +140,23 @@ export class Top {
       const time = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
       parts.push(app.word("commands.armed", { time }));
     } else parts.push(remote.obstacle);
-    const { holder, asked } = control;
     // One missing step at a time.
-    if (!remote.armed && !holder) parts.push("");
-    else if (app.inControl) parts.push(app.word("control.you"));
-    else if (holder) parts.push(app.word("control.other", { name: holder.name }));
-    else parts.push(app.word("control.nobody"));
-    parts.push(
-      asked ? app.word("control.asked", { name: asked.name, seconds: asked.passes_s }) : "");
-    // Whoever asks for control is seen.
-    if (asked && app.inControl) this.control.open = true;
-    // The buttons stay while time alone changes: else a press or the focus is lost.
-    const key = JSON.stringify([holder, asked?.mark, app.inControl]);
+    if (app.inControl) parts.push(app.word("commands.you"));
+    else if (holder) parts.push(app.word("commands.other", { name: holder.name }));
+    else parts.push(remote.armed ? app.word("commands.nobody") : "");
+    // The button stays while time alone changes: else a press or the focus is lost.
+    const key = JSON.stringify([holder, app.inControl]);
     if (key !== this.remoteKey) {
       this.remoteKey = key;
       this.remoteTexts = parts.map(() => element("span"));
+      const what = app.inControl ? "release" : "take";
       this.remote.replaceChildren(...this.remoteTexts.flatMap((one) => [one, " "]),
-        ...this.remoteButtons(holder, asked));
+        button(app.word(`commands.${what}`),
+          () => app.post(`/api/control/${what}`).catch((error) => app.report(error)),
+          { id: what }));
     }
     parts[0] = parts[0].replace(/([^.!?])$/, "$1.");
     parts.forEach((text, number) => write(this.remoteTexts[number], text));
-  }
-
-  remoteButtons(holder, asked) {
-    const { app } = this;
-    const send = (path, values) => () => app.post(path, values).catch((error) => app.report(error));
-    if (app.inControl && asked)
-      return [
-        button(app.word("control.pass", { name: asked.name }),
-          send("/api/control/pass", { mark: asked.mark })),
-        button(app.word("control.keep"), send("/api/control/keep")),
-      ];
-    if (app.inControl) return [button(app.word("control.release"), send("/api/control/release"))];
-    const text = holder
-      ? app.word("control.ask", { name: holder.name })
-      : app.word("control.take");
-    return [button(text, send("/api/control/take"), { id: "take" })];
   }
 
   async pauseOrResume() {
