@@ -39,7 +39,6 @@ window.EventSource = class extends EventSource {
 };
 """
 IS_STALE = "return document.body.classList.contains('stale')"
-# A STOP that is not confirmed, and somebody who asks for control and has left.
 DIALOG = """
 const dialog = document.createElement("dialog");
 dialog.append(document.createElement("h2"));

@@ -131,7 +131,7 @@ class Cookie:
 
 @dataclass(frozen=True)
 class Stream:
-    """An answer that lasts: server-sent events with what changes in a document.
+    """An answer that lasts: server-sent events with a document each time it changes.
 
     Attributes:
         document: Returns what the person sees now; it is asked again with every beat.
