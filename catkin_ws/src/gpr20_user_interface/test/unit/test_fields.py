@@ -1,6 +1,7 @@
 """Every field of a plan: text and value, limits, arrows, presets; what follows from what."""
 
 import random
+import re
 import threading
 from dataclasses import replace
 
@@ -38,9 +39,11 @@ from gpr20_operator.plan.preview import (
 )
 from gpr20_operator.plan.spec import Keys, Tile
 from gpr20_operator.plan.tiles import resumable, spacing_warning
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, RobotFigures
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress, RobotFigures
+from gpr20_operator.robot.job import remaining
 from gpr20_operator.words import (
     decimal_from_text,
+    duration,
     hertz_from_megahertz,
     number_from_text,
     plain_text,
@@ -320,3 +323,22 @@ def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_r
             assert resumable(past, other) is None
         past.set_running("another")
         assert resumable(past, idle) is None
+
+
+DAY_S = 86400
+
+
+@given(st.integers(min_value=60, max_value=400 * DAY_S))
+def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
+    assert str(duration(-3)) == str(duration(59.9)) == "less than 1 min"
+    words = str(duration(time_s))
+    units = {"d": DAY_S, "h": 3600, "min": 60}
+    parts = re.findall(r"(\d+) (d|h|min)", words)
+    said_s = sum(int(number) * units[unit] for number, unit in parts)
+    assert 0 <= said_s - time_s < units[parts[-1][1]]
+
+
+def test_time_that_is_left_says_what_it_is_based_on():
+    for visited, basis in ((0, "by the plan"), (1, "measured"), (12, "measured")):
+        progress = Progress("id", 0.0, 18, visited, 1128.0)
+        assert str(remaining(progress)) == f"19 min left ({basis})"

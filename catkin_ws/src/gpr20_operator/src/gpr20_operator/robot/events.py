@@ -276,13 +276,3 @@ class StopRequested:
     """The operator wants to stop the survey; `signal` is the name of the key or signal."""
 
     signal: str
-
-
-@dataclass(frozen=True)
-class LinkState:
-    """Whether the link to the main control is down.
-
-    It is not down if the process of the main control answers, or has certainly ended.
-    """
-
-    down: bool
