@@ -48,7 +48,11 @@ def read(window, node, survey, annotation):
 def asked(node):
     facts = node.of("fact")
     assert all(kind is Kind.ANNOTATION for _survey, kind, _values in facts)
-    return [(survey, annotation_of({"annotation": values})) for survey, _kind, values in facts]
+    found = []
+    for survey, _kind, values in facts:
+        own = {key: one for key, one in values.items() if key != "notes_before"}
+        found.append((survey, annotation_of({"annotation": own})))
+    return found
 
 
 def write(sheet, name, text):
@@ -110,6 +114,8 @@ def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, nod
     write(sheet, "notes", "wet")
     click(sheet.save)
     assert asked(node) == [(SURVEY, replace(EXAMPLE, notes="wet"))]
+    # The storage keeps what others have written meanwhile.
+    assert node.of("fact")[-1][2]["notes_before"] == ""
     assert sheet.isVisible()
     node.ticket("fact").done(verbatim("stored"))
     assert not sheet.isVisible()

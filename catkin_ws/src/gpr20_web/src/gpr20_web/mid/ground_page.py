@@ -73,7 +73,7 @@ class GroundPage(WebPage):
             Route("GET", r"/api/ground/sign\.png", Role.VIEW, self._sign),
             Route("POST", "/api/ground/focus", Role.VIEW, self._focus),
             Route("POST", "/api/ground/hide", Role.OPERATE, self._hide),
-            Route("POST", "/api/ground/cancel", Role.OPERATE, self._cancel),
+            Route("POST", "/api/ground/cancel", Role.VIEW, self._cancel),
         )
 
     def on_event(self, event: object) -> None:
@@ -144,8 +144,10 @@ class GroundPage(WebPage):
         return self._ask("hide", call, target=target)
 
     def _cancel(self, call: Call) -> Mapping[str, Any]:
-        for job in self._jobs.values():
-            job.end()
+        for name, job in self._jobs.items():
+            # Who may only watch ends what who may only watch can ask for.
+            if name == "focus" or call.who.role >= Role.OPERATE:
+                job.end()
         return {}
 
     def _ask(self, name: str, call: Call, **fields: str) -> Mapping[str, Any]:
