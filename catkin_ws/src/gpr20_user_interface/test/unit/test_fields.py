@@ -12,9 +12,8 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from run_seed import draws
-from survey_examples import AXES
 from view_kit import TRAVEL as ROBOT
-from view_kit import past_survey, snapshot
+from view_kit import configured, past_survey, snapshot
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
@@ -39,7 +38,7 @@ from gpr20_operator.plan.preview import (
 )
 from gpr20_operator.plan.spec import Keys, Tile
 from gpr20_operator.plan.tiles import resumable, spacing_warning
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress, RobotFigures
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
 from gpr20_operator.robot.job import remaining
 from gpr20_operator.words import (
     decimal_from_text,
@@ -52,9 +51,8 @@ from gpr20_operator.words import (
 )
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
-from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, find_problems
+from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
@@ -236,7 +234,7 @@ def test_any_number_is_read_with_either_mark_and_every_whole_hertz_can_be_writte
     assert hertz_from_megahertz(f"{hertz // 10**6}.{hertz % 10**6:06d}") == hertz
 
 
-FIGURES = RobotFigures(RobotConfig(AXES, False), SurveySettings())
+CONFIGURED = configured()
 
 
 @pytest.fixture
@@ -245,7 +243,7 @@ def form():
 
 
 def cost_of(parameters):
-    return survey_cost(parameters, FIGURES.config, FIGURES.settings)
+    return survey_cost(parameters, CONFIGURED.config, CONFIGURED.settings)
 
 
 def test_the_plan_of_a_new_robot_gives_no_warning_and_takes_a_quarter_of_an_hour(form):
@@ -268,11 +266,11 @@ def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_
 
     estimator = CostEstimator(tell)
     for parameters in asked:
-        estimator.ask(parameters, FIGURES)
+        estimator.ask(parameters, CONFIGURED)
     assert answered.wait(30.0)
     estimator.close()
     before = len(received)
-    estimator.ask(asked[0], FIGURES)
+    estimator.ask(asked[0], CONFIGURED)
     for thread in threading.enumerate():
         if thread.name == "CostEstimator._estimate":
             thread.join(30.0)

@@ -19,7 +19,7 @@ from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.replay import Replay
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
@@ -167,8 +167,8 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
 
 def test_a_replay_is_called_a_replay(server):
     server.run(code=None)
-    mark = ReplayMark(SURVEY, "2026-11-21T05:10:00", FOLDER)
-    server.tick(code=SurveyState.SURVEYING, replay=ReplayView(mark, True))
+    replay = Replay(SURVEY, "2026-11-21T05:10:00", FOLDER)
+    server.tick(code=SurveyState.SURVEYING, replay=replay)
     answer = server.ask()
     assert answer["title"].startswith("REPLAY: ")
     assert answer["past"]

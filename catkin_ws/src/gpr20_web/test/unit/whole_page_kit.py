@@ -291,7 +291,7 @@ TABLE = (
     Row("POST", "/api/control/keep", OPERATE),
     # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", OPERATE),
+    Row("POST", "/api/ground/cancel", VIEW),
     Row("POST", "/api/service/bundle", OPERATE),
     Row("GET", "/api/service/bundle", OPERATE),
     # Users, audit.

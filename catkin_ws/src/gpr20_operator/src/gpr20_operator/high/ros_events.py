@@ -6,7 +6,6 @@ import threading
 from typing import Any, Callable, List
 
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import PART_SILENT
@@ -15,8 +14,6 @@ from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import node_healths
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
@@ -149,32 +146,6 @@ class RosEvents:
                 self._emit(event)
 
         return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
-
-    def _diagnostics_subscriber(
-        self, convert: Callable[[NodeHealth, DiagnosticArray], Any]
-    ) -> rospy.Subscriber:
-        """Emit an event for each report of a node of this robot on `/diagnostics`."""
-
-        def received(message: DiagnosticArray) -> None:
-            for health in self._healths(message):
-                # Every node of the graph publishes there about itself: only who speaks for a node
-                # of this robot is no such node.
-                foreign = health.name not in EXPECTED_NODES
-                if self._takes(message, is_usual=foreign):
-                    self._emit(convert(health, message))
-
-        # Players put a prefix before the topics; behind it, a robot may have had a namespace.
-        prefix, _, _ = self._senders.namespace.strip("/").partition("/")
-        below = f"/{prefix}" if prefix and self._senders.replay else ""
-        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, received, queue_size=20)
-
-    def _healths(self, message: DiagnosticArray) -> List[NodeHealth]:
-        namespace = self._senders.namespace
-        found = node_healths(message, namespace)
-        if self._senders.replay and not found:
-            # `rosbag play --prefix` changes the names of topics, not those in the messages.
-            found = node_healths(message, namespace.strip("/").partition("/")[2])
-        return found
 
     def _takes(self, message: Any, is_usual: bool = False) -> bool:
         """Return whether a message counts; else report its sender, unless that is usual."""

@@ -8,7 +8,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_operator.files.newest import Newest
 from gpr20_operator.plan.form import ROUNDING
-from gpr20_operator.robot.events import RobotFigures
+from gpr20_operator.robot.events import Configured
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.radar.depth import one_way_path_m
@@ -97,15 +97,15 @@ class CostEstimator:
         with self._lock:
             self._closed = True
 
-    def ask(self, parameters: SurveyParameters, figures: RobotFigures) -> None:
+    def ask(self, parameters: SurveyParameters, robot: Configured) -> None:
         """Estimate; the listener gets the result."""
-        self._newest.put((parameters, figures))
+        self._newest.put((parameters, robot))
 
-    def _estimate(self, asked: Tuple[SurveyParameters, RobotFigures]) -> None:
-        parameters, figures = asked
+    def _estimate(self, asked: Tuple[SurveyParameters, Configured]) -> None:
+        parameters, robot = asked
         if self._closed:
             return
-        cost = survey_cost(parameters, figures.config, figures.settings)
+        cost = survey_cost(parameters, robot.config, robot.settings)
         with self._lock:
             # The listener may be gone once this has been closed.
             if not self._closed:

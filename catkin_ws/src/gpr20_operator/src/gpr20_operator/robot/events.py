@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Iterator, Mapping, Optional
 
 from gpr20_common.message import Message, Severity, in_a_row
-from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
@@ -19,29 +18,6 @@ from gpr20_survey.plan.survey_parameters import (
     Travel,
 )
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-
-
-@dataclass(frozen=True)
-class AxisReport:
-    """The last report of an axis.
-
-    Attributes:
-        owner: Full name of the node that holds it; empty: nobody, or it is not known.
-        received_s: When the report came [s].
-        silent: Whether none came for longer than usual.
-    """
-
-    axis: AxisId
-    position: AxisPosition
-    owner: str
-    received_s: float
-    silent: bool = False
-
-    @property
-    def moving(self) -> bool:
-        """Whether it moves."""
-        return self.position.moving
-
 
 # The limits of the documented system, for as long as the axes' own are not known:
 # the main control, which knows them, refuses what lies between the two.
@@ -163,36 +139,46 @@ class MeasuredHeight:
 
 
 @dataclass(frozen=True)
-class RobotFigures:
-    """What the estimate of a survey's time and size is based on."""
+class Configured:
+    """What is known of a robot whose nodes have all described themselves.
+
+    Attributes:
+        config: Its axes; the estimate of a survey's time is based on them and the settings.
+        site: Place and operator that it proposes.
+        vna_address: The address that it proposes.
+    """
 
     config: RobotConfig
     settings: SurveySettings
-
-
-@dataclass(frozen=True)
-class RobotDefaults:
-    """What the robot's configuration proposes: address of the VNA, place and operator."""
-
-    vna_address: str
     site: Site
+    vna_address: str
+
+    @property
+    def travel(self) -> RobotTravel:
+        """The limits of the axes."""
+        return self.config.travel
 
 
 @dataclass(frozen=True)
-class AxisLimits:
-    """The limits of the axes and what else the nodes say about the robot; None: not known.
+class RobotDescribed:
+    """One message of `robot_configuration`.
 
     Attributes:
-        reason: Why something is not known; None if all is.
-        master_alive: Whether the ROS master answered.
+        robot: None: not everything is known.
+        reason: Why not.
+        nodes: What each node says.
     """
 
-    travel: Optional[RobotTravel]
+    robot: Optional[Configured] = None
     reason: Optional[Message] = None
-    figures: Optional[RobotFigures] = None
-    defaults: Optional[RobotDefaults] = None
-    master_alive: bool = True
     nodes: Mapping[str, NodeDescription] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MasterAnswered:
+    """Whether the ROS master has answered."""
+
+    alive: bool
 
 
 @dataclass(frozen=True)
@@ -200,31 +186,6 @@ class ServiceActivity:
     """One message of `service_status`: what is done for maintenance; None: nothing."""
 
     activity: Optional[Message]
-
-
-@dataclass(frozen=True)
-class AxisMeasured:
-    """One message of an axis's `current_coord`; owner: the node that holds it, or empty."""
-
-    axis: AxisId
-    position: AxisPosition
-    owner: str = ""
-
-
-@dataclass(frozen=True)
-class EndstopState:
-    """One message of an axis's `endstop`."""
-
-    axis: AxisId
-    pressed: bool
-
-
-@dataclass(frozen=True)
-class ClockOffset:
-    """How far the clock of a node's computer is behind the window's, with the delay [s]."""
-
-    node: str
-    offset_s: float
 
 
 class Request(enum.Enum):

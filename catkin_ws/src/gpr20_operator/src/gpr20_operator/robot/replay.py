@@ -20,12 +20,21 @@ class ReplayPhase(enum.IntEnum):
 
 
 @dataclass(frozen=True)
-class ReplayMark:
-    """One message of `replay`; texts are empty where they are not known.
+class PlayerLink:
+    """Event: whether a player of recordings is connected; once a second."""
+
+    connected: bool
+
+
+@dataclass(frozen=True)
+class Replay:
+    """The last message of `replay`, and what is known besides; texts are empty if not known.
 
     Attributes:
         started: Start of the survey, ISO 8601, UTC.
         rate: How many times faster than it was recorded; 0: its player does not report it.
+        connected: Whether its player is; None: none has been yet.
+        state: The last state of the recorded survey; None before the first.
     """
 
     survey_id: str = ""
@@ -33,6 +42,8 @@ class ReplayMark:
     folder: str = ""
     phase: ReplayPhase = ReplayPhase.PLAYING
     rate: float = 0.0
+    connected: Optional[bool] = True
+    state: Optional[SurveyState] = None
 
     @property
     def survey(self) -> Message:
@@ -43,41 +54,20 @@ class ReplayMark:
             return Message("Survey of {time} UTC, {folder}", time=time, folder=place)
         return Message("Survey {folder}", folder=place) if place else Message("Recorded survey")
 
-
-@dataclass(frozen=True)
-class PlayerLink:
-    """Event: whether a player of recordings is connected; once a second."""
-
-    connected: bool
-
-
-@dataclass(frozen=True)
-class ReplayView:
-    """What a client shows of a replay.
-
-    Attributes:
-        connected: Whether its player is; None: none has been yet.
-        state: The last state of the recorded survey; None before the first.
-    """
-
-    mark: ReplayMark
-    connected: Optional[bool] = True
-    state: Optional[SurveyState] = None
-
     @property
     def ended(self) -> bool:
         """Whether nothing more will come."""
-        return self.connected is False or self.mark.phase is ReplayPhase.ENDED
+        return self.connected is False or self.phase is ReplayPhase.ENDED
 
     @property
     def paused(self) -> bool:
         """Whether it is paused and can continue."""
-        return not self.ended and self.mark.phase is ReplayPhase.PAUSED
+        return not self.ended and self.phase is ReplayPhase.PAUSED
 
     @property
     def can_pause(self) -> bool:
         """Whether its player takes requests: `rosbag play` takes none."""
-        return not self.ended and self.mark.rate > 0.0
+        return not self.ended and self.rate > 0.0
 
     @property
     def title(self) -> Message:
@@ -92,11 +82,11 @@ class ReplayView:
         if self.connected is None:
             return Message("Waiting for a recording.")
         if self.state is None:
-            return self.mark.survey
+            return self.survey
         if self.ended and self.state not in ENDED:
             return Message(
                 "{state}, and the recording does not contain the survey's end. {survey}",
                 state=self.state.label,
-                survey=self.mark.survey,
+                survey=self.survey,
             )
-        return Message("{state}. {survey}", state=self.state.label, survey=self.mark.survey)
+        return Message("{state}. {survey}", state=self.state.label, survey=self.survey)

@@ -7,19 +7,18 @@ from dataclasses import dataclass, field
 from typing import FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import HealthReport
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import (
-    AxisReport,
+    Configured,
     ControlState,
     CurrentPosition,
     Progress,
     Request,
-    RobotDefaults,
-    RobotFigures,
     TargetPosition,
 )
-from gpr20_operator.robot.health import HealthReport
-from gpr20_operator.robot.replay import ReplayView
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_operator.robot.replay import Replay
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
@@ -33,20 +32,18 @@ class Snapshot:
     """What a client shows; None: not known now."""
 
     control_alive: bool
-    control_silent_s: Optional[float]
-    state: Optional[ControlState]
-    progress: Optional[Progress]
-    current: Optional[CurrentPosition]
-    target: Optional[TargetPosition]
-    height_m: Optional[float]
-    pending: FrozenSet[Request]
-    travel: Optional[RobotTravel]
+    control_silent_s: Optional[float] = None
+    state: Optional[ControlState] = None
+    progress: Optional[Progress] = None
+    current: Optional[CurrentPosition] = None
+    target: Optional[TargetPosition] = None
+    height_m: Optional[float] = None
+    pending: FrozenSet[Request] = frozenset()
+    robot: Optional[Configured] = None
     # The parameters of the survey that runs, also of one that another client started.
     survey_parameters: Optional[SurveyParameters] = None
     # Those of the survey that runs or ran last.
     job_parameters: Optional[SurveyParameters] = None
-    figures: Optional[RobotFigures] = None
-    defaults: Optional[RobotDefaults] = None
     health: HealthReport = field(default_factory=HealthReport)
     master_alive: bool = True
     # A survey ran, and the main control does not know it any more.
@@ -63,7 +60,7 @@ class Snapshot:
     # recordings; nothing of that is shown.
     ignored_sender: str = ""
     # What is shown is a replay, not a robot.
-    replay: Optional[ReplayView] = None
+    replay: Optional[Replay] = None
 
     @property
     def code(self) -> Optional[SurveyState]:

@@ -199,7 +199,7 @@ class GroundPage(WebPage):
         if ground is not self._live:
             return ground.traces.band or ground.problem or loading
         if snapshot is not None and snapshot.replay is not None:
-            return Message("REPLAY: {survey}", survey=snapshot.replay.mark.survey)
+            return Message("REPLAY: {survey}", survey=snapshot.replay.survey)
         if not ground.survey_id:
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:

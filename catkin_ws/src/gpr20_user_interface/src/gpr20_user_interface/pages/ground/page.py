@@ -196,10 +196,10 @@ class GroundPage(QObject, Page):
         self.view.refresh()
 
     def _duration_s(self, parameters: SurveyParameters) -> Optional[float]:
-        figures = self._survey.snapshot.figures
-        if figures is None:
+        robot = self._survey.snapshot.robot
+        if robot is None:
             return None
-        return survey_cost(parameters, figures.config, figures.settings).duration_s
+        return survey_cost(parameters, robot.config, robot.settings).duration_s
 
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""

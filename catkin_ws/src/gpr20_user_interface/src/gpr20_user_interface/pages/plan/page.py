@@ -143,13 +143,13 @@ class PlanPage(TranslatedWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         before, self._snapshot = self._snapshot, snapshot
-        changed, defaults = False, snapshot.defaults
-        if defaults is not None and (before is None or defaults != before.defaults):
-            changed = self.form.propose_address(defaults.vna_address)
+        changed, robot = False, snapshot.robot
+        if robot is not None and (before is None or robot != before.robot):
+            changed = self.form.propose_address(robot.vna_address)
             if snapshot.replay is None:
-                self.next_annotation.take_defaults(defaults.site.annotation)
+                self.next_annotation.take_defaults(robot.site.annotation)
                 changed = True
-        travel = snapshot.travel or DOCUMENTED_TRAVEL
+        travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
         if changed:
