@@ -32,7 +32,7 @@ from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
-from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported

@@ -12,7 +12,7 @@ from window_helpers import click, hold, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.fields import Tile
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, annotation_of

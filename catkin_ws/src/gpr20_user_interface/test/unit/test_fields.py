@@ -26,20 +26,23 @@ from gpr20_operator.plan.fields import (
     PLAN,
     SPECS,
     TILE_FIELDS,
+    Keys,
+    Tile,
     default_parameters,
     texts_of,
 )
-from gpr20_operator.plan.form import PlanForm, check_plan, points_for
-from gpr20_operator.plan.presets import PresetContext
-from gpr20_operator.plan.preview import (
+from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
+    PlanForm,
+    check_plan,
+    points_for,
     preview,
 )
-from gpr20_operator.plan.spec import Keys, Tile
+from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.tiles import resumable, spacing_warning
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
-from gpr20_operator.robot.job import remaining
+from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import (
     decimal_from_text,
     duration,

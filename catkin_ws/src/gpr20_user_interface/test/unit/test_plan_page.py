@@ -12,11 +12,9 @@ from window_helpers import click, enter, hold, hold_to_start, open_field, show, 
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveysListed
-from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, default_parameters
-from gpr20_operator.plan.preview import preview
-from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.events import Answer, Request
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, Tile, default_parameters
+from gpr20_operator.plan.form import preview
+from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.keys import ERASE
 

@@ -34,8 +34,7 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
-from gpr20_operator.robot.events import CurrentPosition, TargetPosition
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.robot.events import CurrentPosition, Replay, TargetPosition
 from gpr20_operator.words import local_time
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState

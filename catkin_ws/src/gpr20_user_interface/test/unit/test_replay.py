@@ -20,8 +20,14 @@ from gpr20_msgs.msg import Replay as ReplayMessage
 from gpr20_operator.high import control_client, ros_events
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
-from gpr20_operator.robot.events import ControlState, Progress, Request
-from gpr20_operator.robot.replay import PlayerLink, Replay, ReplayPhase
+from gpr20_operator.robot.events import (
+    ControlState,
+    PlayerLink,
+    Progress,
+    Replay,
+    ReplayPhase,
+    Request,
+)
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState

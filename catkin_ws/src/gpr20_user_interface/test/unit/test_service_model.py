@@ -12,8 +12,7 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import CurrentPosition, Request, ServiceActivity
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.robot.events import CurrentPosition, Replay, Request, ServiceActivity
 from gpr20_operator.robot.service_model import (
     AXIS_LIMIT_S,
     IDLE_LIMIT_S,

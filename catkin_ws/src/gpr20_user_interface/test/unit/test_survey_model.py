@@ -19,8 +19,7 @@ from gpr20_operator.robot.events import (
     RobotDescribed,
     TargetPosition,
 )
-from gpr20_operator.robot.job import JobScreen
-from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
 from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState

@@ -10,7 +10,7 @@ from window_helpers import click, enter, hold_to_start, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.low.masters import robots_on_master
-from gpr20_operator.plan.preview import CostEstimated
+from gpr20_operator.plan.form import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
     ControlState,

@@ -17,9 +17,8 @@ from web_kit import ManualClock, Noted
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
-from gpr20_operator.robot.replay import Replay
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId

@@ -23,8 +23,7 @@ from view_kit import snapshot
 from web_kit import ASKED, SILENT, ManualClock, state_of
 
 from gpr20_common.message import Fault, Message
-from gpr20_operator.robot.events import ControlState, Progress
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.robot.events import ControlState, Progress, Replay
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState as S
 from gpr20_web.low.notifier import TRIES, Notifier

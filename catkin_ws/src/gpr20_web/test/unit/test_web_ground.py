@@ -19,7 +19,7 @@ from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S

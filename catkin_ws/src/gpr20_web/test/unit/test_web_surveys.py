@@ -17,7 +17,7 @@ from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
-from gpr20_operator.robot.replay import Replay
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.survey_state import SurveyState

@@ -49,11 +49,11 @@ from gpr20_operator.robot.events import (
     CurrentPosition,
     MasterAnswered,
     MeasuredHeight,
+    PlayerLink,
     Request,
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.replay import PlayerLink
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation

@@ -30,9 +30,10 @@ from gpr20_operator.robot.events import (
     Configured,
     ControlState,
     Progress,
+    Replay,
+    ReplayPhase,
     RobotDescribed,
 )
-from gpr20_operator.robot.replay import Replay, ReplayPhase
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation, Site
 from gpr20_survey.plan.markers import present_markers

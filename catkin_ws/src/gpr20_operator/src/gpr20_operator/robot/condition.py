@@ -17,8 +17,7 @@ from gpr20_doctor.faults import MASTER_LOST
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator import faults
 from gpr20_operator.robot.events import Request
-from gpr20_operator.robot.job import percent_of, progress_of
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot, percent_of, progress_of
 from gpr20_operator.words import time_left
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import AXIS_MAY_MOVE, CAN_RESUME, TAKES_LONG

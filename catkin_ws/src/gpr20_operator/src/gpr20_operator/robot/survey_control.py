@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Optional, Protocol, Union
 
 from gpr20_operator.ground.finer_plan import FinerPlan
-from gpr20_operator.plan.preview import (
+from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
     SurveyPreview,

@@ -17,13 +17,14 @@ from gpr20_operator.robot.events import (
     CurrentPosition,
     MasterAnswered,
     MeasuredHeight,
+    PlayerLink,
     Progress,
+    Replay,
     Request,
     RobotDescribed,
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.replay import PlayerLink, Replay
 from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId

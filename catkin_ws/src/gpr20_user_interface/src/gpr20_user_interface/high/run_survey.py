@@ -17,7 +17,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.master import join_graph
+from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StopRequested
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.plan.survey_parameters import check

@@ -26,15 +26,14 @@ from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableErro
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.master import join_graph
 from gpr20_operator.high.remote_control import WebPageClient
 from gpr20_operator.high.request_client import RequestClient
 from gpr20_operator.high.robots_client import RobotsClient
+from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.memory import PlanMemory
-from gpr20_operator.plan.preview import CostEstimator
-from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.form import CostEstimator
+from gpr20_operator.plan.stored import PlanMemory, Profiles
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.senders import Senders

@@ -24,9 +24,9 @@ from gpr20_operator.robot.events import (
     Request,
     StopRequested,
 )
-from gpr20_operator.robot.job import remaining
 from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.senders import SenderIgnored
+from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import duration
 from gpr20_survey.faults import NONE_OPEN, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState

@@ -9,8 +9,7 @@ from typing import Any, Callable, Mapping, Optional, Sequence
 from gpr20_common.catalogue import Catalogue, Language, language_from_environment, languages
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS
-from gpr20_operator.plan.spec import FieldSpec
+from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters

@@ -17,7 +17,7 @@ from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot

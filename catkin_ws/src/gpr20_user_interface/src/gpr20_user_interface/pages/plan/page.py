@@ -12,13 +12,11 @@ from PyQt5.QtWidgets import QGridLayout, QWidget
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
-from gpr20_operator.plan.form import PlanCheck, PlanForm
+from gpr20_operator.plan.fields import Tile
+from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
 from gpr20_operator.plan.hold_question import plan_question
-from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.presets import AREA_FIELDS
-from gpr20_operator.plan.preview import SurveyPreview
-from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, Profiles, RememberedPlan
 from gpr20_operator.plan.tiles import (
     check_lines,
     resumable,
