@@ -17,9 +17,8 @@ from web_kit import ManualClock, Noted
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
@@ -363,6 +362,6 @@ def test_plan_is_shown_before_it_is_started_and_a_replay_offers_nothing() -> Non
     assert plan["id"] == plan_id(PLAN)
     assert any("100" in value for _name, value in plan["rows"])
     assert "Hands clear" in plan["warning"]
-    snapshot: Snapshot = replace(desk.model.snapshot(), replay=ReplayView(ReplayMark(), True))
+    snapshot: Snapshot = replace(desk.model.snapshot(), replay=Replay())
     desk.commands.refresh(snapshot)
     assert not any(desk.shown["can"].values())

@@ -17,9 +17,8 @@ from web_kit import SILENT, ManualClock, state_of
 from gpr20_common.message import verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Body, Call, Person, Role

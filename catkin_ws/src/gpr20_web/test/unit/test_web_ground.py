@@ -1,12 +1,14 @@
 """MAP and RADAR for browsers: the pictures are those of the window, and none shows a wrong one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from case_kit import each_case
 from hiding_kit import a_map
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, trace_at
-from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
+from web_ground_kit import ANA, BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import AdditionsRead
@@ -17,11 +19,12 @@ from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
+from gpr20_web.roles import Role
 
 TARGETED = Place(150.0, 90.0)
 
@@ -164,8 +167,8 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
 
 def test_a_replay_is_called_a_replay(server):
     server.run(code=None)
-    mark = ReplayMark(SURVEY, "2026-11-21T05:10:00", FOLDER)
-    server.tick(code=SurveyState.SURVEYING, replay=ReplayView(mark, True))
+    replay = Replay(SURVEY, "2026-11-21T05:10:00", FOLDER)
+    server.tick(code=SurveyState.SURVEYING, replay=replay)
     answer = server.ask()
     assert answer["title"].startswith("REPLAY: ")
     assert answer["past"]
@@ -254,6 +257,17 @@ def test_hiding_places_are_said_for_a_target_and_never_searched_beside_a_survey(
     assert server.node.cancelled
     assert not server.ask()["hide"]["running"]
     assert "A survey is running" in server.ask()["hide"]["said"]
+
+
+def test_who_watches_cancels_the_focused_image_and_not_the_search_of_others(server):
+    server.run(code=SurveyState.FINISHED)
+    watcher = replace(ANA, role=Role.VIEW)
+    for kind, path in (("focus", "/api/ground/focus"), ("hide", "/api/ground/hide")):
+        server.ask(path, "POST")
+        server.ask("/api/ground/cancel", "POST", person=watcher)
+        assert server.ask()[kind]["running"] is (kind == "hide")
+    server.ask("/api/ground/cancel", "POST", person=replace(ANA, role=Role.OPERATE))
+    assert not server.ask()["hide"]["running"]
 
 
 def test_without_a_survey_nothing_is_shown(server):

@@ -17,7 +17,7 @@ from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
-from gpr20_operator.robot.replay import ReplayView
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.survey_state import SurveyState
@@ -224,7 +224,7 @@ def test_an_unknown_survey_is_not_found_and_a_replay_has_none(surveys):
         surveys.get("20200101T000000_00000000")
     os.mkdir(surveys.data / "20200101T000000_00000000")
     assert surveys.get("20200101T000000_00000000")["problems"]
-    surveys.page.refresh(dataclasses.replace(ENDED, replay=ReplayView("", True)))
+    surveys.page.refresh(dataclasses.replace(ENDED, replay=Replay()))
     for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
         with pytest.raises(NotNowError):
             surveys.ask("GET", path)

@@ -279,7 +279,7 @@ TABLE = (
     Row("POST", "/api/control/release", CONTROL),
     # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", CONTROL),
+    Row("POST", "/api/ground/cancel", WATCH),
     Row("POST", "/api/service/bundle", CONTROL),
     Row("GET", "/api/service/bundle", CONTROL),
 )

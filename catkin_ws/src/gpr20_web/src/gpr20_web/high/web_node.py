@@ -27,7 +27,6 @@ from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.conversions import fact_fields
 from gpr20_operator.high.remote_control import RemoteControlClient
 from gpr20_operator.high.request_client import FACT_TIMEOUT_S, RequestClient
-from gpr20_operator.high.robot_watch import RobotWatchClient
 from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
@@ -133,13 +132,9 @@ class WebNode:
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
         self._requests = RequestClient(put, senders)
-        self._watch = RobotWatchClient(put, senders)
         self._robots = RobotsClient(put, senders)
         remote = RemoteControlClient(put, rospy.get_namespace())
-        self._clients = (
-            *(self._control, self._storage, self._requests, self._watch, self._robots),
-            remote,
-        )
+        self._clients = (self._control, self._storage, self._requests, self._robots, remote)
 
     def _surroundings(self, data: Path) -> Surroundings:
         namespace = rospy.get_namespace()
@@ -155,8 +150,8 @@ class WebNode:
             services=RosSurveyServices(self._requests),
             in_background=in_background,
             robots=Robots(namespace, False, self._follow_robots),
-            watch=self._watch.set_watched,
-            examine=self._watch.examine,
+            watch=self._control.watch_endstops,
+            examine=self._requests.examine,
             make_bundle=partial(make_bundle, namespace),
             send=self._notifier.send,
             warn=self._warn,

@@ -72,7 +72,7 @@ class GroundPage(WebPage):
             Route("GET", r"/api/ground/sign\.png", Role.WATCH, self._sign),
             Route("POST", "/api/ground/focus", Role.WATCH, self._focus),
             Route("POST", "/api/ground/hide", Role.CONTROL, self._hide),
-            Route("POST", "/api/ground/cancel", Role.CONTROL, self._cancel),
+            Route("POST", "/api/ground/cancel", Role.WATCH, self._cancel),
         )
 
     def on_event(self, event: object) -> None:
@@ -143,8 +143,10 @@ class GroundPage(WebPage):
         return self._ask("hide", call, target=target)
 
     def _cancel(self, call: Call) -> Mapping[str, Any]:
-        for job in self._jobs.values():
-            job.end()
+        for name, job in self._jobs.items():
+            # Who may only watch ends what who may only watch can ask for.
+            if name == "focus" or call.who.role >= Role.CONTROL:
+                job.end()
         return {}
 
     def _ask(self, name: str, call: Call, **fields: str) -> Mapping[str, Any]:
@@ -196,7 +198,7 @@ class GroundPage(WebPage):
         if ground is not self._live:
             return ground.traces.band or ground.problem or loading
         if snapshot is not None and snapshot.replay is not None:
-            return Message("REPLAY: {survey}", survey=snapshot.replay.mark.survey)
+            return Message("REPLAY: {survey}", survey=snapshot.replay.survey)
         if not ground.survey_id:
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:

@@ -16,7 +16,7 @@ from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.cookies import Logins
 from gpr20_web.mid.web_page import WebPage
 
-# So many wrong passwords of one account and address; then it waits so long [s].
+# So many wrong passwords of one account and address; then each next try waits so long [s].
 FREE_FAILURES, PAUSE_S = 5, 60.0
 MOST_KNOWN = 1000
 
@@ -47,7 +47,7 @@ class LoginLimits:
         key = name.lower()[:40], address
         with self._lock:
             now_s = self._now_s()
-            former = count, last_s = self._failures.get(key, (0, now_s))
+            count, last_s = self._failures.get(key, (0, now_s))
             if count >= FREE_FAILURES and now_s - last_s < PAUSE_S:
                 raise TooManyLoginsError(
                     Message(
@@ -56,7 +56,7 @@ class LoginLimits:
                     )
                 )
             # Before it has failed: several at once would else be several guesses.
-            self._put(key, (count % FREE_FAILURES + 1, now_s))
+            self._put(key, (count + 1, now_s))
         try:
             yield
         except WrongLoginError:
@@ -64,7 +64,8 @@ class LoginLimits:
         except Exception:
             # The file of the accounts is damaged: nobody has guessed.
             with self._lock:
-                self._put(key, former)
+                count, _last_s = self._failures.get(key, (1, now_s))
+                self._put(key, (count - 1, last_s))
             raise
         with self._lock:
             self._failures.pop(key, None)

@@ -8,9 +8,15 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import CurrentPosition
-from gpr20_operator.robot.job import area_of, line_of, percent_of, progress_of, survey_name
 from gpr20_operator.robot.notices import Notice, fault_notice
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import (
+    Snapshot,
+    area_of,
+    line_of,
+    percent_of,
+    progress_of,
+    survey_name,
+)
 from gpr20_web.mid.web_page import WebPage
 
 Text = Callable[[Message], str]

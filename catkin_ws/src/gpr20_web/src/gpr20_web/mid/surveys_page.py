@@ -104,8 +104,6 @@ class SurveysPage(WebPage):
         self._services, self._data, self._time_us = services, data, time_us
         self._searches = CandidateSearches(services, in_background)
         self._running, self._replay = "", False
-        # A note is added to those that were read just before.
-        self._noting = threading.Lock()
         self._making, self._making_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
             Route(method, pattern, Role.WATCH, answer, blocking=True)
@@ -201,11 +199,12 @@ class SurveysPage(WebPage):
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
         # The other lines of a note are indented: none can look like the note of somebody else.
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
-        with self._noting:
-            stored = self._services.ask(Service.READ, survey=folder)
-            before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
-            after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
-            self._add_fact(folder, Kind.ANNOTATION, after.values())
+        stored = self._services.ask(Service.READ, survey=folder)
+        before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
+        after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
+        # The storage keeps what others have written since.
+        values = {**after.values(), "notes_before": before.notes}
+        self._add_fact(folder, Kind.ANNOTATION, values)
         return {}
 
     def _change_markers(self, call: Call) -> Mapping[str, Any]:

@@ -17,7 +17,7 @@ from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
@@ -196,10 +196,10 @@ class GroundPage(QObject, Page):
         self.view.refresh()
 
     def _duration_s(self, parameters: SurveyParameters) -> Optional[float]:
-        figures = self._survey.snapshot.figures
-        if figures is None:
+        robot = self._survey.snapshot.robot
+        if robot is None:
             return None
-        return survey_cost(parameters, figures.config, figures.settings).duration_s
+        return survey_cost(parameters, robot.config, robot.settings).duration_s
 
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
