@@ -21,10 +21,10 @@ from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, S
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Role
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
-from gpr20_web.roles import Role
 
 TARGETED = Place(150.0, 90.0)
 
@@ -261,12 +261,12 @@ def test_hiding_places_are_said_for_a_target_and_never_searched_beside_a_survey(
 
 def test_who_watches_cancels_the_focused_image_and_not_the_search_of_others(server):
     server.run(code=SurveyState.FINISHED)
-    watcher = replace(ANA, role=Role.VIEW)
+    watcher = replace(ANA, role=Role.WATCH)
     for kind, path in (("focus", "/api/ground/focus"), ("hide", "/api/ground/hide")):
         server.ask(path, "POST")
         server.ask("/api/ground/cancel", "POST", person=watcher)
         assert server.ask()[kind]["running"] is (kind == "hide")
-    server.ask("/api/ground/cancel", "POST", person=replace(ANA, role=Role.OPERATE))
+    server.ask("/api/ground/cancel", "POST", person=replace(ANA, role=Role.CONTROL))
     assert not server.ask()["hide"]["running"]
 
 
