@@ -96,7 +96,6 @@ def test_csrf_nothing_is_done_for_another_page(page: WholePage, row: Row) -> Non
 # These need a search, somebody who asks, or an imaging node that answers: other tests have them.
 NOT_HERE = (
     "/api/control/pass",
-    "/api/ground/focus",
     "/api/ground/hide",
     "/api/ground/cancel",
     f"{S}/found",

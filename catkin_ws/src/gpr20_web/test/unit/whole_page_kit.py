@@ -113,7 +113,6 @@ class WholePage:
             source=self.storage,
             requests=self.requests,
             services=self.surveys.services,
-            in_background=lambda work: work(),
             robots=Robots("/", False, lambda _watched: None),
             watch=lambda _watched: None,
             examine=lambda _ticket, **_wanted: None,
@@ -127,7 +126,7 @@ class WholePage:
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
         self.audit.close(CLOSE_LIMIT_S)
-        self.surveys.kit.processing.shut_down()
+        self.surveys.services.close()
 
     def _measure(self) -> None:
         """Let the ground of the running survey be known."""
@@ -270,12 +269,10 @@ TABLE = (
     # The stored surveys: search, verdict, candidates, downloads.
     Row("GET", "/api/surveys", VIEW),
     Row("GET", S, VIEW),
-    Row("GET", f"{S}/candidates", VIEW),
     Row("POST", f"{S}/candidates", VIEW),
     Row("GET", f"{S}/zip", VIEW),
     Row("GET", f"{S}/made/report-html", VIEW),
     Row("GET", f"{S}/files/survey.json", VIEW),
-    Row("POST", "/api/ground/focus", VIEW),
     # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
     Row("POST", f"{S}/notes", VIEW, {"text": "wet"}),
     Row("POST", f"{S}/markers", VIEW, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),

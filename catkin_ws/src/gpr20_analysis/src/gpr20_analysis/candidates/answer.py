@@ -7,7 +7,6 @@ its site's rate of false alarms.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple
 
@@ -22,7 +21,6 @@ from gpr20_analysis.dataset import (
     IMAGE,
     MM_PER_M,
     POLARIZATION,
-    QUALITY,
     SAMPLE_DIMS,
     X,
     Y,
@@ -48,8 +46,6 @@ from gpr20_survey.results.focused_image import FocusedImage
 
 # With fewer lines of an area neither the background nor the clutter can be measured.
 FEWEST_LINES = 3
-# Images are large.
-MOST_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -166,31 +162,6 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
         levels_db=levels_db,
         found=found.found,
     )
-
-
-class KeptAnswers:
-    """Keeps the last answers with their options, so that nothing is searched twice."""
-
-    def __init__(self) -> None:
-        self._kept: OrderedDict[Tuple[object, ...], FocusedImage] = OrderedDict()
-
-    def focus(self, survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
-        """Return the answer of a survey, which is searched only if it has changed since."""
-        # A trace that was measured again has another quality or time; the log has all decisions.
-        changing = (survey[name].values.tobytes() for name in (QUALITY, "timestamp")
-                    if name in survey)  # fmt: skip
-        key = (
-            survey.attrs.get("survey_id"),
-            survey.attrs.get("survey_json"),
-            permittivity,
-            *changing,
-        )
-        if key not in self._kept:
-            self._kept[key] = focus(survey, permittivity)
-            if len(self._kept) > MOST_KEPT:
-                self._kept.popitem(last=False)
-        self._kept.move_to_end(key)
-        return self._kept[key]
 
 
 def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:

@@ -165,7 +165,6 @@ class WebNode:
             source=self._storage,
             requests=self._requests,
             services=RosSurveyServices(self._requests),
-            in_background=in_background,
             robots=Robots(namespace, False, self._follow_robots),
             watch=self._watch.set_watched,
             examine=self._watch.examine,

@@ -13,7 +13,6 @@ from gpr20_operator.jobs.job import Requests
 from gpr20_operator.robot.robots import Robots
 from gpr20_web.mid.accounts import Accounts
 from gpr20_web.mid.audit import Audit, AuditPage
-from gpr20_web.mid.candidate_search import SurveyServices
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.controller import Controller, ControlPage
 from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
@@ -23,13 +22,11 @@ from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.sessions import Sessions
-from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.mid.surveys_page import SurveyServices, SurveysPage
 from gpr20_web.mid.users_page import UsersPage
 from gpr20_web.mid.watch import Watch
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.news import News
-
-InBackground = Callable[[Callable[[], None]], None]
 
 
 @dataclass(frozen=True)
@@ -58,7 +55,6 @@ class Surroundings:
     source: TraceSource
     requests: Requests
     services: SurveyServices
-    in_background: InBackground
     robots: Robots
     watch: Callable[[bool], None]
     examine: Callable[..., Any]
@@ -79,7 +75,7 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
         "ground": ground,
         "map": MapPage(),
         "radar": RadarPage(),
-        "surveys": SurveysPage(given.services, given.data, audit, given.in_background),
+        "surveys": SurveysPage(given.services, given.data, audit),
         "robots": RobotsPage(given.robots, clock),
         "service": ServicePage(given.watch, given.examine, given.make_bundle, audit, clock),
         "notices": Watch(clock, given.send, ground.picture),
