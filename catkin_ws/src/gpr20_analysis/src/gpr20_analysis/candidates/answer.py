@@ -67,6 +67,7 @@ def answer(
     survey: xr.Dataset,
     options: Optional[ImageOptions] = None,
     progress: Progress = no_progress,
+    steps: Optional[Sequence[str]] = None,
 ) -> Answer:
     """Return what a survey shows.
 
@@ -75,15 +76,16 @@ def answer(
             has done so.
         options: How the image is made; None: with what the survey knows.
         progress: Shows the progress over all polarizations.
+        steps: What is subtracted; None: see `default_steps`.
 
     Raises:
         AnalysisError: No image can be made of it.
     """
     options = options or ImageOptions()
     if options.leave_out_missing:
-        # Lines without any trace would count as lines without noise.
-        survey = _measured(survey)
-    processed = process_survey(survey, *default_steps(survey, options.method))
+        survey = measured(survey)
+    chosen = default_steps(survey, options.method) if steps is None else steps
+    processed = process_survey(survey, *chosen)
     image = image_survey(processed, options, progress)
     rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
     return Answer(processed, image, find_candidates(image, rate))
@@ -177,7 +179,14 @@ def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
     return levels_db.astype(np.float32)
 
 
-def _measured(survey: xr.Dataset) -> xr.Dataset:
+def measured(survey: xr.Dataset) -> xr.Dataset:
+    """Return a survey without the lines at its edges that have no trace.
+
+    They would count as lines without noise.
+
+    Raises:
+        WrongDatasetError: There are too few others.
+    """
     rows, columns = _measured_part(survey)
     return survey.isel({Y: rows, X: columns})
 
