@@ -15,4 +15,4 @@ def surveys(tmp_path):
 
     surveys = Surveys(tmp_path / "data")
     yield surveys
-    surveys.services.close()
+    surveys.close()

@@ -35,9 +35,9 @@ class Services:
         searched: The surveys that were searched.
     """
 
-    def __init__(self, kit: Kit, data) -> None:
-        self._processing, self._archive = kit.processing, StoredSurveys(data)
-        self._imaging = Imaging(data, Worker(self), lambda *_: None)
+    def __init__(self, data, processing=None, worker=None) -> None:
+        self._processing, self._archive = processing, StoredSurveys(data)
+        self._imaging = Imaging(data, worker or Worker(self), lambda *_: None)
         self.asked, self.cancelled, self.searched = [], [], []
         self.focus = lambda survey: focused(PLACES, survey)
         self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")
@@ -66,7 +66,6 @@ class Services:
 
     def close(self):
         self._imaging.close()
-        self._processing.shut_down()
 
 
 class Worker:
@@ -98,7 +97,7 @@ class Surveys:
     def __init__(self, data) -> None:
         self.data = data
         self.kit = Kit(data, now_ns=NOW_US * 1000)
-        self.services = Services(self.kit, data)
+        self.services = Services(data, self.kit.processing)
         audit = Noted()
         self.audited = audit.entries
         self.page = SurveysPage(self.services, data, audit, lambda: NOW_US)
@@ -130,3 +129,7 @@ class Surveys:
         """Search a survey, and return its details."""
         self.post(folder, "candidates")
         return self.get(folder)
+
+    def close(self):
+        self.services.close()
+        self.kit.processing.shut_down()

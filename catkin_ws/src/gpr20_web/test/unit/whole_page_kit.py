@@ -126,7 +126,7 @@ class WholePage:
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
         self.audit.close(CLOSE_LIMIT_S)
-        self.surveys.services.close()
+        self.surveys.close()
 
     def _measure(self) -> None:
         """Let the ground of the running survey be known."""
