@@ -93,7 +93,6 @@ NOT_HERE = (
     "/api/login",
     "/api/logout",
     "/api/control/take",
-    "/api/ground/focus",
     "/api/ground/hide",
     "/api/ground/cancel",
     f"{S}/found",

@@ -15,7 +15,6 @@ from view_kit import snapshot, state_of
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.events import Replay
 from gpr20_survey.folder.log_record import Kind
@@ -144,17 +143,18 @@ def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
 
 
 def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(surveys):
-    surveys.post(surveys.whole, "candidates")
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "running"
-    surveys.waiting.pop()()
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "done"
+    answer = surveys.post(surveys.whole, "candidates")["candidates"]
     shown = surveys.get(surveys.whole)["candidates"]
+    assert answer == shown == surveys.post(surveys.whole, "candidates")["candidates"]
     assert shown["headline"] == "1 of 1 places; 1 weaker echoes" and shown["list"] == SUM
     assert str(NO_CLEARANCE) in shown["warnings"] and str(texts.FROM_MARK) in shown["notes"]
     first, second = shown["places"]
     assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
     assert second["doubtful"] and not first["doubtful"] and first["why"]
-    assert [one for one, *_ in surveys.services.asked].count(Service.FOCUS) == 1
+    # What is known is shown while another survey runs, too.
+    surveys.page.refresh(RUNS)
+    assert surveys.get(surveys.whole)["candidates"] == shown
+    assert surveys.services.searched == [SURVEY]
     next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
     assert "candidates" not in surveys.get(surveys.whole)
 
@@ -172,38 +172,33 @@ def test_one_survey_is_searched_at_a_time_and_none_while_one_runs(surveys):
     with pytest.raises(NotNowError):
         surveys.post(surveys.whole, "candidates")
     surveys.page.refresh(ENDED)
-    surveys.services.focus = lambda _survey: 1 / 0
-    for _ in range(2):
-        surveys.post(surveys.whole, "candidates")
-    with pytest.raises(BusyError):
-        surveys.post(surveys.part, "candidates")
-    (search,) = surveys.waiting
+    others = []
+
+    def focus(_survey):
+        for ask in (surveys.post, lambda *_: surveys.get(surveys.part, "/made/report-html")):
+            with pytest.raises(BusyError):
+                ask(surveys.part, "candidates")
+            others.append(ask)
+        return 1 / 0
+
+    usual, surveys.services.focus = surveys.services.focus, focus
     with pytest.raises(ZeroDivisionError):
-        search()
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "failed"
-    surveys.post(surveys.part, "candidates")
-    with pytest.raises(NotFoundError):
-        surveys.get(surveys.whole, "/candidates")
+        surveys.post(surveys.whole, "candidates")
+    surveys.services.focus = usual
+    assert len(others) == 2 and surveys.post(surveys.part, "candidates")["candidates"]
 
 
 def test_a_search_ends_when_a_survey_begins(surveys):
-    begun = []
-
     def focus(_survey):
         for _ in range(3):
             surveys.page.refresh(RUNS)
-        begun.append(True)
         raise NotNowError(verbatim("cancelled"))
 
     surveys.services.focus = focus
     surveys.page.refresh(ENDED)
-    surveys.post(surveys.whole, "candidates")
-    surveys.waiting.pop()()
-    (cancelled,) = surveys.services.cancelled
-    asked = surveys.services.asked[-1][2]
-    assert begun and cancelled == asked["request_id"]
-    state = surveys.get(surveys.whole, "/candidates")
-    assert (state["state"], state["problem"]) == ("failed", "Cancelled")
+    with pytest.raises(NotNowError, match="cancelled"):
+        surveys.post(surveys.whole, "candidates")
+    assert len(surveys.services.cancelled) == 1 and surveys.services.searched == [SURVEY]
 
 
 def test_what_was_found_is_stored_as_the_window_does_it(surveys):

@@ -63,9 +63,15 @@ class Server:
         assert body.kind == "image/png"
         return np.array(Image.open(io.BytesIO(body.content)).convert("RGBA"))
 
-    def run(self, stored=PLANNED, s21=None, code=SurveyState.SURVEYING):
+    def look(self):
+        """Look at the map until an image is asked for."""
+        self.ask()
+        self.tick()
+        return self.node.of("focus")
+
+    def run(self, stored=PLANNED, s21=None, code=SurveyState.SURVEYING, **described):
         """Let a survey run of which the first traces are stored and here."""
-        text = description()
+        text = description(**described)
         grid = grid_from_description(text)
         self.page.on_event(SurveyDescribed(text))
         runs = ((0, stored), (1, 0)) if stored < PLANNED else ((0,), (1,))

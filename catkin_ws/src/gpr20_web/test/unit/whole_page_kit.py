@@ -106,7 +106,6 @@ class WholePage:
             source=self.storage,
             requests=self.requests,
             services=self.surveys.services,
-            in_background=lambda work: work(),
             robots=Robots("/", False, lambda _watched: None),
             watch=lambda _watched: None,
             examine=lambda _ticket, **_wanted: None,
@@ -119,7 +118,7 @@ class WholePage:
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
         self.audit.close(CLOSE_LIMIT_S)
-        self.surveys.kit.processing.shut_down()
+        self.surveys.close()
 
     def _measure(self) -> None:
         """Let the ground of the running survey be known."""
@@ -260,13 +259,11 @@ TABLE = (
     # The stored surveys: search, verdict, candidates, downloads.
     Row("GET", "/api/surveys", WATCH),
     Row("GET", S, WATCH),
-    Row("GET", f"{S}/candidates", WATCH),
     Row("POST", f"{S}/candidates", WATCH),
     Row("GET", f"{S}/zip", WATCH),
     Row("GET", f"{S}/made/report-html", WATCH),
     Row("GET", f"{S}/files/survey.json", WATCH),
-    Row("POST", "/api/ground/focus", WATCH),
-    # Notes, markers, found records, PAUSE and STOP from anywhere.
+    # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
     Row("POST", f"{S}/notes", WATCH, {"text": "wet"}),
     Row("POST", f"{S}/markers", WATCH, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
     Row("POST", f"{S}/found", WATCH, {"what": "mine", "candidate": "c", "list": "l"}),
@@ -279,7 +276,7 @@ TABLE = (
     Row("POST", "/api/control/release", CONTROL),
     # What takes the robot's computer minutes, or shows how it is set up.
     Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", WATCH),
+    Row("POST", "/api/ground/cancel", CONTROL),
     Row("POST", "/api/service/bundle", CONTROL),
     Row("GET", "/api/service/bundle", CONTROL),
 )

@@ -32,7 +32,6 @@ from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
     call,
-    in_background,
 )
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Delivery
@@ -148,7 +147,6 @@ class WebNode:
             source=self._storage,
             requests=self._requests,
             services=RosSurveyServices(self._requests),
-            in_background=in_background,
             robots=Robots(namespace, False, self._follow_robots),
             watch=self._control.watch_endstops,
             examine=self._requests.examine,

@@ -14,18 +14,15 @@ from gpr20_operator.robot.robots import Robots
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.cookies import Logins
 from gpr20_web.low.notifier import News
-from gpr20_web.mid.candidate_search import SurveyServices
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import ServicePage
-from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.mid.surveys_page import SurveyServices, SurveysPage
 from gpr20_web.mid.watch import Watch
 from gpr20_web.mid.web_page import WebPage
-
-InBackground = Callable[[Callable[[], None]], None]
 
 
 @dataclass(frozen=True)
@@ -51,7 +48,6 @@ class Surroundings:
     source: TraceSource
     requests: Requests
     services: SurveyServices
-    in_background: InBackground
     robots: Robots
     watch: Callable[[bool], None]
     examine: Callable[..., Any]
@@ -70,7 +66,7 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
         "ground": ground,
         "map": MapPage(),
         "radar": RadarPage(),
-        "surveys": SurveysPage(given.services, given.data, given.in_background),
+        "surveys": SurveysPage(given.services, given.data),
         "robots": RobotsPage(given.robots, clock),
         "service": ServicePage(given.watch, given.examine, given.make_bundle, clock),
         "notices": Watch(clock, given.send, ground.picture),

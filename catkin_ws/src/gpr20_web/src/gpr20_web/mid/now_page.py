@@ -59,6 +59,7 @@ class NowPage(WebPage):
         "line": Message("Line"),
         "position": Message("Antennas at"),
         "height": Message("Height over the ground"),
+        "result": Message("Result"),
         "last_fault": Message("Last fault"),
         "first": Message("First"),
         "details": Message("Details"),

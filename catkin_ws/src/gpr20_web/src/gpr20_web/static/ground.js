@@ -7,7 +7,6 @@ const PERIOD_MS = 1000;
 const SETTLED_MS = 80;
 const STEP_MM = 5;
 const DEEPEST_MM = 500;
-const PERMITTIVITIES = [2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40];
 const theme = () => document.documentElement.dataset.theme;
 // How a key moves the place: across, up, deeper.
 const KEYS = {
@@ -45,8 +44,6 @@ export class Ground {
     this.addChoice("layer", this.word("layer"),
       ["coverage", "echoes", "focused"].map((one) => [one, this.word(one)]));
     this.polarization = this.addChoice("polarization", this.word("polarization"), []);
-    this.addChoice("permittivity", this.word("permittivity"),
-      [["", this.word("own")], ...PERMITTIVITIES.map((one) => [String(one), one])]);
     const back = element("a", { class: "button", href: page }, this.word("back"));
     root.append(
       this.head, pictures,

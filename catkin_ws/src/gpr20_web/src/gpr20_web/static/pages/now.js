@@ -18,6 +18,7 @@ export default {
         one, figure(word(one)),
       ]),
     );
+    this.result = element("a", { class: "button", hidden: true });
     this.cards = element("div", { class: "cards" });
     this.map = element("img", { class: "map", alt: app.word("map.title"), hidden: true });
     root.append(
@@ -30,6 +31,7 @@ export default {
           this.percent,
           this.progress,
           this.left,
+          this.result,
           element("dl", {}, ...Object.values(this.figures)),
           app.top.control,
         ),
@@ -58,6 +60,10 @@ export default {
     put("area", job.area);
     put("position", job.place);
     put("height", job.height_mm === null ? "" : `${job.height_mm} mm`);
+    const { result } = state;
+    this.result.hidden = !result;
+    if (result) this.result.href = `#surveys/${result.folder}`;
+    write(this.result, result ? `${app.word("now.result")}: ${result.text}` : "");
     this.showMap(state, app);
     const key = JSON.stringify([state.fault, state.refusal]);
     if (key !== this.cardsKey) {
