@@ -47,11 +47,10 @@ from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_viewer.session import ViewSession
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.survey_values import result_of
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.roles import Role
 
 PARAMETERS = SurveyParameters(
     "127.0.0.1", 6e8, 6e9, 61, x_start_mm=40.0, x_stop_mm=200.0, x_points=9,
@@ -161,7 +160,7 @@ def answers(folder, capsys):
 def check_page(folder, services, window):
     """Check that SURVEYS and MAP show what the window has found."""
     found, here = window.image.found, {"survey": folder.name}
-    surveys = SurveysPage(services, folder.parent, print)
+    surveys = SurveysPage(services, folder.parent)
     listed = got(surveys, f"/api/surveys/{folder.name}")["candidates"]
     assert listed["list"] == list_sum(found)
     assert listed["headline"] == str(texts.headline(found, most=len(found.candidates)))
@@ -182,7 +181,7 @@ def check_page(folder, services, window):
 def got(page, path, **values):
     """Return what a page answers a person who watches."""
     route, parts = route_of(page.routes, "GET", path)
-    return route.answer(Call(Person("ana", Role.VIEW, "s", "::1"), "::1", values, parts))
+    return route.answer(Call(Person("ana", Role.WATCH, "s", "::1"), "::1", values, parts))
 
 
 def of_command(folder, capsys, *options):

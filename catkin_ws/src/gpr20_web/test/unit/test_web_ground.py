@@ -8,7 +8,7 @@ from case_kit import each_case
 from hiding_kit import a_map
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, trace_at
-from web_ground_kit import ANA, BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
+from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import AdditionsRead
@@ -21,7 +21,6 @@ from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, S
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Role
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
@@ -284,17 +283,6 @@ def test_hiding_places_are_said_for_a_target_and_never_searched_beside_a_survey(
     assert server.node.cancelled
     assert not server.ask()["hide"]["running"]
     assert "A survey is running" in server.ask()["hide"]["said"]
-
-
-def test_who_watches_cancels_the_focused_image_and_not_the_search_of_others(server):
-    server.run(code=SurveyState.FINISHED)
-    watcher = replace(ANA, role=Role.WATCH)
-    for kind, path in (("focus", "/api/ground/focus"), ("hide", "/api/ground/hide")):
-        server.ask(path, "POST")
-        server.ask("/api/ground/cancel", "POST", person=watcher)
-        assert server.ask()[kind]["running"] is (kind == "hide")
-    server.ask("/api/ground/cancel", "POST", person=replace(ANA, role=Role.CONTROL))
-    assert not server.ask()["hide"]["running"]
 
 
 def test_without_a_survey_nothing_is_shown(server):
