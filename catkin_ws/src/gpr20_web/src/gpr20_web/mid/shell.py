@@ -24,7 +24,7 @@ WORDS: Mapping[str, Message] = {
     "shell.pages": Message("Pages"),
     "shell.place_now": Message("Survey"),
     "shell.place_map": Message("Ground"),
-    "shell.place_surveys": Message("Surveys"),
+    "shell.place_surveys": Message("Archive"),
     "shell.place_more": Message("More"),
     "more.title": Message("More"),
     "shell.language": Message("Language"),

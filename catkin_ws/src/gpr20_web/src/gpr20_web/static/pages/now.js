@@ -72,9 +72,9 @@ export default {
     }
   },
 
-  // What is measured while it runs, then what was.
+  // What is measured until all is, then what it shows.
   showMap({ ground, job }, app) {
-    const layer = job.running ? "coverage" : "echoes";
+    const layer = job.percent === 100 ? "echoes" : "coverage";
     if (!ground || this.shown === `${layer} ${ground.survey} ${ground.revision}`) return;
     this.shown = `${layer} ${ground.survey} ${ground.revision}`;
     const theme = document.documentElement.dataset.theme;

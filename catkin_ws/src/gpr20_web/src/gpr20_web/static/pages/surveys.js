@@ -133,7 +133,6 @@ export default {
         this.summary(survey), this.candidates(survey), this.found(survey),
         this.notes(survey), this.markers(survey), this.downloads(survey),
       );
-      if (survey.can_search && !survey.candidates) this.find();
       const headings = [...this.details.querySelectorAll("h2")];
       headings.find((one) => one.textContent === heading)?.focus();
     });
