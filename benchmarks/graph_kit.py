@@ -64,7 +64,7 @@ def run_survey(robot: LaunchedRobot, *options: str) -> Path:
         SystemExit: It did not finish.
     """
     client = robot.client(
-        f"--wait={START_LIMIT_S:g}", "--bar=never", *options, stdout=subprocess.PIPE,
+        f"--wait={START_LIMIT_S:g}", *options, stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
     )  # fmt: skip
     printed, _ = client.communicate()

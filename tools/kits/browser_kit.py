@@ -74,6 +74,8 @@ class Browser:
             button = self.find(selector)
             if not button.is_enabled():
                 return False
+            # Not below what stays at the edge of the screen.
+            self.run("arguments[0].scrollIntoView({ block: 'center' })", button)
             button.click()
             return True
 

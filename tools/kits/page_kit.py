@@ -26,9 +26,8 @@ from typing import Any, Dict, Iterator, List, Optional
 from robot_kit import free_port
 
 from gpr20_common.low.clock import Clock
-from gpr20_web.low.account_file import AccountFile
-from gpr20_web.mid.accounts import Accounts
-from gpr20_web.roles import Role
+from gpr20_web.calls import Role
+from gpr20_web.low.accounts import Accounts
 
 NAME, PASSWORD = "otto", "correct horse battery staple"
 MOST_WATCHERS, SESSIONS_OF_ACCOUNT = 30, 5
@@ -71,10 +70,9 @@ def new_page(folder: Path, address: str = "127.0.0.1") -> Page:
     subprocess.run(create, check=True, stdout=subprocess.DEVNULL)
     own = folder / "page"
     (page.config / "web.yaml").write_text(f"address: {address}\nport: {page.port}\nfolder: {own}\n")
-    file = AccountFile(own)
-    accounts = Accounts(file, Clock())
+    accounts = Accounts(own, Clock())
     for name in (NAME, *map(watcher_name, range(MOST_WATCHERS // SESSIONS_OF_ACCOUNT))):
-        accounts.add(name, Role.OPERATE, PASSWORD)
+        accounts.add(name, Role.CONTROL, PASSWORD)
     return page
 
 

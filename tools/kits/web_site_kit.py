@@ -17,7 +17,7 @@ from touchscreen_kit import Touchscreen
 
 PASSWORD = "correct horse battery staple"
 TAKEN, TAKEN_LIMIT_S = "cannot listen", 60.0
-PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
+PEOPLE = {"vera": "watch", "otto": "control", "ada": "control"}
 
 
 def write_config(config: Path, web: Path, port: int) -> None:
@@ -80,10 +80,7 @@ class Site:
         """Choose a page."""
         self.browser.run("location.hash = arguments[0]", page)
         self.browser.wait(
-            lambda: (
-                self.browser.run("return document.querySelector('nav a[aria-current]').hash")
-                == f"#{page}"
-            ),
+            lambda: self.browser.run("return document.body.dataset.page") == page,
             f"{page} is shown",
         )
 

@@ -20,9 +20,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.robot.replay_model import ReplayModel
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.plan.stored import Profiles
+from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 

@@ -27,8 +27,7 @@ MOST_PICKS = 3
 
 def found_in(window: MainWindow) -> Tuple[Candidate, ...]:
     """Return the candidates in the image that is shown."""
-    found = None if window.image is None else window.image.candidates
-    return () if found is None else found.candidates
+    return () if window.image is None else window.image.candidates.candidates
 
 
 def take_picture(path: Path) -> None:

@@ -6,8 +6,9 @@ from robot_in_process import RobotInProcess
 from simulated_world import World
 
 SOURCES = Path(__file__).resolve().parents[3]
-# The example candidates of gpr20_survey's tests.
-sys.path.append(str(SOURCES / "gpr20_survey" / "test" / "unit"))
+# The examples of the surveys, the window and the page.
+for package in ("gpr20_survey", "gpr20_user_interface", "gpr20_web"):
+    sys.path.append(str(SOURCES / package / "test" / "unit"))
 
 
 @pytest.fixture

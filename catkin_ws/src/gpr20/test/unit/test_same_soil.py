@@ -1,4 +1,4 @@
-"""Window, imaging node, commands, report and API know the same soil, and the same doubts."""
+"""Window, page, viewer, commands, report and API say the same of a survey: soil, list, doubts."""
 
 from __future__ import annotations
 
@@ -11,28 +11,34 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from asked_storage import Storage
 from matplotlib.figure import Figure
 from planned_survey import AXES, TRAVEL
+from result_kit import Now
 from storage_kit import Kit
+from surveys_kit import Services
 from trace_examples import SURVEY, make_trace
+from view_kit import snapshot
+from web_kit import route_of
 
 import gpr20_analysis
 from gpr20_analysis.candidates.table import candidate_table
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
+from gpr20_analysis.work import no_progress
 from gpr20_imaging.low.analysis_worker import Analysis
-from gpr20_imaging.mid.imaging import Imaging as Node
+from gpr20_operator.ground.trace_events import SurveyRead
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder.log_record import LOG, Kind
-from gpr20_survey.folder.recovery import Fact, add_to_survey, recover
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import Fact, add_to_survey
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -40,7 +46,11 @@ from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
+from gpr20_viewer.session import ViewSession
+from gpr20_web.calls import Call, Person, Role
+from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.survey_values import result_of
+from gpr20_web.mid.surveys_page import SurveysPage
 
 PARAMETERS = SurveyParameters(
     "127.0.0.1", 6e8, 6e9, 61, x_start_mm=40.0, x_stop_mm=200.0, x_points=9,
@@ -53,38 +63,35 @@ TIME_US = 1_795_000_000_000_000
 
 
 class Here(Analysis):
-    """The worker of the imaging node, in this process."""
+    """The worker of the imaging node, in this process.
 
-    has_analysis = True
+    Attributes:
+        searched: How often it was asked.
+    """
+
+    has_analysis, searched = True, 0
 
     def start(self):
         pass
 
     def ask(self, _limit_s, _report, name, *arguments):
+        self.searched += 1
         return getattr(self, name)(*arguments)
 
-    def end(self):
-        pass
-
-    def close(self):
-        pass
+    end = close = start
 
 
-class Asked:
-    """Answers the window at once, as storage and imaging node do."""
+class AtOnce:
+    """Lets storage and imaging node answer jobs at once, by what is sent."""
 
-    def __init__(self, folder, node):
-        self._folder, self._node = folder, node
+    def __init__(self, services):
+        self._services = services
 
     def ask(self, service, ticket, **fields):
-        if service is Service.READ:
-            found = recover(self._folder)
-            log = [one.as_json() for one in found.found.records]
-            text = json.dumps({**found.description, LOG: log})
-            ticket.done(StoredSurvey(text, found.description["stored_traces"]))
-            return
-        found = self._node.focus("", fields["survey"], fields["permittivity"])
-        ticket.done(image_from(SimpleNamespace(**focus_fields(found))))
+        found = self._services.ask(service, **fields)
+        if service is Service.FOCUS:
+            found = image_from(SimpleNamespace(**focus_fields(found)))
+        ticket.done(found)
 
     def cancel(self, _request_id):
         pass
@@ -125,21 +132,56 @@ def enter(folder, permittivity):
 
 
 def answers(folder, capsys):
-    """Return the lists of window, API and command, the report, and the window's result."""
-    with closing(Node(folder.parent, Here(), lambda *_: None)) as node:
-        window = SurveyResult(Imaging(Asked(folder, node), lambda: 100.0))
+    """Return the lists of window, API, command and viewer, the report, and the window's result.
+
+    The window finds; what the page lists is compared with that, and is not searched for again.
+    """
+    worker = Here()
+    with closing(Services(folder.parent, worker=worker)) as services:
+        window = SurveyResult(Imaging(AtOnce(services), lambda: 100.0))
         window.open(folder.name)
         window.keep()
         window.keep()
+        check_page(folder, services, window)
+        assert worker.searched == 1
     survey = gpr20_analysis.load_survey(folder)
+    viewer = ViewSession(survey, gpr20_analysis.ImageOptions())
     lists = {
         "window": window.image.found,
         "API": gpr20_analysis.answer(survey, gpr20_analysis.ImageOptions()).found,
         "command": of_command(folder, capsys),
+        "viewer": viewer.compute(viewer.first_request, no_progress).candidates,
     }
     page = folder.parent / "report.html"
     assert main(["report", str(folder), "-o", str(page), "--overwrite"]) == 0
     return lists, page.read_text(), window
+
+
+def check_page(folder, services, window):
+    """Check that SURVEYS and MAP show what the window has found."""
+    found, here = window.image.found, {"survey": folder.name}
+    surveys = SurveysPage(services, folder.parent)
+    listed = got(surveys, f"/api/surveys/{folder.name}")["candidates"]
+    assert listed["list"] == list_sum(found)
+    assert listed["headline"] == str(texts.headline(found, most=len(found.candidates)))
+    assert listed["weaker"] == f"{found.weaker} weaker echoes"
+    now = Now()
+    ground = GroundPage(Storage(), AtOnce(services), now, print)
+    got(ground, "/api/ground", **here)
+    stored = services.ask(Service.READ, survey=folder.name)
+    indices = tuple(range(stored.stored_traces))
+    ground.on_event(SurveyRead(folder.name, stored.text, indices))
+    ground.refresh(snapshot())
+    shown = got(ground, "/api/ground", **here)["ground"]
+    assert f"{found.primary} places to check, {found.weaker} weaker echoes" in shown["lines"]
+    marked = [one["place"] for one in shown["marks"]]
+    assert sorted(marked) == sorted([one.x_mm, one.y_mm, one.depth_mm] for one in found.shown())
+
+
+def got(page, path, **values):
+    """Return what a page answers a person who watches."""
+    route, parts = route_of(page.routes, "GET", path)
+    return route.answer(Call(Person("ana", Role.WATCH, "s", "::1"), "::1", values, parts))
 
 
 def of_command(folder, capsys, *options):

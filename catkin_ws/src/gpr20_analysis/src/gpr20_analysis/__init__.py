@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Tuple
 __version__ = "0.2.0"
 
 _HOMES: Dict[str, Tuple[str, ...]] = {
-    "candidates.answer": ("Answer", "KeptAnswers", "answer", "field_options", "focus"),
+    "candidates.answer": ("Answer", "answer", "field_options", "focus"),
     "candidates.files": ("write_candidates",),
     "candidates.markers": ("MarkerList", "survey_markers", "write_markers"),
     "candidates.search": ("Candidate", "CandidateList", "find_candidates"),

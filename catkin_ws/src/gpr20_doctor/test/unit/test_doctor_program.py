@@ -28,7 +28,7 @@ from std_msgs.msg import Bool
 
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_doctor.high import doctor, graph
+from gpr20_doctor.high import doctor, graph, node_reports
 from gpr20_doctor.low import masters
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Level
@@ -98,7 +98,8 @@ def computer(tmp_path, monkeypatch):
     monkeypatch.setattr(doctor.signal, "signal", lambda *_all: None)
     monkeypatch.setattr(graph.rospy, "init_node", lambda *_all, **_more: None)
     monkeypatch.setattr(graph.rospy, "Subscriber", lambda *_all: None)
-    monkeypatch.setattr(graph.rospy.Time, "now", lambda: graph.rospy.Time(1000))
+    moment = SimpleNamespace(time_of_day_us=lambda: 1_000_000_000)
+    monkeypatch.setattr(node_reports, "Clock", lambda: moment)
     monkeypatch.setattr(graph.rospy, "signal_shutdown", lambda _why: None)
     monkeypatch.setattr(graph, "ServiceClient", Services())
     monkeypatch.setattr(doctor, "ROOT", tmp_path)
@@ -264,7 +265,10 @@ def test_what_is_published_becomes_facts_and_findings(run, join, monkeypatch):
         heard["/field/measured_height"](Range(range=height_m, min_range=0.1, max_range=2.0))
         assert (own.listener.facts().height_m == pytest.approx(0.2)) is known
     facts = own.listener.facts()
-    assert facts.axes == AXES and facts.endstops == ENDSTOPS
+    assert facts.axes == AXES
+    assert {axis: one.pressed for axis, one in facts.endstops.items()} == {
+        axis: one.pressed for axis, one in ENDSTOPS.items()
+    }
     assert facts.control_alive and facts.surveying and facts.configured
     assert {one.level for one in facts.nodes} == {HealthLevel.OK}
     assert facts.clock_offsets_s["height_sensor"] == pytest.approx(75.0)

@@ -1,6 +1,7 @@
 """What the nodes report becomes facts; waiting ends when enough is known."""
 
 import json
+import threading
 
 import pytest
 
@@ -10,7 +11,8 @@ from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
 from gpr20_doctor.mid.listener import WATCH_S, Listener
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, STALE_S, HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
@@ -28,7 +30,7 @@ def listener(clock):
 
 def report_all(listener, names=EXPECTED_NODES):
     for name in names:
-        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim("ok"), {}), 0.1)
+        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim("ok"), {}, 0.1))
     description = NodeDescription("main_control", NO_HARDWARE, {})
     listener.note_configuration(None, True, {"main_control": description})
     listener.note_status(False)
@@ -46,8 +48,8 @@ def test_waiting_ends_when_everything_has_reported(listener, clock):
 
 def test_waiting_ends_at_its_limit_and_silent_nodes_are_named(listener, clock):
     report_all(listener, EXPECTED_NODES[1:])
-    listener.wait(4.0)
-    assert clock.now_s() == pytest.approx(4.0, abs=0.1)
+    listener.wait(3.0)
+    assert clock.now_s() == pytest.approx(3.0, abs=0.1)
     silent = [one.name for one in listener.facts().nodes if one.level is HealthLevel.STALE]
     assert silent == listener.silent() == [EXPECTED_NODES[0]]
 
@@ -83,12 +85,11 @@ def test_findings_are_printed_with_their_remedies():
 
 def test_changes_of_an_endstop_are_counted_and_the_smallest_offset_kept(listener):
     for pressed in (False, True, True, False):
-        listener.note_endstop(AxisId.X, pressed)
+        listener.note_endstop(Endstop(AxisId.X, pressed))
     for offset_s in (3.0, -0.2, 1.0):
-        health = NodeHealth("height_sensor", HealthLevel.OK, verbatim(""), {})
-        listener.note_node(health, offset_s)
+        listener.note_node(NodeHealth("height_sensor", HealthLevel.OK, verbatim(""), {}, offset_s))
     for name in ("foreign", "sensors/gnss"):
-        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim(""), {}), 0.1)
+        listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim(""), {}, 0.1))
     facts = listener.facts()
     assert [one.name for one in facts.nodes] == [*EXPECTED_NODES, "sensors/gnss"]
     assert facts.endstops[AxisId.X].changes == 2
@@ -101,6 +102,16 @@ def test_the_next_reports_are_waited_for_within_a_limit(listener, clock):
     assert clock.now_s() == pytest.approx(2.0, abs=0.1)
     listener.wait_for_next(["never heard"], 2.0)
     assert clock.now_s() == pytest.approx(2.0, abs=0.1)
+
+
+def test_a_node_that_has_fallen_silent_is_offline(listener, clock):
+    report_all(listener)
+    clock.wait_s(threading.Event(), STALE_S + 0.1)
+    report_all(listener, EXPECTED_NODES[1:])
+    found = {one.name: one.level for one in listener.facts().nodes}
+    assert [name for name, level in found.items() if level is HealthLevel.STALE] == [
+        EXPECTED_NODES[0]
+    ]
 
 
 FOUND = (

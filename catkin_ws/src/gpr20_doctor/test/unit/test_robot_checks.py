@@ -17,7 +17,7 @@ from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_doctor.mid.place import Place
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, Evidence, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, Evidence, RobotFacts
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG, ENDSTOP, NO_GROUND, NOT_CALIBRATED, WRONG_VNA
@@ -36,13 +36,13 @@ VALUES = {
     STORAGE: {"free disk [MB]": "20000"},
 }
 AXES = {
-    AxisId.X: AxisPosition(200.0, True, False),
-    AxisId.Y: AxisPosition(0.0, True, False),
-    AxisId.Z: AxisPosition(0.0, True, False),
+    AxisId.X: AxisReport(AxisId.X, 200.0, True, False),
+    AxisId.Y: AxisReport(AxisId.Y, 0.0, True, False),
+    AxisId.Z: AxisReport(AxisId.Z, 0.0, True, False),
 }
-ENDSTOPS = {AxisId.X: EndstopSeen(False), AxisId.Y: EndstopSeen(True)}
-CLOSED = {**ENDSTOPS, AxisId.X: EndstopSeen(True)}
-NOT_HOMED = {**AXES, AxisId.X: AxisPosition(0.0, False, False)}
+ENDSTOPS = {AxisId.X: Endstop(AxisId.X, False), AxisId.Y: Endstop(AxisId.Y, True)}
+CLOSED = {**ENDSTOPS, AxisId.X: Endstop(AxisId.X, True)}
+NOT_HOMED = {**AXES, AxisId.X: AxisReport(AxisId.X, 0.0, False, False)}
 NOTED = Message("not used").with_fault(
     Fault("vna.not_used", Message("Nothing to do."), Severity.NOTE)
 )
@@ -52,12 +52,14 @@ PAUSED = Message("paused").with_fault(survey_faults.NOT_HOMED)
 SAME = NodeSoftware("0.1.0", "abc", "robot")
 
 
-def facts(nodes=None, **changes):
+def facts(nodes=None, offsets_s=None, **changes):
     reports = {
         name: NodeHealth(name, OK, verbatim("ok"), VALUES.get(name, {})) for name in EXPECTED_NODES
     }
     for name, (level, message, values) in (nodes or {}).items():
         reports[name] = NodeHealth(name, level, message, {**VALUES.get(name, {}), **values})
+    for name, offset_s in (offsets_s or {}).items():
+        reports[name] = replace(reports[name], clock_offset_s=offset_s)
     known = {
         "master_alive": True,
         "control_alive": True,
@@ -81,8 +83,8 @@ def report(name, level=OK, message="", **values):
 
 def test_a_robot_without_a_fault_is_good():
     # An endstop that changes while it is watched works.
-    seen = {AxisId.X: EndstopSeen(False, 2), AxisId.Y: EndstopSeen(True)}
-    found = findings(facts(clock_offsets_s={HEIGHT: 0.01}, endstops=seen), None)
+    seen = {**ENDSTOPS, AxisId.X: Endstop(AxisId.X, False, 2)}
+    found = findings(facts(offsets_s={HEIGHT: 0.01}, endstops=seen), None)
     assert {one.level for one in found} == {Level.OK}
     assert len(found) > len(EXPECTED_NODES)
     assert all(one.remedy is None for one in found)
@@ -102,7 +104,7 @@ OTHER = {VNA: NodeSoftware("0.1.0", "abc", "pc"), HEIGHT: NodeSoftware("0.1.0", 
 LOST = AnalyzerTest("", failure=FAILED)
 FOREIGN = report(VNA, values={"identity": "A,SIMULATED,1"})
 NOWHERE = {"endstops": CLOSED, "axes": NOT_HOMED}
-LATE = {"clock_offsets_s": {HEIGHT: 0.1, VNA: -75.0}}
+LATE = {"offsets_s": {HEIGHT: 0.1, VNA: -75.0}}
 LEFT = {**dict.fromkeys(EXPECTED_NODES, SAME), VNA: NodeSoftware("0.1.0", "def", "robot")}
 HEARD = {name: SAME for name in EXPECTED_NODES if name != HEIGHT}
 

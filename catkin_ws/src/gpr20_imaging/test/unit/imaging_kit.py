@@ -27,6 +27,14 @@ REFUSAL = Message("no {what}", what="permittivity").with_fault(
 PROGRAM = "import sys; sys.path[:0] = {path!r}; import imaging_kit; imaging_kit.main({folder!r})"
 
 
+def image_here():
+    """Return an image with the number of this process as number of traces."""
+    place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
+    levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
+    found = candidate_list([candidate()])
+    return FocusedImage(os.getpid(), place, place, depth, levels, found)
+
+
 class FakeAnalysis:
     """It does what the file `mode` says; what it writes and lists says what it was asked for."""
 
@@ -46,10 +54,7 @@ class FakeAnalysis:
         self._obey()
         with self.asked.open("a") as stream:
             print(survey, permittivity, file=stream)
-        place, depth = np.array([1.0, 2.0]), np.array([0.0, 3.0])
-        levels = np.arange(8, dtype=np.float32).reshape(2, 2, 2)
-        found = candidate_list([candidate()])
-        return FocusedImage(os.getpid(), place, place, depth, levels, found)
+        return image_here()
 
     def map_hidden(self, *_):
         raise NotImplementedError

@@ -18,9 +18,10 @@ from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low import stick_files, usb_volumes
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_imaging.mid import exporting
-from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportKind, ExportRequest
+from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
+from gpr20_survey.results.volume import ExportPart
 
-REPORT, ZIP = ExportKind.REPORT_HTML, ExportKind.SURVEY_ZIP
+REPORT, ZIP = ExportPart.REPORT_HTML, ExportPart.SURVEY_ZIP
 
 
 @pytest.fixture
@@ -81,9 +82,9 @@ def at_write(monkeypatch, then):
 
 
 def test_every_kind_is_written_with_its_checksum(export, folder, stick, stages):
-    names = export(*ExportKind)
+    names = export(*ExportPart)
     assert [one.split("_", 2)[2] for one in names] == [
-        f"SIMULATED_{kind.ending}" for kind in ExportKind
+        f"SIMULATED_{kind.value.replace('-', '.')}" for kind in ExportPart
     ]
     for name in names:
         content = (stick / name).read_bytes()
@@ -116,11 +117,11 @@ def test_the_zip_file_holds_the_whole_survey_and_replaces_a_former_one(
 
 
 def test_without_a_stick_one_file_of_the_analysis_is_in_the_answer(exporter, folder):
-    for kind in (one for one in ExportKind if one is not ZIP):
+    for kind in (one for one in ExportPart if one is not ZIP):
         name, content = exporter.make(request_for(folder, "", kind))
-        assert name == f"{folder.name}_SIMULATED_{kind.ending}"
+        assert name == f"{folder.name}_SIMULATED_{kind.value.replace('-', '.')}"
         assert content.decode().startswith(f"{folder} 4.0 es")
-    for kinds in ((ZIP,), (ExportKind.CANDIDATES_CSV, REPORT)):
+    for kinds in ((ZIP,), (ExportPart.CANDIDATES_CSV, REPORT)):
         with raises_fault(NOT_ALLOWED, error=ImagingError):
             exporter.make(request_for(folder, "", *kinds))
 
@@ -205,7 +206,7 @@ def test_a_folder_of_exports_that_is_none_of_the_stick_is_refused(export, stick,
     before = contents(computer)
     PUT[put](stick / FOLDER, computer)
     with raises_fault(faults.STICK, stick.name):
-        export(*ExportKind)
+        export(*ExportPart)
     assert contents(computer) == before
     assert [one.name for one in stick.iterdir()] == [FOLDER]
 
@@ -218,11 +219,11 @@ def test_links_are_replaced_not_followed_also_what_is_put_there_meanwhile(
     computer.mkdir()
     target = computer / "file"
     target.write_text("of the computer")
-    for kind in ExportKind:
+    for kind in ExportPart:
         name = request_for(folder, stick).name(kind)
         for ending in ("", ".sha256"):
             (stick / FOLDER / f"{name}{ending}").symlink_to(target)
-    for name in export(*ExportKind):
+    for name in export(*ExportPart):
         assert not (stick / name).is_symlink() and not (stick / f"{name}.sha256").is_symlink()
 
     def put_link():

@@ -6,11 +6,12 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
-from imaging_kit import REFUSAL, store_survey
+from imaging_kit import REFUSAL, image_here, store_survey
 
 import gpr20_analysis
 from gpr20_analysis import faults as analysis_faults
@@ -22,12 +23,15 @@ from gpr20_imaging.low import worker_process
 from gpr20_imaging.low.worker_process import OOM_SCORE, WorkerProcess, memory_limit_bytes
 from gpr20_imaging.mid import imaging as imaging_module
 from gpr20_imaging.mid.exporting import FOLDER
-from gpr20_imaging.mid.imaging import MOST_WAITING, Imaging
-from gpr20_survey.folder.recovery import read_description
+from gpr20_imaging.mid.imaging import MOST_KEPT, MOST_WAITING, Imaging
+from gpr20_survey.folder import soil_note
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.results.hidden_target import Targets
 
 LOWERED, LOWEST_NICE = worker_process.PREFIX, 19
 LIMIT_S = 100.0
+NOW = "2026-10-01T10:00:00.000000+00:00"
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -93,7 +97,7 @@ def test_a_child_that_died_or_was_killed_between_requests_is_replaced(imaging, s
     os.kill(first, signal.SIGKILL)
     # The end of all its threads; the node collects it.
     os.waitid(os.P_PID, first, os.WEXITED | os.WNOWAIT)
-    assert imaging.focus("b", survey.name, 4.0).traces != first
+    assert imaging.focus("b", survey.name, 5.0).traces != first
 
 
 def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeypatch):
@@ -101,7 +105,7 @@ def test_a_child_that_takes_too_long_is_ended(imaging, survey, analysis, monkeyp
     analysis.mode = "hang"
     monkeypatch.setattr(imaging_module, "FOCUS_LIMIT_S", 3.0)
     with raises_fault(faults.OTHER_COMPUTER, 3):
-        imaging.focus("a", survey.name, 4.0)
+        imaging.focus("a", survey.name, 5.0)
     assert not is_running(wait_for(analysis.started))
 
 
@@ -129,6 +133,48 @@ def test_without_the_analysis_the_node_says_what_is_missing(
     stick = sticks.plug_in()
     assert imaging.export("b", survey.name, ["survey-zip"], 0.0, "en", str(stick))[0]
     imaging.close()
+
+
+def add(kind, values):
+    record = {"time": NOW, **values}
+    return lambda folder: add_to_survey(folder, lambda _description: Fact(kind, record), NOW)
+
+
+# What happens to a survey, and whether its answer may be another one then.
+CHANGES = (
+    *((add(kind, {}), False) for kind in (Kind.FOUND, Kind.EXPORT, Kind.AUDIT)),
+    *((add(kind, {}), True) for kind in (Kind.CLOCK, Kind.DRIFT, Kind.ANNOTATION)),
+    (add(soil_note.KIND, soil_note.soil_values(7.0, 0)), True),
+    (lambda folder: (folder / "traces" / "000003.json").touch(), True),
+    (lambda folder: (folder / "traces" / "000000.json").write_text("{}"), True),
+)
+
+
+def test_what_anybody_has_found_is_known_until_the_survey_or_its_soil_changes(
+    survey, worker, analysis
+):
+    lists = []
+    with closing(Imaging(survey.parent, worker, lambda *_: None, lists.append)) as imaging:
+
+        def focus(permittivity=0.0, only_known=True):
+            return imaging.focus("a", survey.name, permittivity, only_known)
+
+        searched = 0
+        for change, is_other in ((Path.stat, True), *CHANGES):
+            change(survey)
+            if is_other:
+                with raises_fault(ASKED_FOR):
+                    focus()
+                first, searched = focus(only_known=False), searched + 1
+            assert focus() is first and focus(only_known=False) is first
+            assert len(analysis.asked.read_text().splitlines()) == len(lists) == searched
+        # With other options it is another answer, beside this one.
+        for number in range(1, MOST_KEPT):
+            focus(number + 1.0, only_known=False)
+        assert focus() is first
+        focus(90.0, only_known=False)
+        with raises_fault(ASKED_FOR):
+            focus()
 
 
 def asked(ask):
@@ -186,6 +232,7 @@ class SlowWorker:
         self.most.append(len(self.running))
         self.go.wait(LIMIT_S)
         self.running.pop()
+        return image_here()
 
 
 def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled(
@@ -196,7 +243,8 @@ def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled
     threads = []
     for number in range(MOST_WAITING):
         name = "last" if number == MOST_WAITING - 1 else "x"
-        threads.append(asked(lambda name=name: imaging.focus(name, survey.name, 4.0)))
+        soil = 4.0 + max(1, number)
+        threads.append(asked(lambda name=name, soil=soil: imaging.focus(name, survey.name, soil)))
         while imaging.requests <= number:
             time.sleep(0.01)
     with raises_fault(BUSY):
@@ -206,7 +254,8 @@ def test_requests_are_carried_out_one_at_a_time_are_bounded_and_can_be_cancelled
     for thread, _failures in threads:
         thread.join(LIMIT_S)
     imaging.close()
-    assert max(worker.most) == 1 and len(worker.most) == MOST_WAITING - 1
+    # Those who asked for the same at once got one answer.
+    assert max(worker.most) == 1 and len(worker.most) == MOST_WAITING - 2
     assert [failures for _thread, failures in threads if failures] == [[ASKED_FOR.code]]
 
 
@@ -218,7 +267,7 @@ def test_a_worker_that_ends_idle_as_the_request_comes_is_started_again(imaging, 
 def test_a_worker_that_was_ended_gets_no_further_request(imaging, worker, survey):
     first = imaging.focus("a", survey.name, 4.0).traces
     worker.end()
-    assert imaging.focus("b", survey.name, 4.0).traces != first
+    assert imaging.focus("b", survey.name, 5.0).traces != first
 
 
 NODE = """

@@ -32,7 +32,7 @@ from touched_window import LIMIT_S, Screen, TouchedWindow, wait_until
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
 from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.memory import RememberedPlan
+from gpr20_operator.plan.stored import RememberedPlan
 from gpr20_survey.axes.axis_id import AxisId
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))

@@ -20,7 +20,7 @@ from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QW
 
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.high.conversions import parameters_message
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.fields import Tile
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_user_interface.high import user_interface
 from gpr20_user_interface.window.rail import TabName

@@ -25,16 +25,15 @@ from window_helpers import click, hold, open_field, show
 
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
-from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
-from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound

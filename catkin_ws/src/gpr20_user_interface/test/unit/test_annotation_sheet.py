@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
-from view_kit import FOLDER, SURVEY, snapshot, state_of
+from view_kit import FOLDER, SURVEY, configured, snapshot, state_of
 from window_helpers import click, hold, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
-from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.events import Answer, Request, RobotDefaults
+from gpr20_operator.plan.fields import Tile
+from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, annotation_of
 from gpr20_survey.plan.survey_state import SurveyState
@@ -48,7 +48,11 @@ def read(window, node, survey, annotation):
 def asked(node):
     facts = node.of("fact")
     assert all(kind is Kind.ANNOTATION for _survey, kind, _values in facts)
-    return [(survey, annotation_of({"annotation": values})) for survey, _kind, values in facts]
+    found = []
+    for survey, _kind, values in facts:
+        own = {key: one for key, one in values.items() if key != "notes_before"}
+        found.append((survey, annotation_of({"annotation": own})))
+    return found
 
 
 def write(sheet, name, text):
@@ -81,11 +85,11 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey_and_who_and_wher
 
 
 def test_the_defaults_of_the_robot_fill_what_is_empty_once(window, following):
-    defaults = RobotDefaults("127.0.0.1", Site(site="elsewhere", operator="Ana"))
+    robot = configured(site=Site(site="elsewhere", operator="Ana"))
     # An operator may empty a field.
     for before, after in ((Annotation(site="here"), Annotation("Ana", "here")), (EMPTY, EMPTY)):
         following.value = before
-        show(window, snapshot(SurveyState.IDLE, defaults=defaults))
+        show(window, snapshot(SurveyState.IDLE, robot=robot))
         assert following.value == after
 
 
@@ -110,6 +114,8 @@ def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, nod
     write(sheet, "notes", "wet")
     click(sheet.save)
     assert asked(node) == [(SURVEY, replace(EXAMPLE, notes="wet"))]
+    # The storage keeps what others have written meanwhile.
+    assert node.of("fact")[-1][2]["notes_before"] == ""
     assert sheet.isVisible()
     node.ticket("fact").done(verbatim("stored"))
     assert not sheet.isVisible()

@@ -21,11 +21,19 @@ from view_kit import (
 
 from gpr20_common.faults import BUSY, PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth, node_title
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.node_health import (
+    EXPECTED_NODES,
+    NOT_NEEDED,
+    STALE_S,
+    HealthLevel,
+    HealthReport,
+    HealthTracker,
+    NodeHealth,
+    node_title,
+)
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
-from gpr20_operator.robot.events import AxisReport, Progress, Request
-from gpr20_operator.robot.health import NOT_NEEDED, STALE_S, HealthReport, HealthTracker
+from gpr20_operator.robot.events import Progress, Request
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CAN_RESUME
@@ -53,7 +61,7 @@ NO_VNA = health("vna_acquisition", HealthLevel.ERROR)
 
 X_MOVES, BY_CONTROL = moving(AxisId.X), moving(AxisId.X, owner="/main_control")
 BY_OTHER = moving(AxisId.Y, owner="/robot1/rqt_17")
-SILENT = AxisReport(AxisId.X, AxisPosition(0.0, True, True), "", 0.0, silent=True)
+SILENT = AxisReport(AxisId.X, 0.0, True, True, "", 0.0, silent=True)
 TABLE = (
     # Each state by itself.
     *((code, {}, L.REST, code.name, "") for code in (S.IDLE, S.CONFIGURED, S.STOPPED)),
@@ -111,11 +119,13 @@ CODES = st.none() | st.sampled_from(SurveyState)
 MESSAGES = st.sampled_from(
     [verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP, ASKED_PAUSE]
 )
-POSITIONS = st.builds(AxisPosition, st.just(0.0), st.booleans(), st.booleans())
 OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
 AXES = st.tuples(
     *(
-        st.builds(AxisReport, st.just(axis), POSITIONS, OWNERS, st.just(0.0), st.booleans())
+        st.builds(
+            *(AxisReport, st.just(axis), st.just(0.0), st.booleans(), st.booleans()),
+            *(OWNERS, st.just(0.0), st.booleans()),
+        )
         for axis in AxisId
     )
 )
@@ -208,7 +218,7 @@ def test_nodes_have_the_time_to_report_once_and_some_need_not(clock):
     assert tracker.report().trouble is None
     clock.advance(STALE_S + 0.1)
     report = tracker.report()
-    assert report.node("web").level is HealthLevel.STALE
+    assert {one.name: one.level for one in report.nodes}["web"] is HealthLevel.STALE
     assert str(node_title("web")) not in str(report.trouble)
     assert str(node_title("vna_processing")) in str(report.trouble)
     for name in NOT_NEEDED:

@@ -25,10 +25,10 @@ from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE, PART_RED
 from gpr20_common.high.answers import fault_of
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high.conversions import control_state
-from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
 from gpr20_operator.robot.notices import (
     CardWatch,
     Refused,
@@ -231,10 +231,7 @@ class Robot:
         """Let axes report a moment later."""
         self.clock.advance(0.001)
         kept = [one for one in self.shown.axes if one.axis not in axes]
-        new = [
-            AxisReport(axis, AxisPosition(0.0, True, moving), "", self.clock.now_s())
-            for axis in axes
-        ]
+        new = [AxisReport(axis, 0.0, True, moving, "", self.clock.now_s()) for axis in axes]
         self.shown = replace(self.shown, axes=(*kept, *new))
 
     def press(self, *answering):

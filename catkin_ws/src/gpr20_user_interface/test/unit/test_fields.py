@@ -1,6 +1,7 @@
 """Every field of a plan: text and value, limits, arrows, presets; what follows from what."""
 
 import random
+import re
 import threading
 from dataclasses import replace
 
@@ -11,9 +12,8 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from run_seed import draws
-from survey_examples import AXES
 from view_kit import TRAVEL as ROBOT
-from view_kit import past_survey, snapshot
+from view_kit import configured, past_survey, snapshot
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
@@ -26,21 +26,26 @@ from gpr20_operator.plan.fields import (
     PLAN,
     SPECS,
     TILE_FIELDS,
+    Keys,
+    Tile,
     default_parameters,
     texts_of,
 )
-from gpr20_operator.plan.form import PlanForm, check_plan, points_for
-from gpr20_operator.plan.presets import PresetContext
-from gpr20_operator.plan.preview import (
+from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
+    PlanForm,
+    check_plan,
+    points_for,
     preview,
 )
-from gpr20_operator.plan.spec import Keys, Tile
+from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.tiles import resumable, spacing_warning
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, RobotFigures
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
+from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import (
     decimal_from_text,
+    duration,
     hertz_from_megahertz,
     number_from_text,
     plain_text,
@@ -49,9 +54,8 @@ from gpr20_operator.words import (
 )
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_cost import survey_cost
-from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, find_problems
+from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
@@ -233,7 +237,7 @@ def test_any_number_is_read_with_either_mark_and_every_whole_hertz_can_be_writte
     assert hertz_from_megahertz(f"{hertz // 10**6}.{hertz % 10**6:06d}") == hertz
 
 
-FIGURES = RobotFigures(RobotConfig(AXES, False), SurveySettings())
+CONFIGURED = configured()
 
 
 @pytest.fixture
@@ -242,7 +246,7 @@ def form():
 
 
 def cost_of(parameters):
-    return survey_cost(parameters, FIGURES.config, FIGURES.settings)
+    return survey_cost(parameters, CONFIGURED.config, CONFIGURED.settings)
 
 
 def test_the_plan_of_a_new_robot_gives_no_warning_and_takes_a_quarter_of_an_hour(form):
@@ -265,11 +269,11 @@ def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_
 
     estimator = CostEstimator(tell)
     for parameters in asked:
-        estimator.ask(parameters, FIGURES)
+        estimator.ask(parameters, CONFIGURED)
     assert answered.wait(30.0)
     estimator.close()
     before = len(received)
-    estimator.ask(asked[0], FIGURES)
+    estimator.ask(asked[0], CONFIGURED)
     for thread in threading.enumerate():
         if thread.name == "CostEstimator._estimate":
             thread.join(30.0)
@@ -320,3 +324,22 @@ def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_r
             assert resumable(past, other) is None
         past.set_running("another")
         assert resumable(past, idle) is None
+
+
+DAY_S = 86400
+
+
+@given(st.integers(min_value=60, max_value=400 * DAY_S))
+def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
+    assert str(duration(-3)) == str(duration(59.9)) == "less than 1 min"
+    words = str(duration(time_s))
+    units = {"d": DAY_S, "h": 3600, "min": 60}
+    parts = re.findall(r"(\d+) (d|h|min)", words)
+    said_s = sum(int(number) * units[unit] for number, unit in parts)
+    assert 0 <= said_s - time_s < units[parts[-1][1]]
+
+
+def test_time_that_is_left_says_what_it_is_based_on():
+    for visited, basis in ((0, "by the plan"), (1, "measured"), (12, "measured")):
+        progress = Progress("id", 0.0, 18, visited, 1128.0)
+        assert str(remaining(progress)) == f"19 min left ({basis})"

@@ -23,8 +23,8 @@ from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import Command, ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.files.newest import Newest
-from gpr20_operator.high import conversions, master, robot_stop, robots_client, ros_events
+from gpr20_operator.files.settings_file import Newest
+from gpr20_operator.high import conversions, robot_stop, robots_client, ros_events
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
@@ -235,17 +235,17 @@ class WaitingClock(FakeClock):
 def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
     hung = threading.Event()
     monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
-    monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: True)
-    monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: None)
-    master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
-    monkeypatch.setattr(master.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
+    monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: True)
+    monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: None)
+    ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())
+    monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
     with raises_fault(NOT_RUNNING, error=MasterUnavailableError):
-        master.join_graph("a_node", 5.0, lambda: False, WaitingClock())
+        ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())
     hung.set()
-    monkeypatch.setattr(master.rosgraph, "is_master_online", lambda: False)
+    monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: False)
     for cancelled, fault in ((bool, NOT_RUNNING), (lambda: True, ASKED_FOR)):
         with raises_fault(fault, error=MasterUnavailableError):
-            master.join_graph("a_node", 5.0, cancelled, WaitingClock())
+            ros_events.join_graph("a_node", 5.0, cancelled, WaitingClock())
 
 
 def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):

@@ -15,6 +15,7 @@ from window_helpers import click, hold, show, wishes
 from gpr20_common.message import Message
 from gpr20_operator.plan.annotation import LONGEST_SHOWN, overwritten
 from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.plan.form import SurveyPreview, preview
 from gpr20_operator.plan.hold_question import (
     change_records_question,
     delete_profile_question,
@@ -23,7 +24,6 @@ from gpr20_operator.plan.hold_question import (
     resume_past_question,
     resume_question,
 )
-from gpr20_operator.plan.preview import SurveyPreview, preview
 from gpr20_operator.robot.events import Progress, Request
 from gpr20_operator.words import local_time
 from gpr20_survey.faults import OTHER_ZEROS

@@ -7,17 +7,14 @@ import pytest
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
-from view_kit import FOLDER, past_survey, snapshot
+from view_kit import FOLDER, configured, past_survey, snapshot
 from window_helpers import click, enter, hold, hold_to_start, open_field, show, start, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.trace_events import SurveysListed
-from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, default_parameters
-from gpr20_operator.plan.preview import preview
-from gpr20_operator.plan.spec import Tile
-from gpr20_operator.robot.events import Answer, Request, RobotDefaults
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
-from gpr20_survey.plan.annotation import Site
+from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, Tile, default_parameters
+from gpr20_operator.plan.form import preview
+from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.keys import ERASE
 
@@ -98,7 +95,7 @@ def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle
 
 
 def test_start_says_why_it_is_locked_and_a_replay_offers_no_notes(window):
-    replay = ReplayView(ReplayMark(), True, SurveyState.SURVEYING)
+    replay = Replay(state=SurveyState.SURVEYING)
     control = window.control
     for shown, reason in (
         (IDLE, ""),
@@ -141,12 +138,11 @@ def test_what_the_survey_will_be_is_shown_and_what_is_too_coarse_is_amber(window
 
 def test_the_address_of_the_configuration_is_proposed_until_the_operator_chooses_another(window):
     other_form = "GPIB0::16::INSTR"
-    for configured in ("192.168.1.10", other_form):
-        defaults = RobotDefaults(configured, Site())
-        show(window, snapshot(SurveyState.IDLE, defaults=defaults))
-        assert tile(window, Tile.VNA)[0] == window.control.parameters.vna_address == configured
+    for address in ("192.168.1.10", other_form):
+        show(window, snapshot(SurveyState.IDLE, robot=configured(address)))
+        assert tile(window, Tile.VNA)[0] == window.control.parameters.vna_address == address
     enter(window, "vna_address", "10.1.2.3")
-    show(window, snapshot(SurveyState.IDLE, defaults=RobotDefaults("192.168.1.11", Site())))
+    show(window, snapshot(SurveyState.IDLE, robot=configured("192.168.1.11")))
     assert window.control.parameters.vna_address == "10.1.2.3"
 
 
@@ -218,7 +214,6 @@ def test_a_profile_is_saved_loaded_and_deleted_by_a_hold(idle):
 
 
 FROM_MEMORY, FROM_FACTORY = 10, 20
-NOTHING_CONFIGURED = RobotDefaults("", Site())
 PREFIXES = ("192.168.", "10.", "172.")
 
 
@@ -242,7 +237,7 @@ class Finger:
 
 def begun(window):
     window.control.begin()
-    show(window, snapshot(SurveyState.IDLE, defaults=NOTHING_CONFIGURED))
+    show(window, snapshot(SurveyState.IDLE, robot=configured("")))
     return window
 
 

@@ -34,8 +34,7 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
-from gpr20_operator.robot.events import CurrentPosition, TargetPosition
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.events import CurrentPosition, Replay, TargetPosition
 from gpr20_operator.words import local_time
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
@@ -126,7 +125,7 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
 
 
 def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
-    replay = ReplayView(ReplayMark(PAST, folder=FOLDER, rate=1.0), state=SurveyState.SURVEYING)
+    replay = Replay(PAST, folder=FOLDER, rate=1.0, state=SurveyState.SURVEYING)
     note(traces, SurveyState.SURVEYING, PAST, replay)
     traces.on_event(SurveyDescribed(description(survey_id=PAST)))
     assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)

@@ -14,10 +14,10 @@ from topics_kit import Graph
 from view_kit import snapshot, state_of
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import remote_question
-from gpr20_operator.robot.events import AxisReport
+from gpr20_operator.robot.events import Replay
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     SILENCE_S,
@@ -29,7 +29,6 @@ from gpr20_operator.robot.remote_control import (
     WebStatusReported,
     remote_obstacle,
 )
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
@@ -45,10 +44,10 @@ FORBIDDING = {
     "no master": snapshot(SurveyState.IDLE, master_alive=False),
     "control restarted": snapshot(SurveyState.IDLE, interrupted=True),
     "foreign motion": snapshot(
-        SurveyState.IDLE, axes=(AxisReport(AxisId.X, AxisPosition(0.0, True, True), "/other", 0.0),)
+        SurveyState.IDLE, axes=(AxisReport(AxisId.X, 0.0, True, True, "/other", 0.0),)
     ),
     "service": snapshot(SurveyState.IDLE, service=verbatim("moving the X axis")),
-    "replay": snapshot(SurveyState.IDLE, replay=ReplayView(ReplayMark(), True, SurveyState.IDLE)),
+    "replay": snapshot(SurveyState.IDLE, replay=Replay(state=SurveyState.IDLE)),
 }
 ENDING = {"fault": FAULT, "other fault": OTHER_FAULT, **FORBIDDING}
 

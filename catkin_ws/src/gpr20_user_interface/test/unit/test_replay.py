@@ -15,25 +15,29 @@ from topics_kit import Graph
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, Replay, SurveyData
+from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, SurveyData
+from gpr20_msgs.msg import Replay as ReplayMessage
 from gpr20_operator.high import control_client, ros_events
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
-from gpr20_operator.robot.events import ControlState, Progress, Request
-from gpr20_operator.robot.replay import PlayerLink, ReplayMark, ReplayPhase
-from gpr20_operator.robot.replay_model import ReplayModel
+from gpr20_operator.robot.events import (
+    ControlState,
+    PlayerLink,
+    Progress,
+    Replay,
+    ReplayPhase,
+    Request,
+)
 from gpr20_operator.robot.senders import SenderIgnored, Senders
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.terminal.follower import ExitStatus
-from gpr20_user_interface.terminal.session import ReplayFollower
 
 # `rosbag play`, replay.launch, a window, and nodes of other robots.
 OTHERS = (
     *("/play_1795334095431", "/replay/replay", "/user_interface", "/some_player"),
     *("/robot2/main_control", "/replay/main_control", "/main_control_", "main_control"),
 )
-MARK = ReplayMark("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_58860593")
+MARK = Replay("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_58860593")
 SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
 
 
@@ -77,7 +81,7 @@ def message(kind, number):
         "place": ("control_current_coordinate", Coordinates(x_mm=number)),
         "axis": ("x_axis/current_coord", CurrentCoordinate(moving=bool(number % 2))),
         "health": ("/diagnostics", report(EXPECTED_NODES[number % 3], number % 3)),
-        "mark": ("replay", Replay(survey_id=survey)),
+        "mark": ("replay", ReplayMessage(survey_id=survey)),
     }[kind]
 
 
@@ -248,27 +252,9 @@ def test_the_end_of_a_replay_names_the_end_of_the_survey():
 def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_again():
     model = played(MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress())
     view = model.snapshot().replay
-    assert (view.ended, view.state, view.mark) == (True, SurveyState.FINISHED, MARK)
+    assert view == replace(MARK, connected=False, state=SurveyState.FINISHED) and view.ended
     model.handle(PlayerLink(True))
     assert not model.snapshot().replay.ended
     # Another survey shows nothing of the one before.
     model.handle(progress("other"))
-    assert (model.snapshot().state, model.snapshot().replay.mark) == (None, ReplayMark())
-
-
-def test_the_terminal_client_follows_a_replay_to_its_end_and_asks_for_nothing():
-    def followed(*events):
-        follower = ReplayFollower()
-        for event in events:
-            assert follower.handle(event) == follower.tick() == []
-        return follower
-
-    assert followed(MARK, state(SurveyState.PAUSED), PlayerLink(True)).outcome is None
-    for end in (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED)):
-        follower = followed(MARK, progress(), state(SurveyState.FINISHED), end)
-        assert follower.survey_id == "id"
-        assert follower.outcome.status is ExitStatus.REPLAY
-        assert str(follower.outcome.message) == "The recorded survey ended FINISHED: as it is"
-        cut_off = followed(MARK, state(SurveyState.SURVEYING), end).outcome
-        assert cut_off.status is ExitStatus.REPLAY
-        assert "does not contain the survey's end" in str(cut_off.message)
+    assert (model.snapshot().state, model.snapshot().replay) == (None, Replay())

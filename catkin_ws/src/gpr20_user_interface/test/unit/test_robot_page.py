@@ -1,6 +1,5 @@
 """ROBOT: what a finger does there, and what it shows."""
 
-import math
 from dataclasses import replace
 
 import pytest
@@ -14,11 +13,16 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.finding import Level, Unknown
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.node_health import (
+    EXPECTED_NODES,
+    HealthLevel,
+    HealthReport,
+    HealthTracker,
+    NodeHealth,
+)
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import AxisReport, CurrentPosition, EndstopState
-from gpr20_operator.robot.health import HealthReport, HealthTracker
+from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
@@ -80,10 +84,13 @@ def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
 
 def test_endstops_and_positions_are_shown(service):
     service.robot.overview.entered.emit()
-    service.on_event(EndstopState(AxisId.X, True))
-    service.on_event(EndstopState(AxisId.Y, False))
-    lost = AxisReport(AxisId.Y, AxisPosition(0.0, False, False), "", math.inf)
-    show(service, replace(AT_REST, axes=(lost,)))
+    service.on_event(Endstop(AxisId.X, True))
+    service.on_event(Endstop(AxisId.Y, False))
+    known = (
+        AxisReport(AxisId.X, 650.0, True, False),
+        *(AxisReport(AxisId.Y, 0.0, False, False), AxisReport(AxisId.Z, -90.0, True, False)),
+    )
+    show(service, replace(AT_REST, axes=known))
     x, y, z = service.robot.service.axes.rows
     assert [row.place.text() for row in (x, y, z)] == ["X 650.00 mm", "Y not homed", "Z -90.0°"]
     assert "closed" in x.lamp.text() and "open" in y.lamp.text()
@@ -219,4 +226,4 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service, cl
     assert "soil" in service.robot.overview.parts.tile("sensors/soil").text()
     assert service.minimumSizeHint().height() <= 480
     clock.advance(5.0)
-    assert tracker.report().node("sensors/soil").level is HealthLevel.STALE
+    assert {one.level for one in tracker.report().nodes} == {HealthLevel.STALE}

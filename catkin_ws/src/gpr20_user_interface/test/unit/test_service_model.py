@@ -9,17 +9,10 @@ from view_kit import snapshot, state_of
 from window_helpers import ServiceTools
 
 from gpr20_common.message import Message
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import (
-    AxisReport,
-    ClockOffset,
-    CurrentPosition,
-    EndstopState,
-    Request,
-    ServiceActivity,
-)
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.events import CurrentPosition, Replay, Request, ServiceActivity
 from gpr20_operator.robot.service_model import (
     AXIS_LIMIT_S,
     IDLE_LIMIT_S,
@@ -118,11 +111,11 @@ def test_one_request_at_a_time(model, requests):
 
 def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     def lamp():
-        return model.axes[0].pressed
+        return model.pressed(AxisId.X)
 
     assert lamp() is None
-    model.on_event(EndstopState(AxisId.X, True))
-    model.on_event(EndstopState(AxisId.X, False))
+    model.on_event(Endstop(AxisId.X, True))
+    model.on_event(Endstop(AxisId.X, False))
     assert lamp() is True
     clock.advance(LAMP_S)
     assert lamp() is False
@@ -131,23 +124,27 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
 
 
 def test_position_and_zero_of_each_axis(model, clock):
-    lost = AxisReport(AxisId.Y, AxisPosition(2.0, False, False), "", clock.now_s())
+    lost = AxisReport(AxisId.Y, 2.0, False, False, "", clock.now_s())
     model.refresh(at_rest(axes=(lost,)))
-    x, y, z = model.axes
-    assert [one.coordinate for one in (x, y, z)] == [1.0, 2.0, 3.0]
-    assert (x.homed, y.homed, z.homed) == (None, False, None)
+    assert [model.axis(one) for one in AxisId] == [None, lost, None]
     clock.advance(AXIS_LIMIT_S + 0.1)
-    assert model.axes[1].homed is None
+    assert model.axis(AxisId.Y) is None
 
 
-def test_the_smallest_offset_of_a_clock_counts(model):
-    for offset_s in (8.0, 0.2, 3.0):
-        model.on_event(ClockOffset("height_sensor", offset_s))
-    assert not any("differs" in str(one.text) for one in model.findings())
-    model.on_event(ClockOffset("vna_acquisition", 8.0))
-    assert any("differs" in str(one.text) for one in model.findings())
+def test_the_smallest_offset_of_a_clock_counts(model, clock):
+    def found(*reports):
+        survey = SurveyModel(clock)
+        survey.handle(state_of(SurveyState.IDLE))
+        for name, offset_s in reports:
+            survey.handle(NodeHealth(name, HealthLevel.OK, Message("fine"), {}, offset_s))
+        model.refresh(survey.snapshot())
+        return any("differs" in str(one.text) for one in model.findings())
+
+    late = [("height_sensor", offset_s) for offset_s in (8.0, 0.2, 3.0)]
+    assert not found(*late)
+    assert found(*late, ("vna_acquisition", 8.0))
     # Nothing is found wrong with the robot of a replay.
-    model.refresh(replace(at_rest(), replay=ReplayView(ReplayMark())))
+    model.refresh(replace(at_rest(), replay=Replay()))
     assert model.findings() == () and model.obstacle is not None
 
 

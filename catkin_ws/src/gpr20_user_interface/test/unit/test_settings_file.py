@@ -25,8 +25,7 @@ from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, first_name, next_name
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.memory import PlanMemory, RememberedPlan
-from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.stored import PlanMemory, Profiles, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (

@@ -5,22 +5,21 @@ import pytest
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     Answer,
-    AxisLimits,
-    AxisMeasured,
     ControlState,
     CurrentPosition,
+    MasterAnswered,
     MeasuredHeight,
     Progress,
     Request,
+    RobotDescribed,
     TargetPosition,
 )
-from gpr20_operator.robot.job import JobScreen
-from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
 from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
@@ -53,7 +52,7 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
 
 def test_what_is_not_followed_is_not_called_silent(model, clock):
     def report():
-        model.handle(AxisMeasured(AxisId.X, AxisPosition(1.0, True, True)))
+        model.handle(AxisReport(AxisId.X, 1.0, True, True))
         model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
 
     report()
@@ -187,21 +186,21 @@ def test_a_height_out_of_range_or_a_target_of_minus_one_is_none(model):
 
 def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     model.handle(state(SurveyState.IDLE))
-    limits = AxisLimits(object())
-    model.handle(limits)
+    described = RobotDescribed(object())
+    model.handle(described)
     assert model.snapshot().master_alive
-    model.handle(AxisLimits(None, verbatim("refused"), master_alive=False))
-    assert model.snapshot().travel is limits.travel
+    model.handle(MasterAnswered(False))
+    assert model.snapshot().robot is described.robot
     assert not model.snapshot().master_alive
-    model.handle(limits)
+    model.handle(MasterAnswered(True))
     assert model.snapshot().master_alive
-    model.handle(AxisLimits(None, verbatim("no axes")))
-    assert model.snapshot().travel is None
+    model.handle(RobotDescribed(None, verbatim("no axes")))
+    assert model.snapshot().robot is None
 
 
 def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
-    moves = AxisMeasured(AxisId.X, AxisPosition(1.0, True, True))
-    rests = AxisMeasured(AxisId.X, AxisPosition(1.0, True, False))
+    moves = AxisReport(AxisId.X, 1.0, True, True)
+    rests = AxisReport(AxisId.X, 1.0, True, False)
     for event, progress in (
         *((state(SurveyState.CHECKING), True), (state(SurveyState.CHECKING), False)),
         *((state(SurveyState.SURVEYING), True), (PROGRESS, True), (PROGRESS, False)),

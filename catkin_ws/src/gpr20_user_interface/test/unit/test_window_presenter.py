@@ -5,18 +5,17 @@ import sys
 from dataclasses import replace
 
 import pytest
-from view_kit import snapshot, state_of
+from view_kit import configured, snapshot, state_of
 from window_helpers import click, enter, hold_to_start, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.low.masters import robots_on_master
-from gpr20_operator.plan.preview import CostEstimated
+from gpr20_operator.plan.form import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
-    AxisLimits,
     ControlState,
     Request,
-    RobotFigures,
+    RobotDescribed,
 )
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_operator.robot.survey_control import WindowPresenter
@@ -140,12 +139,12 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, f
 
 def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window, _ = parts
-    figures = RobotFigures("the robot", "its settings")
+    robot = configured("")
     assert estimator.asked == []
-    window.on_event(AxisLimits(None, figures=figures))
+    window.on_event(RobotDescribed(robot))
     window.refresh()
     asked = window.control.parameters
-    assert estimator.asked == [("ask", asked, figures)]
+    assert estimator.asked[-1] == ("ask", asked, robot)
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
@@ -154,7 +153,7 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window.refresh()
     assert window.control.check_plan.lines[1].whole == "1 GB"
     enter(window, "x_points", "7")
-    assert estimator.asked[-1] == ("ask", replace(asked, x_points=7), figures)
+    assert estimator.asked[-1] == ("ask", replace(asked, x_points=7), robot)
     assert window.control.check_plan.lines[1].whole == ""
 
 

@@ -5,19 +5,21 @@ import json
 import math
 
 import numpy as np
-from survey_examples import PARAMETERS, TRAVEL
+from survey_examples import AXES, PARAMETERS, TRAVEL
 
 from gpr20_common.faults import DISK_FULL, MAY_MOVE
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cell, Stop, planned_grid
 from gpr20_operator.ground.sources import EchoSource
-from gpr20_operator.robot.events import AxisReport, ControlState, RobotDefaults
+from gpr20_operator.robot.events import Configured, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG, COMPLETE
 from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.robot_description import RobotConfig
+from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -42,13 +44,11 @@ LOST = Message("lost").with_fault(Fault("survey.lost", COMPLETE.remedy, can_cont
 CLOCK = Message("the clock is late").with_fault(Fault("clock.late", CLOCK_WRONG.remedy))
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
 # Whenever STOP is pressed, they have said so after it.
-RESTING = tuple(AxisReport(axis, AxisPosition(0.0, True, False), "", math.inf) for axis in AxisId)
+RESTING = tuple(AxisReport(axis, 0.0, True, False, "", math.inf) for axis in AxisId)
 
 
 def moving(*axes, owner=""):
-    return tuple(
-        AxisReport(axis, AxisPosition(0.0, True, axis in axes), owner, math.inf) for axis in AxisId
-    )
+    return tuple(AxisReport(axis, 0.0, True, axis in axes, owner, math.inf) for axis in AxisId)
 
 
 def make_grid(
@@ -158,18 +158,19 @@ def paused(reason):
     return said(SurveyState.PAUSED, Message(PAUSED, reason=reason))
 
 
+SITE = Site()
+
+
+def configured(address="127.0.0.1", site=SITE):
+    return Configured(RobotConfig(AXES, simulated=True), SurveySettings(), site, address)
+
+
 def snapshot(code=None, alive=True, **other):
     values = {
         "control_alive": alive,
         "control_silent_s": 0.1 if alive else 7.9,
         "state": None if code is None else state_of(code),
-        "progress": None,
-        "current": None,
-        "target": None,
-        "height_m": None,
-        "pending": frozenset(),
-        "travel": TRAVEL,
-        "defaults": RobotDefaults("127.0.0.1", Site()),
+        "robot": configured(),
         "axes": RESTING,
         **other,
     }

@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import Optional
 
 import numpy as np
-import xarray as xr
 
+from gpr20_analysis.candidates.answer import Answer
 from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.imaging.permittivity import Source, permittivity_range
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import decibels
-from gpr20_survey.results.candidates import CandidateList
 
 NS_PER_S = 1e9
 
@@ -41,10 +40,10 @@ class LiveImage:
 
     Args:
         request: What it was made for.
-        image: As `image_survey` returns it.
+        found: What the survey shows with that.
 
     Attributes:
-        candidates: What was found in it; None: not searched yet.
+        candidates: What was found in it.
         notes: What is noted about it and the survey.
         levels_db: Levels (polarization, depth, y, x) relative to the brightest [dB].
         x_m: Positions along X [m].
@@ -54,9 +53,8 @@ class LiveImage:
         caption: Method and permittivity, and where that is from.
     """
 
-    def __init__(self, request: ImageRequest, image: xr.Dataset) -> None:
-        self.request, self.image = request, image
-        self.candidates: Optional[CandidateList] = None
+    def __init__(self, request: ImageRequest, found: Answer) -> None:
+        self.request, self.candidates, image = request, found.found, found.image
         self.notes = sentences_of(image, NOTES)
         self.permittivity = float(image.attrs["permittivity"])
         volume = image[IMAGE].transpose(POLARIZATION, DEPTH, Y, X)

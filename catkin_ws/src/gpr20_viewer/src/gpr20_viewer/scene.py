@@ -165,9 +165,8 @@ class Scene:
     def candidate_marks(self) -> Tuple[List[Mark], List[Mark]]:
         """Return the marks of the candidates that tables show, in section and slice."""
         in_section, in_slice = [], []
-        found = None if self.image is None else self.image.candidates
         near_m = self._step_m(Y if self.along == X else X)
-        for one in () if found is None else found.shown():
+        for one in () if self.image is None else self.image.candidates.shown():
             place = Place(one.x_m, one.y_m, one.depth_m)
             in_slice.append(Mark(one.x_m * MM_PER_M, one.y_m * MM_PER_M, one.id))
             if abs(self.other_of(place) - self.other_of(self.place)) <= near_m:

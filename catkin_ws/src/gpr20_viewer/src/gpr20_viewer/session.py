@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import work
-from gpr20_analysis.candidates.search import find_candidates
+from gpr20_analysis.candidates.answer import answer, default_steps, measured
 from gpr20_analysis.dataset import (
     POLARIZATION,
     S21,
@@ -20,20 +20,15 @@ from gpr20_analysis.dataset import (
     require,
     usable,
 )
-from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.processing.chain import process_survey, recorded_steps
+from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of
 from gpr20_common.message import Message
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.positions import Line, Place, line_of
-
-FindCandidates = Callable[[xr.Dataset], CandidateList]
 
 
 class ViewSession:
@@ -42,7 +37,6 @@ class ViewSession:
     Args:
         survey: The survey after the steps that were chosen.
         options: How images are made; the permittivity and the last depth are the first shown.
-        find_candidates: Finds candidates in an image.
         hiding: Where a mine could hide; None: not known.
 
     Attributes:
@@ -58,13 +52,13 @@ class ViewSession:
         self,
         survey: xr.Dataset,
         options: ImageOptions,
-        find_candidates: FindCandidates = find_candidates,
         hiding: Optional[HidingMap] = None,
     ) -> None:
         spectra = require(survey, S21, S21_DIMS)
         _require_room(spectra, options)
         self.survey = survey.compute()
-        self.find_candidates = find_candidates
+        if options.leave_out_missing:
+            self.survey = measured(self.survey)
         self.hiding = hiding
         separation_m = options.separation_m or recorded_separation_m(survey)
         self.options = dataclasses.replace(options, separation_m=separation_m)
@@ -94,8 +88,9 @@ class ViewSession:
 
     @property
     def first_request(self) -> ImageRequest:
-        """The image that is shown first, without background unless earlier steps were chosen."""
-        return ImageRequest(None, background=not recorded_steps(self.survey))
+        """The answer of the survey, which is shown first."""
+        subtracts = bool(default_steps(self.survey, self.options.method))
+        return ImageRequest(None, background=subtracts)
 
     @property
     def deepest_m(self) -> float:
@@ -126,11 +121,11 @@ class ViewSession:
     def data(self, background: bool) -> xr.Dataset:
         """Return the survey, with its background or without it."""
         if background not in self._data:
-            self._data[background] = process_survey(self.survey, DEFAULT_STEPS[0])
+            self._data[background] = process_survey(self.survey, *self.options.method.default_steps)
         return self._data[background]
 
     def compute(self, request: ImageRequest, loop: Callable[..., Iterable]) -> LiveImage:
-        """Return the image of a request.
+        """Return the image of a request, and what is found in it.
 
         Raises:
             AnalysisError: The image cannot be made.
@@ -140,7 +135,8 @@ class ViewSession:
             options = dataclasses.replace(
                 options, permittivity=request.permittivity, soil=None, buried=None
             )
-        return LiveImage(request, image_survey(self.data(request.background), options, loop))
+        data = self.data(request.background)
+        return LiveImage(request, answer(data, options, loop, steps=()))
 
     def line(self, turn: int, along: str, at_m: float) -> Line:
         """Return the line of a polarization that is nearest to a position."""

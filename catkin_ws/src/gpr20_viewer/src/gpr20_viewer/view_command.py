@@ -7,9 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from gpr20_analysis.candidates.answer import site_false_alarms_per_m2
-from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.commands import hiding_command, image_options, inputs
+from gpr20_analysis.commands import hiding_command, image_options
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.faults import NO_SCREEN
@@ -45,13 +43,8 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check_libraries()
     _check_screen()
     options = image_options.options_of(chosen)
-    steps = inputs.steps_of(chosen)
-    survey = inputs.load(chosen, catalogue)
-    processed, status = inputs.process(survey, steps, catalogue)
-
-    rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
-    hiding = hiding_command.hiding_of(chosen, survey)
-    session = ViewSession(processed, options, lambda image: find_candidates(image, rate), hiding)
+    survey, status = image_options.processed(chosen, options, catalogue)
+    session = ViewSession(survey, options, hiding_command.hiding_of(chosen, survey))
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
@@ -21,7 +22,8 @@ from PyQt5.QtCore import QPointF, Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLineEdit
 
-from gpr20_analysis import faults
+from gpr20_analysis import answer, faults
+from gpr20_analysis.candidates.table import places_sentence
 from gpr20_analysis.commands.command import DAMAGED, DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
@@ -29,7 +31,7 @@ from gpr20_analysis.faults import NO_SCREEN
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import ASKED_FOR
-from gpr20_survey.results.candidates import Candidate, CandidateList
+from gpr20_survey.folder.soil_note import PLANNED
 from gpr20_viewer import view_command
 from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
@@ -52,14 +54,6 @@ def survey():
     return survey.assign_attrs(survey_id="0f8fad5b-d9cb-469f-a165-70867728950e")
 
 
-def found_in(image):
-    certain = (0.001, 0.001, 0.004, 20.0)
-    one = Candidate("C01", 0.24, 0.24, 0.083, *certain, (0.0, 90.0), None, ())
-    permittivity = float(image.attrs["permittivity"])
-    values = (*[permittivity] * 3, "", 0.04, 10.0, 12.0, 0, None)
-    return CandidateList("id", True, "phase-shift", *values, (one,))
-
-
 class Windows:
     def __init__(self, folder):
         self._folder, self._opened = folder, []
@@ -67,7 +61,7 @@ class Windows:
 
     def open(self, survey, **options):
         options = ImageOptions(**{"permittivity": 4.0, **options})
-        session = ViewSession(survey, options, found_in)
+        session = ViewSession(survey, options)
         file = PicksFile(self._folder / "survey.picks.json", SurveyIdentity.of(session.survey))
         picks = PicksTab(file, "", lambda: "2026-11-22T12:00:00Z", lambda: self.export)
         window = MainWindow(session, picks, "survey", lambda _: self.answers.pop())
@@ -274,18 +268,24 @@ def test_what_was_not_measured_is_grey_and_marked(windows, holed):
     assert "the clock was set" in window.problem.text()
 
 
-def test_candidates_are_listed_and_marked_with_the_sentence_and_what_is_simulated(windows, survey):
-    window = windows.open(survey)
-    window.settings.tree["permittivity"] = 5.0
-    until(lambda: not window.is_computing and window.image.candidates is not None)
-    assert "no clearance" in window.candidates.notice.text()
-    assert window.candidates.table.item(0, 1).text() == "240 ±1"
-    assert window.image.candidates.permittivity == 5.0
+def test_the_list_is_that_of_the_survey_with_its_weaker_echoes_for_who_asks(windows, survey):
+    known = survey.assign_attrs(survey_json=json.dumps({PLANNED: 4.0}))
+    window = windows.open(known, permittivity=None)
+    found, tab = answer(known).found, window.candidates
+    assert window.image.candidates == found and found.permittivity == 4.0 and found.weaker
+    assert "no clearance" in tab.notice.text() and str(places_sentence(found)) in tab.notes.text()
+    assert tab.table.rowCount() == found.primary and tab.table.item(0, 1).text()[:4] == "240 "
+    assert tab.weaker.text() == f"{found.weaker} weaker echoes"
+    tab.weaker.click()
+    assert tab.table.rowCount() == len(found.candidates)
     assert "SIMULATED" in window.windowTitle() and window.banner.isVisible()
     assert "no clearance" in window.picks.notice.text()
-    window.candidates.table.selectRow(0)
+    tab.table.selectRow(0)
     assert near(window.place, PLACE)
-    assert [one.count for one in window.sections.candidate_marks] == [1, 1]
+    assert window.sections.candidate_marks[1].count == found.primary
+    window.settings.tree["permittivity"] = 5.0
+    computed(window)
+    assert window.image.candidates == answer(known, ImageOptions(permittivity=5.0)).found
 
 
 class Gate:
@@ -303,15 +303,11 @@ class Gate:
             raise ValueError("as the test wants it")
         return next(iter(loop([self])))
 
-    def find_candidates(self, _image):
-        return "found"
-
 
 def test_the_latest_request_is_computed_and_a_closed_bridge_says_nothing(application):
     gate = Gate()
     bridge, said = LiveBridge(gate), []
     bridge.computed.connect(lambda _image: said.append("computed"))
-    bridge.found.connect(lambda _image, found: said.append(found))
     bridge.failed.connect(lambda wanted, _error: said.append(wanted.permittivity))
     for permittivity in (1.0, 2.0, 3.0):
         bridge.request(ImageRequest(permittivity, False))
@@ -319,7 +315,7 @@ def test_the_latest_request_is_computed_and_a_closed_bridge_says_nothing(applica
     gate.free.set()
     until(lambda: said == ["computed", 3.0])
     bridge.request(ImageRequest(4.0, False))
-    until(lambda: said == ["computed", 3.0, "computed", "found"])
+    until(lambda: said == ["computed", 3.0, "computed"])
     gate.begun.clear()
     gate.free.clear()
     bridge.request(ImageRequest(5.0, False))
@@ -330,7 +326,7 @@ def test_the_latest_request_is_computed_and_a_closed_bridge_says_nothing(applica
     gate.free.set()
     closing.join(LIMIT_S)
     QApplication.processEvents()
-    assert gate.computed == [1.0, 3.0, 4.0, 5.0] and len(said) == 4
+    assert gate.computed == [1.0, 3.0, 4.0, 5.0] and len(said) == 3
 
 
 def when_computed(act):

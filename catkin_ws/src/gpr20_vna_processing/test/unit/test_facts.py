@@ -15,6 +15,8 @@ import pytest
 from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS
 from case_kit import each_case
 from fault_kit import raises_fault
+from hypothesis import given
+from hypothesis import strategies as st
 from log_examples import NOW, add_marker, marker
 from planned_survey import METADATA
 from reopening_kit import TRACES, noted, texts
@@ -29,7 +31,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey, read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import MAX_MARKERS, Marker, markers_of, present_markers
-from gpr20_vna_processing.mid.facts import KINDS, keeping_heading, requested_fact
+from gpr20_vna_processing.mid.facts import KINDS, joined_notes, keeping_heading, requested_fact
 
 AT_START = Annotation("Ana", "El Carmen", "at the start")
 WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
@@ -228,6 +230,28 @@ def test_damaged_markers_are_recognized_and_their_number_is_limited():
         add(full)
     gone = json.dumps({**GONE, "marker_id": marker(5).marker_id})
     assert requested_fact("marker_removed", gone, NOW)[1](full) is not None
+
+
+def test_notes_that_others_have_written_meanwhile_are_kept_once():
+    texts = st.text("ab\n", max_size=6)
+
+    @given(texts, texts, texts)
+    def check(before, wanted, present):
+        joined = joined_notes(before, wanted, present)
+        # A request that is repeated adds nothing.
+        assert joined_notes(before, wanted, joined) == joined
+        if present == before:
+            assert joined == wanted
+        else:
+            assert wanted in joined
+            added = present[len(before) :] if present.startswith(before) else present
+            assert added.strip("\n") in joined
+
+    check()
+    description = {"annotation": {**EXAMPLE.values(), "notes": "dry\nAna: roots"}}
+    sent = {**EXAMPLE.values(), "notes": "dry, flat", "notes_before": "dry"}
+    _kind, change = requested_fact("annotation", json.dumps(sent), NOW)
+    assert change(description).values["notes"] == "dry, flat\nAna: roots"
 
 
 def test_a_heading_stays_with_its_position():

@@ -2,15 +2,48 @@
 
 from __future__ import annotations
 
-import re
+import enum
 from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Any, Callable, FrozenSet, Iterator, Mapping, Optional, Protocol, Tuple, Union
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
-from gpr20_web.errors import BadRequestError
-from gpr20_web.roles import Role
+from gpr20_web.errors import AccountError, BadRequestError
+
+
+class Role(enum.IntEnum):
+    """What a person may do; each role may do all of those before it."""
+
+    NOBODY = 0
+    """Not logged in."""
+    WATCH = 1
+    """Watches, adds notes and markers, pauses and stops."""
+    CONTROL = 2
+    """Also starts and resumes, while somebody at the robot allows it."""
+
+    @property
+    def word(self) -> str:
+        """What it is called in files and on the command line."""
+        return self.name.lower()
+
+    @classmethod
+    def of(cls, word: object) -> Role:
+        """Return the role of a word.
+
+        Raises:
+            AccountError: An account cannot have it.
+        """
+        known = {one.word: one for one in cls if one is not cls.NOBODY}
+        if not isinstance(word, str) or word not in known:
+            raise AccountError(
+                Message(
+                    "the role is {role}; it must be one of {roles}",
+                    role=repr(word)[:80],
+                    roles=", ".join(known),
+                )
+            )
+        return known[word]
 
 
 @dataclass(frozen=True)
@@ -42,7 +75,7 @@ class Call:
         person: Who asks; None only for routes of Role.NOBODY.
         address: Where the request came from.
         values: The JSON object of a POST, or the query of a GET.
-        parts: What the path's pattern names.
+        parts: What the pattern of the path names.
         text: Translates a message into the language of the browser.
     """
 
@@ -90,7 +123,7 @@ class Body:
 
 @dataclass(frozen=True)
 class Cookie:
-    """A JSON answer that sets the session of the browser; empty: ends it."""
+    """A JSON answer that sets the cookie of the browser; empty: it forgets it."""
 
     session: str
     values: Mapping[str, Any] = field(default_factory=dict)
@@ -98,7 +131,7 @@ class Cookie:
 
 @dataclass(frozen=True)
 class Stream:
-    """An answer that lasts: server-sent events with what changes in a document.
+    """An answer that lasts: server-sent events with a document each time it changes.
 
     Attributes:
         document: Returns what the person sees now; it is asked again with every beat.
@@ -118,7 +151,7 @@ class Route:
 
     Attributes:
         method: GET, POST or DELETE; GET changes nothing.
-        pattern: Of the whole path; its named groups are `Call.parts`.
+        pattern: Of the whole path, as tornado has it; its named groups are `Call.parts`.
         right: The least role.
         answer: Makes the answer.
         blocking: Whether it waits for files or nodes: then it runs in a thread of its own.
@@ -130,19 +163,12 @@ class Route:
     answer: Callable[[Call], Answer]
     blocking: bool = False
 
-    def match(self, path: str) -> Optional[Mapping[str, str]]:
-        """Return the parts of a path that is this route's; else None."""
-        found = re.fullmatch(self.pattern, path)
-        return None if found is None else found.groupdict()
-
 
 Routes = Tuple[Route, ...]
 
 
 class Audited(Protocol):
-    """Notes who did what; never waits."""
+    """Notes who did what in the log of a survey; never waits."""
 
-    def __call__(
-        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
-    ) -> None:
-        """Note it, in the survey's log too if one is named."""
+    def __call__(self, call: Call, what: str, outcome: str, survey: str) -> None:
+        """Note it; without a survey there is no log."""

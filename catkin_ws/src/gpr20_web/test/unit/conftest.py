@@ -15,4 +15,4 @@ def surveys(tmp_path):
 
     surveys = Surveys(tmp_path / "data")
     yield surveys
-    surveys.kit.processing.shut_down()
+    surveys.close()

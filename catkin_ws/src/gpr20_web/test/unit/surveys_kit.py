@@ -9,17 +9,18 @@ from map_kit import focused
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
 from trace_examples import STARTED_US, SURVEY
-from web_kit import Noted, route_of
+from web_kit import route_of
 
+from gpr20_imaging.mid.imaging import Imaging
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Exported, StoredSurvey
+from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.candidates import Flag
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.roles import Role
 
 DAY_US = 86_400_000_000
 NOW_US = STARTED_US + DAY_US
@@ -27,11 +28,16 @@ PLACES = (candidate(1, 15.0, 14.0), candidate(2, 18.0, 12.0, flags=[Flag.CLUTTER
 
 
 class Services:
-    """What the robot's services do, without ROS."""
+    """What the robot's services do, without ROS.
 
-    def __init__(self, kit: Kit, data) -> None:
-        self._processing, self._archive = kit.processing, StoredSurveys(data)
-        self.asked, self.cancelled = [], []
+    Attributes:
+        searched: The surveys that were searched.
+    """
+
+    def __init__(self, data, processing=None, worker=None) -> None:
+        self._processing, self._archive = processing, StoredSurveys(data)
+        self._imaging = Imaging(data, worker or Worker(self), lambda *_: None)
+        self.asked, self.cancelled, self.searched = [], [], []
         self.focus = lambda survey: focused(PLACES, survey)
         self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")
         self.failure = None
@@ -52,27 +58,45 @@ class Services:
         if service is Service.EXPORT:
             return self.export(survey, fields)
         assert service is Service.FOCUS
-        return self.focus(survey)
+        return self._imaging.focus(fields.pop("request_id", ""), survey, **fields)
 
     def cancel(self, request_id):
         self.cancelled.append(request_id)
+
+    def close(self):
+        self._imaging.close()
+
+
+class Worker:
+    """The worker of the imaging node, which finds what the services say."""
+
+    has_analysis = True
+
+    def __init__(self, services) -> None:
+        self._services = services
+
+    def ask(self, _limit_s, _report, _name, folder, _permittivity):
+        survey_id = read_description(folder)["survey_id"]
+        self._services.searched.append(survey_id)
+        return self._services.focus(survey_id)
+
+    def start(self):
+        pass
+
+    end = close = start
 
 
 class Surveys:
     """A data folder with a whole survey and a newer one that was cut off, and the page.
 
     Attributes:
-        waiting: What is to be done in the background.
-        audited: What was noted.
     """
 
     def __init__(self, data) -> None:
         self.data = data
         self.kit = Kit(data, now_ns=NOW_US * 1000)
-        self.services = Services(self.kit, data)
-        self.waiting, audit = [], Noted()
-        self.audited = audit.entries
-        self.page = SurveysPage(*(self.services, data, audit, self.waiting.append, lambda: NOW_US))
+        self.services = Services(data, self.kit.processing)
+        self.page = SurveysPage(self.services, data, lambda: NOW_US)
         self.whole = self._add(SURVEY, STARTED_US, len(POINTS), "finished")
         self.part = self._add(OTHER_SURVEY, STARTED_US + DAY_US, 4, "stopped")
 
@@ -85,10 +109,10 @@ class Surveys:
         self.kit.annotate(survey_id, named)
         return folder.name
 
-    def ask(self, method, path, name="berta", role=Role.VIEW, **values):
+    def ask(self, method, path, name="berta", role=Role.WATCH, **values):
         """Return what the page answers a person."""
         route, parts = route_of(self.page.routes, method, path)
-        assert route.blocking and route.right is Role.VIEW
+        assert route.blocking and route.right is Role.WATCH
         return route.answer(Call(Person(name, role, "s", "::1"), "::1", values, parts))
 
     def get(self, folder, rest="", **values):
@@ -100,5 +124,8 @@ class Surveys:
     def search(self, folder):
         """Search a survey, and return its details."""
         self.post(folder, "candidates")
-        self.waiting.pop()()
         return self.get(folder)
+
+    def close(self):
+        self.services.close()
+        self.kit.processing.shut_down()

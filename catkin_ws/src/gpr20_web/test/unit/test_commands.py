@@ -17,22 +17,20 @@ from web_kit import ManualClock, Noted
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller, ControlPage
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
 from gpr20_web.mid.remote_plan import plan_id
-from gpr20_web.roles import Role
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
 PARAMETERS = SurveyParameters(
@@ -49,9 +47,9 @@ PARAMETERS = SurveyParameters(
 )
 PLAN = RemotePlan(PARAMETERS, EMPTY, "", 4.0)
 ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
-ANA = Person("ana", Role.OPERATE, "one", "10.0.0.5")
-BEN = Person("ben", Role.OPERATE, "two", "10.0.0.6")
-EVA = Person("eva", Role.VIEW, "three", "")
+ANA = Person("ana", Role.CONTROL, "one", "10.0.0.5")
+BEN = Person("ben", Role.CONTROL, "two", "10.0.0.6")
+EVA = Person("eva", Role.WATCH, "three", "")
 
 
 class Control:
@@ -81,24 +79,22 @@ class Control:
 class Desk:
     """The commands, a robot in a state, and what was noted."""
 
-    def __init__(self, view_may_stop: bool = True) -> None:
+    def __init__(self) -> None:
         self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
         self.audit = Noted()
-        self.controller = Controller(self.time, lambda _session: True)
+        self.lease = Lease(self.time, lambda _session: True)
         self.commands = Commands(
             Robot(self.model, self.control, self.allowance, self.time),
-            self.controller,
+            self.lease,
             self.audit,
-            view_may_stop,
         )
-        self.control_page = ControlPage(self.controller, self.time, self.audit)
         self.be(SurveyState.CONFIGURED)
 
     @property
     def routes(self) -> Any:
-        return (*self.commands.routes, *self.control_page.routes)
+        return self.commands.routes
 
     def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
         self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
@@ -342,7 +338,7 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
     desk = Desk()
     allowed_until_s = -1.0
     for what, argument in steps:
-        asked, holder = len(desk.control.asked), desk.controller.holder
+        asked, holder = len(desk.control.asked), desk.lease.holder
         if what == "allow":
             desk.commands.on_event(RemoteArmed(argument, 600.0 if argument else 0.0, PLAN))
             allowed_until_s = desk.time.time_s + 3.0 if argument else -1.0
@@ -355,7 +351,7 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
                 desk.ask(what, argument, plan=plan_id(PLAN), survey=SURVEY)
         for command in desk.control.asked[asked:]:
             if command == "resume" or command[0] == "start":
-                assert argument.role >= Role.OPERATE
+                assert argument.role >= Role.CONTROL
                 assert desk.time.time_s <= allowed_until_s
                 assert holder is not None and argument.session == holder.session
 
@@ -366,6 +362,6 @@ def test_plan_is_shown_before_it_is_started_and_a_replay_offers_nothing() -> Non
     assert plan["id"] == plan_id(PLAN)
     assert any("100" in value for _name, value in plan["rows"])
     assert "Hands clear" in plan["warning"]
-    snapshot: Snapshot = replace(desk.model.snapshot(), replay=ReplayView(ReplayMark(), True))
+    snapshot: Snapshot = replace(desk.model.snapshot(), replay=Replay())
     desk.commands.refresh(snapshot)
     assert not any(desk.shown["can"].values())

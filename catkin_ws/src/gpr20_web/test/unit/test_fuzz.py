@@ -19,8 +19,8 @@ from web_kit import COOKIE, PASSWORD
 from whole_page_kit import TABLE, Row, WholePage, least_right
 
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.calls import Role
 from gpr20_web.mid.remote_plan import plan_id
-from gpr20_web.roles import Role
 
 REQUESTS, LIMIT_S = draws(400), 30.0
 FIELDS = (
@@ -31,8 +31,8 @@ FIELDS = (
     *("permittivity", "cell", "target", "known", "again", "language", "unknown", "__proto__"),
 )
 GOOD = (
-    *("0" * 32, "1" * 32, plan_id(PLAN), SURVEY, PAST, FOLDER, PASSWORD, "mine", "pmn", "view"),
-    *("operate", "admin", "eva", "vera", "map", "focused", "hiding", "coverage", "echoes", "sun"),
+    *("0" * 32, "1" * 32, plan_id(PLAN), SURVEY, PAST, FOLDER, PASSWORD, "mine", "pmn", "watch"),
+    *("control", "eva", "vera", "map", "focused", "hiding", "coverage", "echoes", "sun"),
     *("night", "x", "y", "0", "1", "5", "100", "all", "imported", "not complete", "es", "grey"),
 )
 ODD_TEXTS = (
@@ -111,7 +111,7 @@ class Fuzz:
         least = least_right(method, path.partition("?")[0])
         assert least is not None and role >= least, sent
         if any(one == "resume" or one[0] == "start" for one in page.control.asked):
-            holder = page.controller.holder
+            holder = page.lease.holder
             assert holder is not None and holder.session == page.session(role), sent
 
     def _status(self, method: str, sent: bytes) -> int:
@@ -220,7 +220,7 @@ def test_random_requests_do_nothing_without_right_and_the_page_answers(tmp_path:
         fuzz = Fuzz(page)
         fuzz.run(REQUESTS)
         page.renew()
-        assert page.ask("GET", "/api/me", Role.VIEW).values["name"] == "vera"
+        assert page.ask("GET", "/api/me", Role.WATCH).values["name"] == "vera"
     assert page.foreign == []
     # Without these, the requests would only show that rubbish is refused.
     assert fuzz.answers[200] > REQUESTS / 10

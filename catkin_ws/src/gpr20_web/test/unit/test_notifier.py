@@ -23,14 +23,12 @@ from view_kit import snapshot
 from web_kit import ASKED, SILENT, ManualClock, state_of
 
 from gpr20_common.message import Fault, Message
-from gpr20_operator.robot.events import ControlState, Progress
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.events import ControlState, Progress, Replay
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState as S
-from gpr20_web.low.notifier import TRIES, Notifier
+from gpr20_web.low.notifier import TRIES, News, Notifier, Occasion
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.watch import Watch
-from gpr20_web.news import News, Occasion
 
 LIMIT_S = 20.0
 NEWS = News(1, Occasion.FAULT, Message("the VNA"), Message("it is silent"), Message("look"), 34)
@@ -212,7 +210,7 @@ TABLE: Dict[str, Tuple[S, Optional[Fault], bool, FrozenSet[Occasion]]] = {
     "it is switched off at rest": (S.IDLE, ASKED, False, frozenset()),
     "it is switched off when done": (S.FINISHED, ASKED, False, frozenset([FINISHED])),
 }
-REPLAY = ReplayView(ReplayMark())
+REPLAY = Replay()
 
 
 def _snapshot(name: str, survey: str, number: int) -> Snapshot:

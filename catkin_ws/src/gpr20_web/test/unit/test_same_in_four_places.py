@@ -21,18 +21,18 @@ from window_helpers import close, opened_window
 
 from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.high.answers import message_fields, message_from
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import MOTORS_OFF, Fault, Message
 from gpr20_common.sent_message import received_message
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.jobs.result_texts import DOUBTED
+from gpr20_operator.robot.events import Answer, ControlState, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
-from gpr20_user_interface.terminal.displays import terminal_line
-from gpr20_user_interface.terminal.follower import ExitStatus, Outcome
-from gpr20_user_interface.terminal.session import outcome_lines
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.terminal.follower import Display, SurveyFollower
 from gpr20_web import faults
-from gpr20_web.calls import Call, Route
+from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import NotNowError
-from gpr20_web.roles import Role
 
 HANDS_OFF = {
     Language.ENGLISH: "Keep your hands clear: the robot may still move. ",
@@ -96,11 +96,15 @@ def places(
 
 
 def _of_terminal(message: Message, catalogue: Catalogue, first: str) -> Said:
-    outcome = Outcome(ExitStatus.REFUSED, message)
+    stream = io.StringIO()
+    display = Display(stream, catalogue)
+    follower = SurveyFollower(lambda: None, lambda: None, display, 1.0, Clock())
+    follower.take(ControlState(SurveyState.IDLE, Message("at rest"), "", False))
+    follower.take(Answer(Request.START, False, message))
+    for one in follower.last_words():
+        display.note(one)
     # Whoever can accept other zeros is told how, too.
-    _headline, sentence, step, *_how = (
-        terminal_line(one, catalogue) for one in outcome_lines(outcome, "", False)
-    )
+    _headline, sentence, step, *_how = stream.getvalue().splitlines()
     remedy, _bracket, code = step[len(first) :].rpartition(" (")
     assert step == f"{first}{remedy} ({code}"
     return Said(code[:-1], sentence, remedy)

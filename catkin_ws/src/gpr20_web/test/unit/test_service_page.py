@@ -12,25 +12,23 @@ from unittest import mock
 import pytest
 from case_kit import each_case
 from view_kit import snapshot
-from web_kit import SILENT, ManualClock, Noted, state_of
+from web_kit import SILENT, ManualClock, state_of
 
 from gpr20_common.message import verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.robot.health import HealthReport
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Body, Call, Person
+from gpr20_web.calls import Body, Call, Person, Role
 from gpr20_web.errors import BundleError, NotFoundError, NotNowError
 from gpr20_web.low import doctor_program
-from gpr20_web.mid.interest import INTEREST_S
 from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import NoRequests, ServicePage
-from gpr20_web.roles import Role
+from gpr20_web.mid.web_page import INTEREST_S
 
-CALL = Call(Person("ana", Role.OPERATE, "s", ""))
+CALL = Call(Person("ana", Role.CONTROL, "s", ""))
 LIMIT_S = 20.0
 HEALTH = HealthReport((NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("broken"), {}),))
 
@@ -42,8 +40,7 @@ class Robot:
         self.clock = ManualClock()
         self.watched: List[bool] = []
         self.tickets: List[Any] = []
-        self.audit = Noted()
-        self.page = ServicePage(self.watched.append, self._examine, make, self.audit, self.clock)
+        self.page = ServicePage(self.watched.append, self._examine, make, self.clock)
         self.page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HEALTH))
         self.listed, self.made, self.given = (one.answer for one in self.page.routes)
 
@@ -83,7 +80,7 @@ def test_no_service_of_the_robot_is_called_from_here(service: Service) -> None:
     asked.fail.assert_called_once()
 
 
-def test_a_bundle_is_made_alone_then_given_once_and_noted() -> None:
+def test_a_bundle_is_made_alone_then_given_once() -> None:
     def make() -> bytes:
         answer: Any = robot.listed(CALL)
         assert answer["making"]
@@ -99,7 +96,6 @@ def test_a_bundle_is_made_alone_then_given_once_and_noted() -> None:
     assert body == Body(b"zip", "application/zip", "gpr20_bundle.zip")
     with pytest.raises(NotFoundError):
         robot.given(CALL)
-    assert robot.audit.entries == [("ana", "bundle", {})]
     # After one that failed, another one can be made.
     with pytest.raises(IndexError):
         robot.made(CALL)
@@ -155,7 +151,7 @@ class Field:
 
     def rows(self) -> Dict[str, Any]:
         (route,) = self.page.routes
-        assert route.right is Role.VIEW
+        assert route.right is Role.WATCH
         answer: Any = route.answer(CALL)
         return {one["name"]: one for one in answer["robots"]}
 

@@ -18,11 +18,11 @@ from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.mid.codec import record_from
+from gpr20_web.calls import Role
 from gpr20_web.errors import WrongLoginError
 from gpr20_web.high import users_command
-from gpr20_web.mid.accounts import Accounts
+from gpr20_web.low.accounts import Accounts
 from gpr20_web.mid.web_parameters import NOTIFY_FILE, WebParameters
-from gpr20_web.roles import Role
 
 Run = Callable[..., Tuple[int, str, str]]
 
@@ -30,7 +30,9 @@ Run = Callable[..., Tuple[int, str, str]]
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
     """Return a function that runs the command; it returns status, output and complaints."""
-    monkeypatch.setattr(users_command, "Accounts", lambda file, clock: Accounts(file, clock, CHEAP))
+    monkeypatch.setattr(
+        users_command, "Accounts", lambda folder, clock: Accounts(folder, clock, CHEAP)
+    )
 
     def run_it(*arguments: str, stdin: bytes = b"") -> Tuple[int, str, str]:
         where = () if "--folder" in arguments else ("--folder", str(tmp_path / "web"))
@@ -52,19 +54,19 @@ def test_accounts_are_made_listed_changed_and_removed(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     _typed(monkeypatch, PASSWORD, PASSWORD, OTHER_PASSWORD, OTHER_PASSWORD)
-    assert run("add", "Ana", "--role", "admin")[::2] == (0, "")
+    assert run("add", "Ana", "--role", "control")[::2] == (0, "")
     assert run("password", "ana")[::2] == (0, "")
     accounts = make_accounts(tmp_path)
-    assert accounts.check("ana", OTHER_PASSWORD).role is Role.ADMIN
+    assert accounts.check("ana", OTHER_PASSWORD).role is Role.CONTROL
     with pytest.raises(WrongLoginError):
         accounts.check("ana", PASSWORD)
     status, out, _complaint = run(
-        "add", "eva", "--role", "view", "--stdin", stdin=PASSWORD.encode()
+        "add", "eva", "--role", "watch", "--stdin", stdin=PASSWORD.encode()
     )
     assert (status, PASSWORD in out) == (0, False)
-    assert run("role", "eva", "operate")[0] == 0
+    assert run("role", "eva", "watch")[0] == 0
     lines = [one.split()[:2] for one in run("list")[1].splitlines()]
-    assert lines == [["ana", "admin"], ["eva", "operate"]]
+    assert lines == [["ana", "control"], ["eva", "watch"]]
     assert run("remove", "eva")[0] == 0
     assert [one.name for one in accounts.all()] == ["ana"]
 
@@ -73,12 +75,12 @@ def test_a_password_is_one_line_of_the_input_and_what_is_none_makes_no_account(
     run: Run, tmp_path: Path
 ) -> None:
     for sent in (b"", b"short\n", b"\xff" * 20):
-        status, _out, complaint = run("add", "ana", "--role", "admin", "--stdin", stdin=sent)
+        status, _out, complaint = run("add", "ana", "--role", "control", "--stdin", stdin=sent)
         assert (status, complaint.startswith("users: ")) == (1, True)
     assert make_accounts(tmp_path).all() == []
     for number, end in enumerate([b"", b"\n", b"\r\n", b"\nanother line"]):
         name, sent = f"user{number}", "contraseña larga".encode() + end
-        assert run("add", name, "--role", "view", "--stdin", stdin=sent)[0] == 0
+        assert run("add", name, "--role", "watch", "--stdin", stdin=sent)[0] == 0
         assert make_accounts(tmp_path).check(name, "contraseña larga")
 
 
@@ -87,36 +89,26 @@ def test_two_different_passwords_none_or_control_c_make_no_account(
 ) -> None:
     for answers in ((PASSWORD, OTHER_PASSWORD), ()):
         _typed(monkeypatch, *answers)
-        status, _out, complaint = run("add", "ana", "--role", "admin")
+        status, _out, complaint = run("add", "ana", "--role", "control")
         assert (status, "password" in complaint, "->" in complaint) == (1, True, True)
     _typed(monkeypatch, KeyboardInterrupt())
-    assert run("add", "ana", "--role", "view") == (1, "", "users: nothing was changed\n")
+    assert run("add", "ana", "--role", "watch") == (1, "", "users: nothing was changed\n")
     assert make_accounts(tmp_path).all() == []
 
 
 def test_a_name_that_is_taken_or_missing_is_said_before_a_password_is_asked_for(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    make_accounts(tmp_path).add("ana", Role.ADMIN, PASSWORD)
+    make_accounts(tmp_path).add("ana", Role.CONTROL, PASSWORD)
     monkeypatch.setattr(getpass, "getpass", lambda _prompt: pytest.fail("asked"))
     for arguments in (
-        ("add", "ANA", "--role", "view"),
+        ("add", "ANA", "--role", "watch"),
         ("password", "eva"),
-        ("add", "a b", "--role", "view"),
+        ("add", "a b", "--role", "watch"),
     ):
         assert run(*arguments)[0] == 1
-    for arguments in (("role", "eva", "view"), ("remove", "eva")):
+    for arguments in (("role", "eva", "watch"), ("remove", "eva")):
         assert "there is no account eva" in run(*arguments)[2]
-
-
-def test_the_last_administrator_can_go_here_with_a_warning(run: Run, tmp_path: Path) -> None:
-    make_accounts(tmp_path).add("ana", Role.ADMIN, PASSWORD)
-    make_accounts(tmp_path).add("eva", Role.ADMIN, PASSWORD)
-    assert run("remove", "eva")[2] == ""
-    for arguments in (("role", "ana", "view"), ("role", "ana", "admin"), ("remove", "ana")):
-        status, _out, complaint = run(*arguments)
-        assert (status, "no account may manage" in complaint) == (0, arguments[-1] != "admin")
-    assert run("list") == (0, "", f"users: there are no accounts in {tmp_path / 'web'}\n")
 
 
 def test_a_damaged_file_is_named_with_its_remedy_and_stays(run: Run, tmp_path: Path) -> None:
@@ -136,7 +128,7 @@ def test_the_folder_is_that_of_the_page_by_default(
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
-    add = ("add", "ana", "--role", "admin", "--stdin", "--folder", "")
+    add = ("add", "ana", "--role", "control", "--stdin", "--folder", "")
     for wrong in ("folder: page", "flder: /page", "- 1", "{"):
         (tmp_path / "web.yaml").write_text(wrong)
         status, _out, complaint = run(*add, stdin=PASSWORD.encode())
@@ -173,9 +165,7 @@ WRONG = {
     "address": ("", "localhost", "010.0.0.1", "10.0.0.1:8443", "::g", 8443, None),
     "port": (80, 65536, "8443", True),
     "folder": ("", "./web", "~other/web", "/web\n"),
-    "idle_minutes": (0.5, 1441, float("nan")),
-    "session_hours": (0, 169),
-    "view_may_stop": (1, "yes"),
+    "session_hours": (0, 169, float("nan")),
     "notify": (["mailto://me:password@example.org"],),
 }
 

@@ -1,5 +1,7 @@
 """MAP and RADAR for browsers: the pictures are those of the window, and none shows a wrong one."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from case_kit import each_case
@@ -17,10 +19,10 @@ from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.replay import ReplayMark, ReplayView
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
-from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
 
 TARGETED = Place(150.0, 90.0)
@@ -37,12 +39,12 @@ def radar_of(server):
 
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_map_and_section_have_the_colours_of_the_window(server, along):
-    server.run()
+    server.run(permittivity=6.0)
     source = EchoSource(radar_of(server))
-    picture = source.slice(RadarSettings(depth_m=0.1))
+    picture = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0))
     colours = colour_table(Colours.ENVELOPE)
     expected = colours[shade_numbers(picture.shades[::-1], picture.signed)]
-    assert (server.pixels(layer="echoes", depth="100", permittivity="4") == expected).all()
+    assert (server.pixels(layer="echoes", depth="100") == expected).all()
     settings = RadarSettings(
         polarization=1, permittivity=6.0, gain_db_per_ns=2.0, remove_background=False,
         along=Axis(along), colours=Colours.GREY,
@@ -50,7 +52,7 @@ def test_map_and_section_have_the_colours_of_the_window(server, along):
     picture = source.line(TARGETED, settings)
     found = server.pixels(
         *("section",), section="1", x="150", y="90", along=along, polarization="1",
-        permittivity="6", gain="2", background="0", colours=Colours.GREY.value,
+        gain="2", background="0", colours=Colours.GREY.value,
     )  # fmt: skip
     expected = colour_table(Colours.GREY)[shade_numbers(picture.shades, picture.signed)]
     assert (found == expected).all()
@@ -88,7 +90,7 @@ def test_no_choice_of_a_browser_changes_what_others_see(server):
     before = server.ask(section="1")
     pictures = server.pixels(layer="echoes"), server.pixels("section", section="1")
     ground = server.ask(
-        *("/api/ground",), x="100", y="50", depth="20", permittivity="9", polarization="1",
+        *("/api/ground",), x="100", y="50", depth="20", polarization="1",
         layer="echoes", gain="5", background="0", along="y",
     )["ground"]  # fmt: skip
     # A place is said in words.
@@ -123,7 +125,7 @@ def test_a_past_survey_is_never_shown_as_the_running_one(server):
 
 def test_a_survey_that_begins_is_not_mixed_with_the_last_one(server):
     server.run()
-    server.ask("/api/ground/focus", "POST")
+    server.look()
     server.node.ticket("focus").done(focused())
     server.page.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
     assert len(server.ask()["ground"]["marks"]) == 3
@@ -164,13 +166,14 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
 
 def test_a_replay_is_called_a_replay(server):
     server.run(code=None)
-    mark = ReplayMark(SURVEY, "2026-11-21T05:10:00", FOLDER)
-    server.tick(code=SurveyState.SURVEYING, replay=ReplayView(mark, True))
+    replay = Replay(SURVEY, "2026-11-21T05:10:00", FOLDER)
+    server.tick(code=SurveyState.SURVEYING, replay=replay)
     answer = server.ask()
     assert answer["title"].startswith("REPLAY: ")
     assert answer["past"]
     with pytest.raises(NotNowError):
-        server.ask("/api/ground/focus", "POST")
+        server.ask("/api/ground/hide", "POST")
+    assert server.look() == []
 
 
 def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server, monkeypatch):
@@ -208,28 +211,54 @@ def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
     assert not server.page._past
 
 
-def test_an_image_is_asked_for_once_and_shown_with_its_candidates(server):
+def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(server):
     server.run(stored=8)
-    # Too few for an image.
-    with pytest.raises(NotNowError):
-        server.ask("/api/ground/focus", "POST")
+    assert server.look() == []  # too few for an image
     server.run()
-    assert server.ask("/api/ground/focus", "POST", permittivity=4.0)["running"]
-    assert server.node.of("focus") == [(SURVEY, 4.0)]
-    with pytest.raises(NotNowError):
-        server.ask("/api/ground/focus", "POST")
+    for _ in range(3):
+        assert server.look() == [(SURVEY, 0.0)]
     server.node.ticket("focus").done(focused())
-    answer = server.ask(layer="focused")
-    ground = answer["ground"]
-    assert not answer["focus"]["running"]
+    ground = server.ask(layer="focused")["ground"]
     assert ground["traces_focused"] == 9
     marks = [one for one in ground["marks"] if one["candidate"]]
     assert {one["number"] for one in marks} == {"1", "2"}
     assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
+    assert "2 places to check, 0 weaker echoes" in server.ask()["ground"]["lines"]
     assert server.pixels(layer="focused").shape[:2] == (2, 3)
-    other = server.ask(layer="focused", permittivity="12")["ground"]
-    assert not other["marks"]
-    assert other["notice"] == ["The image is not focused yet. These are the echoes."]
+    # The same answer is nothing new; another one is, whoever has entered what the ground is.
+    revision = server.ask()["revision"]
+    for image in (focused(), with_soil(focused(), 9.0)):
+        asked = len(server.look())
+        server.ask()
+        server.tick(AGAIN_S)
+        assert len(server.node.of("focus")) == asked + 1
+        server.node.ticket("focus").done(image)
+        known = server.ask(known=revision)
+        assert ("ground" in known) == (image.found.permittivity == 9.0)
+    assert len(known["ground"]["marks"]) == 2
+    assert {one[1] for one in server.node.of("focus")} == {0.0}
+
+
+def with_soil(image, permittivity):
+    return replace(image, found=replace(image.found, permittivity=permittivity))
+
+
+def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
+    server.run()
+    server.tick()
+    assert server.node.of("focus") == []  # nobody looks at the ground while it is measured
+    server.tick(code=SurveyState.FINISHED)
+    server.node.ticket("focus").fail(verbatim("the analysis is not installed"))
+    notices = server.ask(layer="focused")["ground"]["notice"]
+    assert notices[0] == "The analysis is not installed"
+    assert server.page.live(str)["result"] is None
+    server.tick()
+    server.tick(AGAIN_S)
+    server.node.ticket("focus").done(focused())
+    server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
+    assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 of 2 places"}
+    server.tick(code=SurveyState.SURVEYING)
+    assert server.page.live(str)["result"] is None
 
 
 def test_hiding_places_are_said_for_a_target_and_never_searched_beside_a_survey(server):
@@ -272,7 +301,7 @@ def test_without_a_survey_nothing_is_shown(server):
         *(("depth", one) for one in ("nan", "-1", "1e9", "x", "1" * 99)),
         *(("survey", one) for one in ("../etc", "20261121T051000_7c9e6679/..", "a" * 999)),
         *(("x", "1e300"), ("layer", "__class__"), ("along", "z"), ("polarization", "65")),
-        *(("permittivity", one) for one in ("0", True, [1], {})),
+        *(("gain", one) for one in ("21", True, [1], {})),
     ],
 )
 def test_what_no_page_sends_is_refused(name, value):

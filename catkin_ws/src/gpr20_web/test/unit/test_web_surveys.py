@@ -15,14 +15,14 @@ from view_kit import snapshot, state_of
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.result import list_sum
-from gpr20_operator.robot.replay import ReplayView
+from gpr20_operator.robot.events import Replay
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What, found_of
+from gpr20_web.calls import Role
 from gpr20_web.errors import (
     BusyError,
     NotAllowedError,
@@ -30,7 +30,6 @@ from gpr20_web.errors import (
     NotNowError,
 )
 from gpr20_web.mid.survey_files import FILES
-from gpr20_web.roles import Role
 
 RUNS = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
 ENDED = snapshot(state=state_of(SurveyState.FINISHED, survey_id=OTHER_SURVEY))
@@ -84,8 +83,6 @@ def test_notes_are_added_with_author_and_time_and_nothing_is_replaced(surveys):
         "2026-09-22 14:13 UTC, carl: measured again",
     ]
     assert notes["Site"] == "El Carmen" and notes["Name of the survey"] == "Lane-9"
-    first = ("berta", "note", {"folder": surveys.whole, "text": "roots\nat the edge"})
-    assert surveys.audited[0] == first and len(surveys.audited) == 2
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\u2028", "\x85"])
@@ -115,7 +112,7 @@ WRONG = {
 }
 
 
-def test_what_is_no_note_no_marker_and_no_find_is_refused_and_not_audited(surveys):
+def test_what_is_no_note_no_marker_and_no_find_is_refused(surveys):
     surveys.search(surveys.whole)
     before = surveys.get(surveys.whole)
     for rest, values in [(rest, one) for rest, wrong in WRONG.items() for one in wrong]:
@@ -126,7 +123,7 @@ def test_what_is_no_note_no_marker_and_no_find_is_refused_and_not_audited(survey
         with pytest.raises(NotNowError, match="does not answer"):
             surveys.post(surveys.whole, rest, **values)
     surveys.services.failure = None
-    assert surveys.audited == [] and surveys.get(surveys.whole) == before
+    assert surveys.get(surveys.whole) == before
 
 
 def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
@@ -138,27 +135,26 @@ def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
         surveys.post(surveys.whole, "markers", name="carl", remove=mine["marker_id"])
     surveys.post(surveys.whole, "markers", name="carl", remove=root["marker_id"])
     assert surveys.get(surveys.whole)["markers"] == [mine]
-    operator = {"name": "dora", "role": Role.OPERATE}
+    operator = {"name": "dora", "role": Role.CONTROL}
     surveys.post(surveys.whole, "markers", **operator, remove=mine["marker_id"])
     assert surveys.get(surveys.whole)["markers"] == []
     stored = read_description(surveys.data / surveys.whole)
     assert [one["removed_by"] for one in stored["markers"]] == ["dora", "carl"]
-    added, removed = surveys.audited[0], surveys.audited[-1]
-    assert (added[:2], removed[:2]) == (("berta", "marker"), ("dora", "marker"))
 
 
 def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(surveys):
-    surveys.post(surveys.whole, "candidates")
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "running"
-    surveys.waiting.pop()()
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "done"
+    answer = surveys.post(surveys.whole, "candidates")["candidates"]
     shown = surveys.get(surveys.whole)["candidates"]
+    assert answer == shown == surveys.post(surveys.whole, "candidates")["candidates"]
     assert shown["headline"] == "1 of 1 places; 1 weaker echoes" and shown["list"] == SUM
     assert str(NO_CLEARANCE) in shown["warnings"] and str(texts.FROM_MARK) in shown["notes"]
     first, second = shown["places"]
     assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
     assert second["doubtful"] and not first["doubtful"] and first["why"]
-    assert [one for one, *_ in surveys.services.asked].count(Service.FOCUS) == 1
+    # What is known is shown while another survey runs, too.
+    surveys.page.refresh(RUNS)
+    assert surveys.get(surveys.whole)["candidates"] == shown
+    assert surveys.services.searched == [SURVEY]
     next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
     assert "candidates" not in surveys.get(surveys.whole)
 
@@ -176,38 +172,33 @@ def test_one_survey_is_searched_at_a_time_and_none_while_one_runs(surveys):
     with pytest.raises(NotNowError):
         surveys.post(surveys.whole, "candidates")
     surveys.page.refresh(ENDED)
-    surveys.services.focus = lambda _survey: 1 / 0
-    for _ in range(2):
-        surveys.post(surveys.whole, "candidates")
-    with pytest.raises(BusyError):
-        surveys.post(surveys.part, "candidates")
-    (search,) = surveys.waiting
+    others = []
+
+    def focus(_survey):
+        for ask in (surveys.post, lambda *_: surveys.get(surveys.part, "/made/report-html")):
+            with pytest.raises(BusyError):
+                ask(surveys.part, "candidates")
+            others.append(ask)
+        return 1 / 0
+
+    usual, surveys.services.focus = surveys.services.focus, focus
     with pytest.raises(ZeroDivisionError):
-        search()
-    assert surveys.get(surveys.whole, "/candidates")["state"] == "failed"
-    surveys.post(surveys.part, "candidates")
-    with pytest.raises(NotFoundError):
-        surveys.get(surveys.whole, "/candidates")
+        surveys.post(surveys.whole, "candidates")
+    surveys.services.focus = usual
+    assert len(others) == 2 and surveys.post(surveys.part, "candidates")["candidates"]
 
 
 def test_a_search_ends_when_a_survey_begins(surveys):
-    begun = []
-
     def focus(_survey):
         for _ in range(3):
             surveys.page.refresh(RUNS)
-        begun.append(True)
         raise NotNowError(verbatim("cancelled"))
 
     surveys.services.focus = focus
     surveys.page.refresh(ENDED)
-    surveys.post(surveys.whole, "candidates")
-    surveys.waiting.pop()()
-    (cancelled,) = surveys.services.cancelled
-    asked = surveys.services.asked[-1][2]
-    assert begun and cancelled == asked["request_id"]
-    state = surveys.get(surveys.whole, "/candidates")
-    assert (state["state"], state["problem"]) == ("failed", "Cancelled")
+    with pytest.raises(NotNowError, match="cancelled"):
+        surveys.post(surveys.whole, "candidates")
+    assert len(surveys.services.cancelled) == 1 and surveys.services.searched == [SURVEY]
 
 
 def test_what_was_found_is_stored_as_the_window_does_it(surveys):
@@ -221,7 +212,6 @@ def test_what_was_found_is_stored_as_the_window_does_it(surveys):
     records = recover(surveys.data / surveys.whole).found.records
     (found,) = [found_of(one.values) for one in records if one.kind == Kind.FOUND]
     assert (found.what, found.who, found.list_sha256) == (What.SCRAP, "berta", SUM)
-    assert surveys.audited[-1][1] == "found"
 
 
 def test_an_unknown_survey_is_not_found_and_a_replay_has_none(surveys):
@@ -229,7 +219,7 @@ def test_an_unknown_survey_is_not_found_and_a_replay_has_none(surveys):
         surveys.get("20200101T000000_00000000")
     os.mkdir(surveys.data / "20200101T000000_00000000")
     assert surveys.get("20200101T000000_00000000")["problems"]
-    surveys.page.refresh(dataclasses.replace(ENDED, replay=ReplayView("", True)))
+    surveys.page.refresh(dataclasses.replace(ENDED, replay=Replay()))
     for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
         with pytest.raises(NotNowError):
             surveys.ask("GET", path)

@@ -21,14 +21,13 @@ from gpr20_operator.ground.trace_events import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_web.calls import Body, Call, Person
+from gpr20_web.calls import Body, Call, Person, Role
 from gpr20_web.low.event_streams import json_text
 from gpr20_web.mid.ground_page import PERIOD_S, GroundPage
-from gpr20_web.roles import Role
 
 PLANNED = 40
-ANA = Person("Ana", Role.VIEW, "secret", "10.0.0.7")
-BEN = Person("Ben", Role.VIEW, "other", "10.0.0.8")
+ANA = Person("Ana", Role.WATCH, "secret", "10.0.0.7")
+BEN = Person("Ben", Role.WATCH, "other", "10.0.0.8")
 
 
 class Server:
@@ -64,9 +63,15 @@ class Server:
         assert body.kind == "image/png"
         return np.array(Image.open(io.BytesIO(body.content)).convert("RGBA"))
 
-    def run(self, stored=PLANNED, s21=None, code=SurveyState.SURVEYING):
+    def look(self):
+        """Look at the map until an image is asked for."""
+        self.ask()
+        self.tick()
+        return self.node.of("focus")
+
+    def run(self, stored=PLANNED, s21=None, code=SurveyState.SURVEYING, **described):
         """Let a survey run of which the first traces are stored and here."""
-        text = description()
+        text = description(**described)
         grid = grid_from_description(text)
         self.page.on_event(SurveyDescribed(text))
         runs = ((0, stored), (1, 0)) if stored < PLANNED else ((0,), (1,))

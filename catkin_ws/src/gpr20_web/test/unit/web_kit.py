@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import http.client
 import json
+import re
 import threading
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
@@ -14,15 +15,13 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Call, Person, Route
+from gpr20_web.calls import Call, Person, Role, Route
 from gpr20_web.errors import NotLoggedInError
-from gpr20_web.low.account_file import AccountFile
+from gpr20_web.low.accounts import Accounts
+from gpr20_web.low.cookies import Logins
+from gpr20_web.low.handlers import COOKIE
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.passwords import PasswordHash
-from gpr20_web.low.session_file import Logins, SessionFile
-from gpr20_web.low.table_handler import COOKIE
-from gpr20_web.mid.accounts import Accounts
-from gpr20_web.roles import Role
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
 LIMIT_S = 20.0
@@ -39,9 +38,9 @@ def find_person(session: str, address: str) -> Person:
 def route_of(routes: Sequence[Route], method: str, path: str) -> Tuple[Route, Mapping[str, str]]:
     """Return the route of a request, and the parts of its path."""
     for route in routes:
-        parts = route.match(path) if route.method == method else None
-        if parts is not None:
-            return route, parts
+        found = re.fullmatch(route.pattern, path) if route.method == method else None
+        if found is not None:
+            return route, found.groupdict()
     raise LookupError(path)
 
 
@@ -147,31 +146,23 @@ class Noted:
     def __init__(self) -> None:
         self.entries: List[Tuple[str, str, Mapping[str, Any]]] = []
 
-    def __call__(
-        self, call: Call, what: str, outcome: str = "", survey: str = "", **values: Any
-    ) -> None:
-        who = "" if call.person is None else call.person.name
-        more = {"outcome": outcome, "survey": survey, **values}
-        self.entries.append((who, what, {name: one for name, one in more.items() if one != ""}))
+    def __call__(self, call: Call, what: str, outcome: str, survey: str) -> None:
+        more = {"outcome": outcome, "survey": survey}
+        known = {name: one for name, one in more.items() if one != ""}
+        self.entries.append((call.who.name, what, known))
 
 
-class NoFile(SessionFile):
-    """Keeps sessions in memory, where a restart of the node finds them too."""
+KEY, HOURS_12_S = b"k" * 32, 43200.0
 
-    def __init__(self) -> None:
-        self.logins = Logins("boot", "key")
 
-    def read(self) -> Logins:
-        return self.logins
-
-    def write(self, logins: Logins) -> bool:
-        self.logins = logins
-        return True
+def make_logins(accounts: Accounts, clock: Clock) -> Logins:
+    """Return sessions that nobody else can sign."""
+    return Logins(accounts, KEY, HOURS_12_S, clock)
 
 
 def make_accounts(folder: Path) -> Accounts:
     """Return the accounts of a folder, with hashes that cost nothing."""
-    return Accounts(AccountFile(folder / "web"), Clock(), CHEAP)
+    return Accounts(folder / "web", Clock(), CHEAP)
 
 
 ASKED = Fault("survey.asked", severity=Severity.NOTE)

@@ -20,13 +20,12 @@ from view_kit import SURVEY, depth_echo, description, trace_at
 from web_ground_kit import PLANNED
 from web_kit import (
     LIMIT_S,
-    OTHER_PASSWORD,
     PASSWORD,
     ManualClock,
-    NoFile,
     Reply,
     Site,
     make_accounts,
+    make_logins,
     state_of,
 )
 
@@ -40,17 +39,15 @@ from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
-from gpr20_web.calls import Call, Person
+from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.remote_plan import plan_id
-from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.shell import Shell
-from gpr20_web.roles import Role
 
-PEOPLE = {Role.VIEW: "vera", Role.OPERATE: "otto", Role.ADMIN: "ada"}
+PEOPLE = {Role.WATCH: "vera", Role.CONTROL: "otto"}
 ADDRESS = "127.0.0.1"
 CLOSE_LIMIT_S = 5.0
 
@@ -73,25 +70,23 @@ class WholePage:
         foreign: Exceptions that no error of the project is, whoever has caught them.
     """
 
-    def __init__(self, folder: Path, view_may_stop: bool = True) -> None:
+    def __init__(self, folder: Path) -> None:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
         self.control, self.storage, self.requests = Control(), Storage(), Requests()
         self.acts: List[Any] = []
         self.accounts = make_accounts(folder)
-        self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
+        self.logins = make_logins(self.accounts, self.clock)
         self._tokens: Dict[Role, str] = {}
-        self.audit = CountedAudit(
-            folder / "audit.jsonl", lambda *_note: None, self.acts.append, self.clock
-        )
+        self.audit = CountedAudit(lambda *_note: None, self.acts.append, self.clock)
         self.model = SurveyModel(self.clock)
-        self.controller = Controller(self.clock, lambda _session: True)
+        self.lease = Lease(self.clock, lambda _session: True)
         robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
-        self.commands = Commands(robot, self.controller, self.audit.add, view_may_stop)
-        self.shell = Shell(all_pages(self._surroundings(view_may_stop)))
+        self.commands = Commands(robot, self.lease, self.audit.add)
+        self.shell = Shell(all_pages(self._surroundings()))
         self._measure()
         self.routes = tuple(self.shell.all_routes())
-        self.site = Site(self.routes, find=self.sessions.find)
+        self.site = Site(self.routes, find=self.logins.find)
         self.foreign: List[Any] = self.site.reported
         # What a library calls an error: an exception that nobody has taken.
         self._errors = logging.Handler(logging.ERROR)
@@ -100,34 +95,30 @@ class WholePage:
         self.renew()
         self.be(SurveyState.CONFIGURED)
 
-    def _surroundings(self, view_may_stop: bool) -> Surroundings:
+    def _surroundings(self) -> Surroundings:
         return Surroundings(
             name="",
             data=self.surveys.data,
             clock=self.clock,
             accounts=self.accounts,
-            sessions=self.sessions,
-            audit=self.audit,
+            logins=self.logins,
             commands=self.commands,
-            controller=self.controller,
             source=self.storage,
             requests=self.requests,
             services=self.surveys.services,
-            in_background=lambda work: work(),
             robots=Robots("/", False, lambda _watched: None),
             watch=lambda _watched: None,
             examine=lambda _ticket, **_wanted: None,
             make_bundle=lambda: self.acts.append("bundle") or b"zip",
             send=lambda _news: None,
             warn=lambda _reason: None,
-            view_may_stop=view_may_stop,
         )
 
     def close(self) -> None:
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
         self.audit.close(CLOSE_LIMIT_S)
-        self.surveys.kit.processing.shut_down()
+        self.surveys.close()
 
     def _measure(self) -> None:
         """Let the ground of the running survey be known."""
@@ -168,8 +159,8 @@ class WholePage:
             # Whoever has another password or role is logged out.
             if not self.is_logged_in(role):
                 if self.accounts.find(name) is not None:
-                    self.accounts.remove(name, keep_admin=False)
-                self._tokens[role] = self.sessions.begin(self.accounts.add(name, role, PASSWORD))
+                    self.accounts.remove(name)
+                self._tokens[role] = self.logins.begin(self.accounts.add(name, role, PASSWORD))
 
     def session(self, role: Role) -> str:
         """Return the session of the person of a role; it may be over."""
@@ -178,12 +169,12 @@ class WholePage:
     def is_logged_in(self, role: Role) -> bool:
         """Return whether the session that a role had is still one."""
         try:
-            return self.sessions.find(self.session(role), ADDRESS).role is role
+            return self.logins.find(self.session(role), ADDRESS).role is role
         except PermissionError:
             return False
 
     def person(self, role: Role) -> Person:
-        return self.sessions.find(self.session(role), ADDRESS)
+        return self.logins.find(self.session(role), ADDRESS)
 
     def ask(self, method: str, path: str, role: Role, values: Any = None, **more: Any) -> Reply:
         """Ask as the browser of a person of a role."""
@@ -219,7 +210,7 @@ class WholePage:
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),
             (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
-            (self.controller.holder, self.controller.asked),
+            self.lease.holder,
             (self.audit.added, tuple(map(str, self.acts))),
             tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
             tuple(self.is_logged_in(role) for role in PEOPLE),
@@ -233,7 +224,7 @@ def is_without_right(reply: Reply) -> bool:
     return reply.values.get("code") in (faults.NOT_LOGGED_IN.code, faults.NOT_ALLOWED.code)
 
 
-NOBODY, VIEW, OPERATE, ADMIN = Role
+NOBODY, WATCH, CONTROL = Role
 PRESS = {"press": "0" * 32}
 # What the path of a request has for {folder}: a stored survey.
 S = "/api/surveys/{folder}"
@@ -248,58 +239,46 @@ class Row(NamedTuple):
     values: Mapping[str, Any] = {}
 
 
-STOP = Row("POST", "/api/stop", VIEW, PRESS)
+STOP = Row("POST", "/api/stop", WATCH, PRESS)
 TABLE = (
     # Before the login there is the form alone.
     Row("GET", "/api/words", NOBODY),
     Row("GET", "/api/colours.css", NOBODY),
     Row("POST", "/api/login", NOBODY, {"name": "vera", "password": PASSWORD}),
-    # Everybody with an account watches, and has a session and a password.
-    Row("GET", "/api/live", VIEW),
-    Row("GET", "/api/me", VIEW),
-    Row("POST", "/api/logout", VIEW),
-    Row("POST", "/api/logout_everywhere", VIEW),
-    Row("POST", "/api/password", VIEW, {"old": PASSWORD, "new": OTHER_PASSWORD}),
-    Row("GET", "/api/ground", VIEW),
-    Row("GET", "/api/ground/map.png", VIEW),
-    Row("GET", "/api/ground/section.png", VIEW),
-    Row("GET", "/api/ground/bar.png", VIEW),
-    Row("GET", "/api/ground/sign.png", VIEW),
-    Row("GET", "/api/robots", VIEW),
-    Row("GET", "/api/service", VIEW),
+    # Everybody with an account watches.
+    Row("GET", "/api/live", WATCH),
+    Row("GET", "/api/me", WATCH),
+    Row("POST", "/api/logout", WATCH),
+    Row("GET", "/api/ground", WATCH),
+    Row("GET", "/api/ground/map.png", WATCH),
+    Row("GET", "/api/ground/section.png", WATCH),
+    Row("GET", "/api/ground/bar.png", WATCH),
+    Row("GET", "/api/ground/sign.png", WATCH),
+    Row("GET", "/api/robots", WATCH),
+    Row("GET", "/api/service", WATCH),
     # The stored surveys: search, verdict, candidates, downloads.
-    Row("GET", "/api/surveys", VIEW),
-    Row("GET", S, VIEW),
-    Row("GET", f"{S}/candidates", VIEW),
-    Row("POST", f"{S}/candidates", VIEW),
-    Row("GET", f"{S}/zip", VIEW),
-    Row("GET", f"{S}/made/report-html", VIEW),
-    Row("GET", f"{S}/files/survey.json", VIEW),
-    Row("POST", "/api/ground/focus", VIEW),
+    Row("GET", "/api/surveys", WATCH),
+    Row("GET", S, WATCH),
+    Row("POST", f"{S}/candidates", WATCH),
+    Row("GET", f"{S}/zip", WATCH),
+    Row("GET", f"{S}/made/report-html", WATCH),
+    Row("GET", f"{S}/files/survey.json", WATCH),
     # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
-    Row("POST", f"{S}/notes", VIEW, {"text": "wet"}),
-    Row("POST", f"{S}/markers", VIEW, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
-    Row("POST", f"{S}/found", VIEW, {"what": "mine", "candidate": "c", "list": "l"}),
-    Row("POST", "/api/pause", VIEW, PRESS),
+    Row("POST", f"{S}/notes", WATCH, {"text": "wet"}),
+    Row("POST", f"{S}/markers", WATCH, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
+    Row("POST", f"{S}/found", WATCH, {"what": "mine", "candidate": "c", "list": "l"}),
+    Row("POST", "/api/pause", WATCH, PRESS),
     STOP,
     # START and RESUME, and control over them.
-    Row("POST", "/api/start", OPERATE, {**PRESS, "plan": plan_id(PLAN)}),
-    Row("POST", "/api/resume", OPERATE, {**PRESS, "survey": SURVEY}),
-    Row("POST", "/api/control/take", OPERATE),
-    Row("POST", "/api/control/release", OPERATE),
-    Row("POST", "/api/control/pass", OPERATE, {"mark": "0" * 16}),
-    Row("POST", "/api/control/keep", OPERATE),
+    Row("POST", "/api/start", CONTROL, {**PRESS, "plan": plan_id(PLAN)}),
+    Row("POST", "/api/resume", CONTROL, {**PRESS, "survey": SURVEY}),
+    Row("POST", "/api/control/take", CONTROL),
+    Row("POST", "/api/control/release", CONTROL),
     # What takes the robot's computer minutes, or shows how it is set up.
-    Row("POST", "/api/ground/hide", OPERATE, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", OPERATE),
-    Row("POST", "/api/service/bundle", OPERATE),
-    Row("GET", "/api/service/bundle", OPERATE),
-    # Users, audit.
-    Row("GET", "/api/users", ADMIN),
-    Row("POST", "/api/users", ADMIN, {"name": "eva", "role": "view", "password": PASSWORD}),
-    Row("POST", "/api/users/eva", ADMIN, {"role": "operate"}),
-    Row("DELETE", "/api/users/eva", ADMIN),
-    Row("GET", "/api/audit", ADMIN),
+    Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
+    Row("POST", "/api/ground/cancel", CONTROL),
+    Row("POST", "/api/service/bundle", CONTROL),
+    Row("GET", "/api/service/bundle", CONTROL),
 )
 
 
@@ -311,7 +290,7 @@ def least_right(method: str, path: str) -> Optional[Role]:
         path: Of the request; names in it may be any.
     """
     for row in TABLE:
-        pattern = re.sub("{folder}|eva|(?<=files/).*|report-html", "[^/]+", row.path)
+        pattern = re.sub("{folder}|(?<=files/).*|report-html", "[^/]+", row.path)
         if row.method == method and re.fullmatch(pattern, unquote(path)):
             return row.right
     return None

@@ -7,7 +7,6 @@ its site's rate of false alarms.
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
 from typing import Optional, Sequence, Tuple
 
@@ -22,7 +21,6 @@ from gpr20_analysis.dataset import (
     IMAGE,
     MM_PER_M,
     POLARIZATION,
-    QUALITY,
     SAMPLE_DIMS,
     X,
     Y,
@@ -48,8 +46,6 @@ from gpr20_survey.results.focused_image import FocusedImage
 
 # With fewer lines of an area neither the background nor the clutter can be measured.
 FEWEST_LINES = 3
-# Images are large.
-MOST_KEPT = 4
 
 
 @dataclass(frozen=True)
@@ -71,6 +67,7 @@ def answer(
     survey: xr.Dataset,
     options: Optional[ImageOptions] = None,
     progress: Progress = no_progress,
+    steps: Optional[Sequence[str]] = None,
 ) -> Answer:
     """Return what a survey shows.
 
@@ -79,15 +76,16 @@ def answer(
             has done so.
         options: How the image is made; None: with what the survey knows.
         progress: Shows the progress over all polarizations.
+        steps: What is subtracted; None: see `default_steps`.
 
     Raises:
         AnalysisError: No image can be made of it.
     """
     options = options or ImageOptions()
     if options.leave_out_missing:
-        # Lines without any trace would count as lines without noise.
-        survey = _measured(survey)
-    processed = process_survey(survey, *default_steps(survey, options.method))
+        survey = measured(survey)
+    chosen = default_steps(survey, options.method) if steps is None else steps
+    processed = process_survey(survey, *chosen)
     image = image_survey(processed, options, progress)
     rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
     return Answer(processed, image, find_candidates(image, rate))
@@ -168,31 +166,6 @@ def focus(survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
     )
 
 
-class KeptAnswers:
-    """Keeps the last answers with their options, so that nothing is searched twice."""
-
-    def __init__(self) -> None:
-        self._kept: OrderedDict[Tuple[object, ...], FocusedImage] = OrderedDict()
-
-    def focus(self, survey: xr.Dataset, permittivity: Optional[float]) -> FocusedImage:
-        """Return the answer of a survey, which is searched only if it has changed since."""
-        # A trace that was measured again has another quality or time; the log has all decisions.
-        changing = (survey[name].values.tobytes() for name in (QUALITY, "timestamp")
-                    if name in survey)  # fmt: skip
-        key = (
-            survey.attrs.get("survey_id"),
-            survey.attrs.get("survey_json"),
-            permittivity,
-            *changing,
-        )
-        if key not in self._kept:
-            self._kept[key] = focus(survey, permittivity)
-            if len(self._kept) > MOST_KEPT:
-                self._kept.popitem(last=False)
-        self._kept.move_to_end(key)
-        return self._kept[key]
-
-
 def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
     """Return the level of the brighter polarization (depth, y, x) above clutter [dB], float32.
 
@@ -206,7 +179,14 @@ def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
     return levels_db.astype(np.float32)
 
 
-def _measured(survey: xr.Dataset) -> xr.Dataset:
+def measured(survey: xr.Dataset) -> xr.Dataset:
+    """Return a survey without the lines at its edges that have no trace.
+
+    They would count as lines without noise.
+
+    Raises:
+        WrongDatasetError: There are too few others.
+    """
     rows, columns = _measured_part(survey)
     return survey.isel({Y: rows, X: columns})
 

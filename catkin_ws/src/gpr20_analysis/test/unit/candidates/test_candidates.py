@@ -8,7 +8,6 @@ from recorded_worlds import BORN, LINES, area, line, truths
 from run_seed import LONG, draws
 
 from gpr20_analysis.candidates.answer import (
-    KeptAnswers,
     answer,
     field_options,
     focus,
@@ -252,7 +251,7 @@ def test_the_default_command_images_every_shape(tmp_path, capsys, rows, columns)
     assert "Places to check:" in text and ("length" in text) == (1 in (rows, columns))
 
 
-def test_window_and_command_have_one_answer_which_is_kept(tmp_path, capsys, monkeypatch):
+def test_window_and_command_have_one_answer(tmp_path, capsys):
     survey, truth = area(BORN, 3)
     path = tmp_path / "survey.nc"
     write_dataset(survey, path)
@@ -263,16 +262,3 @@ def test_window_and_command_have_one_answer_which_is_kept(tmp_path, capsys, monk
     printed = capsys.readouterr().out.splitlines()
     assert [one for one in printed if one in candidate_lines(by_window, weaker=True)]
     assert answer(survey, field_options(soil, survey)).found == by_window
-    kept = KeptAnswers()
-    first = kept.focus(survey, soil)
-    searched = []
-    monkeypatch.setattr(
-        "gpr20_analysis.candidates.answer.focus", lambda *given: searched.append(given)
-    )
-    assert kept.focus(survey.copy(), soil) is first and not searched
-    kept.focus(survey, soil + 1.0)
-    missing = survey.copy(deep=True)
-    missing["quality"][0, 0, 0] = 1
-    kept.focus(missing, soil)
-    kept.focus(survey.assign_attrs(survey_json='{"site": {}}'), soil)
-    assert len(searched) == 3

@@ -15,13 +15,14 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import (
     analyzer_test_of,
-    axis_position,
+    axis_report,
     descriptions,
     height_m,
     node_healths,
 )
 from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
 from gpr20_doctor.mid.listener import Listener
+from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
@@ -107,9 +108,8 @@ class Graph:
         rospy.Subscriber(f"{self._prefix}/{name}", kind, received, *extra)
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        offset_s = (rospy.Time.now() - message.header.stamp).to_sec()
         for health in node_healths(message, self._prefix):
-            self.listener.note_node(health, offset_s)
+            self.listener.note_node(health)
 
     def _on_configuration(self, message: RobotConfiguration) -> None:
         problem = None if message.known else message_from(message)
@@ -120,10 +120,10 @@ class Graph:
         self.listener.note_status(SurveyState(message.code) in RUNNING)
 
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
-        self.listener.note_endstop(axis, message.data)
+        self.listener.note_endstop(Endstop(axis, message.data))
 
     def _on_axis(self, message: CurrentCoordinate, axis: AxisId) -> None:
-        self.listener.note_axis(axis, axis_position(message))
+        self.listener.note_axis(axis_report(axis, message))
 
     def _on_height(self, message: Range) -> None:
         self.listener.note_height(height_m(message))

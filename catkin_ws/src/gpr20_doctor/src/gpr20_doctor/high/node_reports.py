@@ -10,10 +10,12 @@ from sensor_msgs.msg import Range
 
 from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.diagnostics import FAULT
+from gpr20_common.low.clock import Clock
 from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisPosition
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
@@ -26,6 +28,7 @@ def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
         namespace: The robot's, with slashes at both ends or alone.
     """
     prefix = namespace.strip("/")
+    offset_s = 1e-6 * Clock().time_of_day_us() - message.header.stamp.to_sec()
     found = []
     for status in message.status:
         # diagnostic_updater writes "node: task", with the node's full name.
@@ -36,7 +39,7 @@ def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
         level = _level(status.level)
         own_name = name[len(prefix) :].strip("/")
         text = received_message(status.message, values.pop(FAULT, ""))
-        found.append(NodeHealth(own_name, level, text, values))
+        found.append(NodeHealth(own_name, level, text, values, offset_s))
     return found
 
 
@@ -51,9 +54,9 @@ def descriptions(message: RobotConfiguration) -> Dict[str, NodeDescription]:
     return found
 
 
-def axis_position(message: CurrentCoordinate) -> AxisPosition:
+def axis_report(axis: AxisId, message: CurrentCoordinate) -> AxisReport:
     """Convert `current_coord` of an axis."""
-    return AxisPosition(message.coordinate, message.homed, message.moving)
+    return AxisReport(axis, message.coordinate, message.homed, message.moving, message.owner)
 
 
 def height_m(message: Range) -> float:

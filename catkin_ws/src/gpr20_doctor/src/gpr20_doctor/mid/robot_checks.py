@@ -29,7 +29,7 @@ from gpr20_doctor.mid.contact_checks import (
 )
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node, node_title
-from gpr20_doctor.mid.robot_facts import AxisPosition, EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import (
     CLOCK_WRONG,
@@ -221,7 +221,7 @@ def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
     yield Finding.of("clocks", text, CLOCK_WRONG, mild=True, advice=advice)
 
 
-def _endstop(axis_id: AxisId, position: AxisPosition, seen: EndstopSeen) -> Finding:
+def _endstop(axis_id: AxisId, position: AxisReport, seen: Endstop) -> Finding:
     axis, fault, advice = axis_id.value.upper(), None, None
     if seen.pressed and position.homed and position.coordinate > ENDSTOP_REACH_MM:
         text = Message(

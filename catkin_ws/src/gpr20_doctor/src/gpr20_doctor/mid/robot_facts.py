@@ -15,31 +15,49 @@ from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 
 @dataclass(frozen=True)
-class EndstopSeen:
-    """An endstop while it was watched.
+class Endstop:
+    """One message of an axis's `endstop`, and what was seen of it while it was watched.
 
     Attributes:
-        pressed: Whether it is pressed now.
-        changes: How often that changed.
+        changes: How often it was pressed or released.
+        heard_s: When it was heard last [s].
+        pressed_s: When it was pressed last [s].
     """
 
+    axis: AxisId
     pressed: bool
     changes: int = 0
+    heard_s: float = -math.inf
+    pressed_s: float = -math.inf
+
+    def after(self, former: Optional[Endstop], now_s: float) -> Endstop:
+        """Return it with what was seen before it."""
+        changes, pressed_s = 0, -math.inf
+        if former is not None:
+            changes = former.changes + int(former.pressed != self.pressed)
+            pressed_s = former.pressed_s
+        pressed_s = now_s if self.pressed else pressed_s
+        return Endstop(self.axis, self.pressed, changes, now_s, pressed_s)
 
 
 @dataclass(frozen=True)
-class AxisPosition:
-    """The state of an axis, as its `current_coord` says.
+class AxisReport:
+    """One message of an axis's `current_coord`.
 
     Attributes:
         coordinate: Where it is [mm or deg]; meaningful only if homed.
-        homed: Whether its zero is known.
-        moving: Whether it moves.
+        owner: Full name of the node that holds it; empty: nobody, or it is not known.
+        received_s: When it came [s].
+        silent: Whether none came for longer than usual.
     """
 
+    axis: AxisId
     coordinate: float
     homed: bool
     moving: bool
+    owner: str = ""
+    received_s: float = math.inf
+    silent: bool = False
 
 
 @dataclass(frozen=True)
@@ -76,7 +94,6 @@ class RobotFacts:
         nodes: Health of each expected node; one that does not report is STALE.
         master: Address of the master; empty: not known.
         configuration_problem: Why the robot's configuration is not known; None if it is.
-        clock_offsets_s: How far the clock of each node's computer is behind this one [s].
         listening_s: How long the robot was listened to [s].
         software: Software of each node that has described itself.
         endstops: State of the endstops; one that is not known is missing.
@@ -94,11 +111,10 @@ class RobotFacts:
     nodes: Tuple[NodeHealth, ...]
     master: str = ""
     configuration_problem: Optional[Message] = None
-    clock_offsets_s: Mapping[str, float] = field(default_factory=dict)
     listening_s: float = math.inf
     software: Mapping[str, NodeSoftware] = field(default_factory=dict)
-    endstops: Mapping[AxisId, EndstopSeen] = field(default_factory=dict)
-    axes: Mapping[AxisId, AxisPosition] = field(default_factory=dict)
+    endstops: Mapping[AxisId, Endstop] = field(default_factory=dict)
+    axes: Mapping[AxisId, AxisReport] = field(default_factory=dict)
     height_m: float = math.nan
     analyzer: Optional[AnalyzerTest] = None
     evidence: Evidence = field(default_factory=Evidence)
@@ -107,6 +123,12 @@ class RobotFacts:
     def unheard(self) -> bool:
         """Whether nothing at all is known about the robot."""
         return not self.control_alive and not self.nodes
+
+    @property
+    def clock_offsets_s(self) -> Mapping[str, float]:
+        """How far the clock of each node's computer is behind this one [s]."""
+        heard = (one for one in self.nodes if one.level is not HealthLevel.STALE)
+        return {one.name: one.clock_offset_s for one in heard}
 
     def node(self, name: str) -> Optional[NodeHealth]:
         """Return the health of a node that reports; None if it does not."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import Any, Optional, Sequence
 
 import rospy
@@ -13,6 +14,7 @@ from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import time_of_day_us
+from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_imaging.low.usb_volumes import UsbVolumes
@@ -50,7 +52,10 @@ class ImagingNode:
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
         self._candidates = CandidateTopics(BASE_LINK)
         self._sticks = volumes
-        self._imaging = Imaging(parameters.data_folder(), WorkerProcess(), self._publish_progress)
+        data = data_folder(parameters.data, os.environ)
+        self._imaging = Imaging(
+            data, WorkerProcess(), self._publish_progress, self._candidates.publish
+        )
         self._facts = ServiceClient("add_fact", AddFact)
         rospy.on_shutdown(self._imaging.close)
         self._services = [
@@ -64,8 +69,9 @@ class ImagingNode:
         self._description = publish_description(NODE, NO_HARDWARE, parameters)
 
     def _focus(self, request: Any) -> FocusSurveyResponse:
-        found = self._imaging.focus(request.request_id, request.survey, request.permittivity)
-        self._candidates.publish(found.found)
+        found = self._imaging.focus(
+            request.request_id, request.survey, request.permittivity, request.only_known
+        )
         message = Message("an image of {count} traces", count=found.traces)
         return FocusSurveyResponse(success=True, **message_fields(message), **focus_fields(found))
 

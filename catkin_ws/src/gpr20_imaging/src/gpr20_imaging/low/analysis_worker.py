@@ -14,17 +14,16 @@ message_of = gpr20_analysis.message_of
 
 
 class Analysis:
-    """Keeps the traces of the survey that it has imaged last, and the last answers."""
+    """Keeps the traces of the survey that it has imaged last."""
 
     def __init__(self) -> None:
         self._survey: Optional[Any] = None
-        self._kept = gpr20_analysis.KeptAnswers()
 
     def focus(self, folder: Path, permittivity: Optional[float]) -> FocusedImage:
         """Return the focused image of a survey, running or past."""
         if self._survey is None or self._survey.folder != folder:
             self._survey = gpr20_analysis.GrowingSurvey(folder)
-        image: FocusedImage = self._kept.focus(self._survey.load(), permittivity)
+        image: FocusedImage = gpr20_analysis.focus(self._survey.load(), permittivity)
         return image
 
     def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:

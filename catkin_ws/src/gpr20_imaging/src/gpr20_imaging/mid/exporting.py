@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import enum
 import errno
 import tempfile
 import zipfile
@@ -20,7 +19,7 @@ from gpr20_imaging.low.stick_files import StickFolder
 from gpr20_imaging.low.usb_volumes import UsbVolumes
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.folder_zip import add_folder
-from gpr20_survey.results.volume import Volume
+from gpr20_survey.results.volume import ExportPart, Volume
 
 FOLDER = "GPR20"
 MARGIN_BYTES = 1 << 20
@@ -30,44 +29,13 @@ SIMULATED_MARK = "_SIMULATED"
 GONE = (errno.ENOENT, errno.EIO, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.EROFS)
 
 
-class ExportKind(enum.Enum):
-    """One file of an export.
-
-    Attributes:
-        ending: End of the file's name.
-        message: What people call it.
-    """
-
-    REPORT_HTML = ("report-html", "report.html", Message("report as HTML"))
-    CANDIDATES_CSV = ("candidates-csv", "candidates.csv", Message("candidates as CSV"))
-    CANDIDATES_GEOJSON = (
-        "candidates-geojson",
-        "candidates.geojson",
-        Message("candidates as GeoJSON"),
-    )
-    SURVEY_ZIP = ("survey-zip", "survey.zip", Message("whole survey as ZIP"))
-
-    def __init__(self, label: str, ending: str, message: Message) -> None:
-        self.label, self.ending, self.message = label, ending, message
-
-    @classmethod
-    def of(cls, label: str) -> ExportKind:
-        """Return the kind that the messages of ROS call so.
-
-        Raises:
-            ImagingError: There is none.
-        """
-        for one in cls:
-            if one.label == label:
-                return one
-        raise ImagingError(
-            Message(
-                "{name} cannot be exported; allowed: {kinds}",
-                name=repr(label[:64]),
-                kinds=", ".join(one.label for one in cls),
-            ),
-            fault=NOT_ALLOWED,
-        )
+WORDS = {
+    ExportPart.REPORT_HTML: Message("report as HTML"),
+    ExportPart.CANDIDATES_CSV: Message("candidates as CSV"),
+    ExportPart.CANDIDATES_GEOJSON: Message("candidates as GeoJSON"),
+    ExportPart.SURVEY_ZIP: Message("whole survey as ZIP"),
+}
+"""What people call them."""
 
 
 @dataclass(frozen=True)
@@ -85,15 +53,15 @@ class ExportRequest:
 
     folder: Path
     simulated: bool
-    kinds: Tuple[ExportKind, ...]
+    kinds: Tuple[ExportPart, ...]
     permittivity: Optional[float]
     language: str
     volume: str
 
-    def name(self, kind: ExportKind) -> str:
+    def name(self, kind: ExportPart) -> str:
         """Return the name of a file on the stick."""
         mark = SIMULATED_MARK if self.simulated else ""
-        return f"{self.folder.name}{mark}_{kind.ending}"
+        return f"{self.folder.name}{mark}_{kind.value.replace('-', '.')}"
 
 
 class Exporter:
@@ -108,9 +76,7 @@ class Exporter:
     def __init__(
         self, analysis: Any, volumes: UsbVolumes, report: Callable[[Message], None]
     ) -> None:
-        self._analysis = analysis
-        self._volumes = volumes
-        self._report = report
+        self._analysis, self._volumes, self._report = analysis, volumes, report
 
     def export(self, request: ExportRequest) -> List[str]:
         """Write the files; return their names when all of them are on the stick.
@@ -151,20 +117,20 @@ class Exporter:
             fault=NOT_ALLOWED,
         )
 
-    def _made(self, kind: ExportKind, request: ExportRequest, folder: Path) -> Optional[Path]:
+    def _made(self, kind: ExportPart, request: ExportRequest, folder: Path) -> Optional[Path]:
         """Return the file that the analysis has written; None if the kind needs none."""
-        if kind is ExportKind.SURVEY_ZIP:
+        if kind is ExportPart.SURVEY_ZIP:
             return None
-        self._report(Message("creating {what}", what=kind.message))
+        self._report(Message("creating {what}", what=WORDS[kind]))
         path = folder / request.name(kind)
-        is_report = kind is ExportKind.REPORT_HTML
+        is_report = kind is ExportPart.REPORT_HTML
         write = self._analysis.write_report if is_report else self._analysis.write_candidates
         write(request.folder, path, request.permittivity, request.language)
         return path
 
     def _put(
         self,
-        files: Sequence[Tuple[ExportKind, Optional[Path]]],
+        files: Sequence[Tuple[ExportPart, Optional[Path]]],
         request: ExportRequest,
         volume: Volume,
     ) -> List[str]:
@@ -183,7 +149,7 @@ class Exporter:
         with StickFolder(volume, FOLDER) as folder:
             folder.remove_unfinished()
             for kind, path in files:
-                self._report(Message("copying {what} to the USB stick", what=kind.message))
+                self._report(Message("copying {what} to the USB stick", what=WORDS[kind]))
                 with folder.new_file(request.name(kind)) as target:
                     if path is None:
                         _write_zip(request.folder, target)
@@ -201,31 +167,27 @@ class Exporter:
 
 
 def _refusal(volume: Volume, error: OSError) -> ImagingError:
+    known = {"name": volume.name, "details": error}
     if error.errno == errno.ENOSPC:
         message = Message(
             "the USB stick {name} is full; nothing unfinished was left on it. Make space or use "
             "another one.",
-            name=volume.name,
-            details=error,
+            **known,
         )
     elif error.errno == errno.EFBIG:
         message = Message(
             "the file is too large for the file system of the USB stick {name}; format it as "
             "exFAT, which deletes what is on it",
-            name=volume.name,
-            details=error,
+            **known,
         )
     elif error.errno in GONE:
         message = Message(
-            "the USB stick {name} was removed, or failed, before everything was written",
-            name=volume.name,
-            details=error,
+            "the USB stick {name} was removed, or failed, before everything was written", **known
         )
     else:
+        reason = os_reason(error)
         message = Message(
-            "the USB stick {name} could not be written: {reason}",
-            name=volume.name,
-            reason=os_reason(error),
+            "the USB stick {name} could not be written: {reason}", **known, reason=reason
         )
     return ImagingError(message.reporting_only(faults.STICK))
 

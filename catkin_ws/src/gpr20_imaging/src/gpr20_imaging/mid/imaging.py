@@ -7,26 +7,35 @@ import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 from gpr20_common.catalogue import language_from_code
 from gpr20_common.faults import ASKED_FOR, BUSY, NOT_ALLOWED
-from gpr20_common.low.data_folder import data_folder
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError
 from gpr20_imaging.low.worker_process import WorkerProcess
-from gpr20_imaging.mid.exporting import ExportKind, ExportRequest
-from gpr20_survey.folder.recovery import find_survey
+from gpr20_imaging.mid.exporting import ExportRequest
+from gpr20_survey.errors import storing
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.recovery import RecoveredSurvey, find_survey
+from gpr20_survey.folder.survey_folder import TRACES_FOLDER
 from gpr20_survey.radar.soils import requested_permittivity
+from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hidden_target import target_of
 from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.volume import ExportPart
 
 MOST_WAITING = 8
 # The last with a stick of the slowest kind.
 FOCUS_LIMIT_S, LIMIT_S, EXPORT_LIMIT_S = 300.0, 1800.0, 7200.0
+# Images are large.
+MOST_KEPT = 6
+# What people add to a survey that changes no answer.
+ADDED = frozenset((Kind.FOUND, Kind.MARKER, Kind.MARKER_REMOVED, Kind.EXPORT, Kind.AUDIT, Kind.BAG))
 Progress = Callable[[str, Message], None]
 """Called with the id of a request and what is done for it."""
 
@@ -40,10 +49,6 @@ class ImagingParameters:
     """
 
     data: str = ""
-
-    def data_folder(self) -> Path:
-        """Return where surveys are stored."""
-        return data_folder(self.data, os.environ)
 
 
 @dataclass
@@ -66,12 +71,20 @@ class Imaging:
         data: Folder of the surveys.
         worker: Does the work.
         progress: Called with what is done for a request.
+        found: Called with each list of candidates that is new.
     """
 
-    def __init__(self, data: Path, worker: WorkerProcess, progress: Progress) -> None:
-        self._data = data
-        self._worker = worker
-        self._progress = progress
+    def __init__(
+        self,
+        data: Path,
+        worker: WorkerProcess,
+        progress: Progress,
+        found: Callable[[CandidateList], None] = lambda _found: None,
+    ) -> None:
+        self._data, self._worker = data, worker
+        self._progress, self._found = progress, found
+        # The last image of each survey and permittivity; None: what the survey says.
+        self._kept: Dict[Tuple[str, Optional[float]], Tuple[object, FocusedImage]] = {}
         # The worker is killed with the thread that has started it.
         self._queue = ThreadPoolExecutor(1, "imaging")
         self._lock = threading.Lock()
@@ -97,13 +110,39 @@ class Imaging:
             computer=self.computer,
         ).with_fault(faults.OTHER_COMPUTER)
 
-    def focus(self, request_id: str, survey: str, permittivity: float) -> FocusedImage:
-        """Return the focused image of what is stored of a survey."""
+    def focus(
+        self, request_id: str, survey: str, permittivity: float, only_known: bool = False
+    ) -> FocusedImage:
+        """Return the focused image of what is stored of a survey.
+
+        Whoever asks gets what anybody has found before, unless what it was made of has changed;
+        only_known: and nothing is searched.
+        """
         value = requested_permittivity(permittivity)
         self._require_analysis()
-        folder, _ = find_survey(self._data, survey)
-        image: FocusedImage = self._run(request_id, FOCUS_LIMIT_S, "focus", folder, value)
-        return image
+        folder, recovered = find_survey(self._data, survey)
+        state, wanted = _state_of(folder, recovered), (folder.name, value)
+
+        def known() -> Optional[FocusedImage]:
+            before, image = self._kept.get(wanted, (None, None))
+            return image if before == state else None
+
+        def search(request: _Request) -> FocusedImage:
+            # Who waited before this one may have asked for the same.
+            image = known()
+            if image is None:
+                image = self._ask(FOCUS_LIMIT_S, "focus", (folder, value), request)
+                self._kept.pop(wanted, None)
+                self._kept[wanted] = state, image
+                if len(self._kept) > MOST_KEPT:
+                    del self._kept[next(iter(self._kept))]
+                self._found(image.found)
+            return image
+
+        image = known()
+        if image is None and only_known:
+            raise ImagingError(Message("this survey was not searched yet"), fault=ASKED_FOR)
+        return self._run(request_id, search) if image is None else image
 
     def map_hidden(
         self, request_id: str, survey: str, permittivity: float, target: str
@@ -113,7 +152,8 @@ class Imaging:
         target_of(target)
         self._require_analysis()
         folder, _ = find_survey(self._data, survey)
-        found: HidingMap = self._run(request_id, LIMIT_S, "map_hidden", folder, value, target)
+        work = partial(self._ask, LIMIT_S, "map_hidden", (folder, value, target))
+        found: HidingMap = self._run(request_id, work)
         return found
 
     def export(
@@ -125,30 +165,28 @@ class Imaging:
         language: str,
         volume: str,
     ) -> Tuple[List[str], bytes]:
-        """Write parts of a survey to a stick; return the names of the files.
+        """Write parts of a survey to a stick, see `ExportRequest`; return the names of the files.
 
-        Args:
-            request_id: For `cancel`.
-            survey: What is exported.
-            kinds: Labels of `ExportKind`.
-            permittivity: Relative permittivity of the ground.
-            language: Code of the language of reports.
-            volume: Path of the stick; empty: the content of the only file is returned too.
+        Kinds are values of `ExportPart`. Without a stick the content of the only file comes too.
         """
         value = requested_permittivity(permittivity)
         language_from_code(language[:16])
-        chosen = tuple(dict.fromkeys(ExportKind.of(one) for one in kinds))
-        if not chosen:
-            raise ImagingError(Message("Choose what to export."), fault=NOT_ALLOWED)
-        if chosen != (ExportKind.SURVEY_ZIP,):
+        chosen = tuple(one for one in ExportPart if one.value in kinds)
+        if not chosen or len(chosen) != len(set(kinds)):
+            allowed = ", ".join(one.value for one in ExportPart)
+            raise ImagingError(
+                Message("choose what to export; allowed: {kinds}", kinds=allowed), fault=NOT_ALLOWED
+            )
+        if chosen != (ExportPart.SURVEY_ZIP,):
             self._require_analysis()
         folder, found = find_survey(self._data, survey)
         simulated = found.description.get("simulated") is not False
         request = ExportRequest(folder, simulated, chosen, value, language, volume)
         if not volume:
-            name, content = self._run(request_id, LIMIT_S, "make", request)
+            name, content = self._run(request_id, partial(self._ask, LIMIT_S, "make", (request,)))
             return [name], content
-        return self._run(request_id, EXPORT_LIMIT_S, "export", request), b""
+        work = partial(self._ask, EXPORT_LIMIT_S, "export", (request,))
+        return self._run(request_id, work), b""
 
     def cancel(self, request_id: str) -> None:
         """End a request, or take it from the queue.
@@ -177,7 +215,8 @@ class Imaging:
         self._queue.shutdown()
         self._worker.close()
 
-    def _run(self, request_id: str, limit_s: float, name: str, *arguments: Any) -> Any:
+    def _run(self, request_id: str, work: Callable[[_Request], Any]) -> Any:
+        """Return what a request gives, when it is its turn."""
         request = _Request(request_id)
         with self._lock:
             if self._is_closed or len(self._requests) >= MOST_WAITING:
@@ -185,7 +224,7 @@ class Imaging:
                     Message("Too many requests are waiting. Try again later."), fault=BUSY
                 )
             self._requests.append(request)
-            answer = self._queue.submit(self._carry_out, request, limit_s, name, arguments)
+            answer = self._queue.submit(work, request)
         try:
             return answer.result()
         except ImagingError:
@@ -196,7 +235,7 @@ class Imaging:
             with self._lock:
                 self._requests.remove(request)
 
-    def _carry_out(self, request: _Request, limit_s: float, name: str, arguments: Tuple) -> Any:
+    def _ask(self, limit_s: float, name: str, arguments: Tuple, request: _Request) -> Any:
         request.check()
         self._worker.start()
         with self._lock:
@@ -216,6 +255,10 @@ class Imaging:
             raise ImagingError(missing)
 
 
-def health_values(imaging: Imaging) -> Dict[str, Any]:
-    """Return what diagnostics show."""
-    return {"computer": imaging.computer, "requests": imaging.requests}
+def _state_of(folder: Path, survey: RecoveredSurvey) -> object:
+    """Return what an answer depends on: the traces, and facts, of which none ever changes."""
+    facts = (one.number for one in survey.found.records if one.kind not in ADDED)
+    with storing(Message("the survey could not be read"), folder):
+        traces = [one.stat() for one in os.scandir(str(folder / TRACES_FOLDER))]
+    files = ((one.st_ino, one.st_mtime_ns, one.st_size) for one in traces)
+    return (*facts, *survey.unconfirmed), frozenset(files)

@@ -19,7 +19,7 @@ FROM_ROS = (
 )
 FROM_SYSTEM = {"numpy": "python3-numpy", "rospkg": "python3-rospkg", "yaml": "python3-yaml"}
 FROM_PIP = {
-    **{name: name for name in ("lz4", "mcap", "polib", "pydantic", "rosbags", "tqdm")},
+    **{name: name for name in ("lz4", "mcap", "polib", "pydantic", "rosbags")},
     "vxi11": "python-vxi11",
     "zstandard": "zstandard",
 }

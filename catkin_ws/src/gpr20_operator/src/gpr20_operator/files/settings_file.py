@@ -1,20 +1,59 @@
-"""A small file with the settings of a screen, and what writes it in the background."""
+"""Small files with what a screen remembers, and work beside its thread."""
 
 from __future__ import annotations
 
+import threading
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping
+from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
 
 import yaml
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_REFUSES
+from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.newest import Newest
 from gpr20_survey.files.durable_files import ensure_folders, replace_file
+
+Value = TypeVar("Value")
+
+
+class Newest(Generic[Value]):
+    """Calls a function with the newest value in a thread: a slow disk never delays the window."""
+
+    def __init__(self, act: Callable[[Value], None]) -> None:
+        self._act = act
+        self._changed = threading.Condition()
+        self._wanted: Optional[Value] = None
+        self._working = False
+
+    def put(self, value: Value) -> None:
+        """Call the function soon; a value that waits is dropped."""
+        with self._changed:
+            self._wanted = value
+            if self._working:
+                return
+            self._working = True
+        threading.Thread(target=self._work, name=self._act.__qualname__, daemon=True).start()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Return whether nothing is left to do within a time [s]."""
+        with self._changed:
+            return self._changed.wait_for(lambda: not self._working, timeout_s)
+
+    def _work(self) -> None:
+        while True:
+            with self._changed:
+                if self._wanted is None:
+                    self._working = False
+                    self._changed.notify_all()
+                    return
+                value, self._wanted = self._wanted, None
+            with faults_logged(self._act.__qualname__):
+                self._act(value)
+
 
 # Settings have some hundred bytes; a far larger file is something else.
 MAX_BYTES = 65536

@@ -11,12 +11,13 @@ from typing import Any, FrozenSet, Optional, Tuple, Union
 import numpy as np
 
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.coverage import StopState, is_stored
 from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.hyperbola import Hyperbola
 from gpr20_operator.ground.records import Axis, Curve, Picture, Place, RadarSettings
 from gpr20_operator.ground.shown_survey import ShownSurvey
 from gpr20_operator.ground.sources import DEPTH_STEP_M, EchoSource, FocusedSource, RadarSource
+from gpr20_operator.jobs.pictures import Imaging, Wanted
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.radar.depth import (
     delay_of_depth,
@@ -105,7 +106,6 @@ class GroundModel:
         settings: RadarSettings,
         layers: FrozenSet[Layer],
         place: Optional[Place],
-        permittivity: Optional[float],
     ) -> None:
         """Show what another client chose, and nothing of what was chosen before.
 
@@ -113,11 +113,9 @@ class GroundModel:
             settings: All but their permittivity.
             layers: What is drawn.
             place: Where the crosshair is; None: it follows.
-            permittivity: That of the pictures; None: that of the survey.
         """
         self.follow(True)
         self.settings, self.layers, self.hyperbola = settings, layers, None
-        self._chosen_permittivity = permittivity
         self.take_soil(*self._soil)
         self.notice_survey()
         self.set_depth(settings.depth_m)
@@ -153,6 +151,13 @@ class GroundModel:
     def image(self) -> Optional[FocusedImage]:
         """The focused image of the survey that is shown; None: none yet."""
         return self.additions.laid_image
+
+    def keep_image(self, imaging: Imaging) -> None:
+        """Ask for a newer image of the survey, while it is looked at."""
+        states = self.survey.map.trace_states
+        if states is not None:
+            stored = int(np.count_nonzero(is_stored(states)))
+            imaging.keep(Wanted(self.survey.survey_id, stored, self.wanted_permittivity))
 
     @property
     def shows_focused(self) -> bool:

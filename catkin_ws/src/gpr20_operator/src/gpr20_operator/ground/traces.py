@@ -111,7 +111,7 @@ class TracePresenter:
         if snapshot.replay is not None:
             if self._replayed_id is None:
                 self.past.set_replay(True)
-            self._replayed_id = snapshot.replay.mark.survey_id
+            self._replayed_id = snapshot.replay.survey_id
         running_id, measuring = snapshot.running_survey, snapshot.running and not snapshot.paused
         if measuring and (not self._measuring or running_id != self._running_id):
             self.show_live()

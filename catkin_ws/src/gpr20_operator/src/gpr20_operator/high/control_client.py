@@ -10,21 +10,25 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
+from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
+from std_msgs.msg import Bool
 
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_doctor.faults import MASTER_LOST
-from gpr20_doctor.high.node_reports import axis_position, height_m
+from gpr20_doctor.high.node_reports import axis_report, height_m, node_healths
+from gpr20_doctor.mid.node_health import EXPECTED_NODES
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs.msg import (
     ControlStatus,
     Coordinates,
     CurrentCoordinate,
     Replay,
     RobotConfiguration,
+    ServiceStatus,
     SurveyData,
 )
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
@@ -41,15 +45,15 @@ from gpr20_operator.high.ros_events import (
 from gpr20_operator.robot.events import (
     Accepted,
     Answer,
-    AxisLimits,
-    AxisMeasured,
     ControlState,
     CurrentPosition,
+    MasterAnswered,
     MeasuredHeight,
+    PlayerLink,
     Request,
+    ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.replay import PlayerLink
 from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
@@ -85,34 +89,42 @@ class ControlClient(RosEvents):
         self._player: Optional[Periodic] = None
         self._player_seen = False
         self._checking_master = threading.Lock()
-        self._limits = AxisLimits(None)
         self._clock = Clock()
         # The last report of each axis that was passed on: whether it moved, and when [s].
         self._reports: Dict[AxisId, Tuple[bool, float]] = {}
         self._robot = WhileWatched(self._robot_subscriptions)
+        self._endstops = WhileWatched(self._endstop_subscriptions)
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
         self._stop.forget()
         self.set_watched(False)
+        self.watch_endstops(False)
         if self._player is not None:
             self._player.stop()
         super().close()
 
     def listen(self) -> None:
-        """Subscribe to state and progress of the survey."""
+        """Subscribe to state and progress of the survey, and to what is done for maintenance."""
         self._subscribe("control_status", ControlStatus, self._state, None)
-        self._subscribe("replay", Replay, conversions.replay_mark, None)
+        self._subscribe("replay", Replay, conversions.replay, None)
         if self._senders.replay:
             # The recording of an imported survey has no status.
             topics = tuple(self._subscribers)
             self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))
         self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
-        self._subscribe("robot_configuration", RobotConfiguration, self._robot_limits, None)
+        self._subscribe("service_status", ServiceStatus, _activity, None)
+        self._subscribe(
+            "robot_configuration", RobotConfiguration, conversions.robot_described, None
+        )
 
     def set_watched(self, watched: bool) -> None:
         """Follow motion, position, height and health of the robot, or no longer."""
         self._robot.set_watched(watched)
+
+    def watch_endstops(self, watched: bool) -> None:
+        """Follow the endstops, or no longer: each message costs time."""
+        self._endstops.set_watched(watched)
 
     def start_survey(
         self,
@@ -181,7 +193,7 @@ class ControlClient(RosEvents):
         in_background(ask)
 
     def check_master(self) -> None:
-        """Check that the master answers; the answer is an event with the limits of the axes."""
+        """Check that the master answers; the answer is an event."""
         # A master that hangs must not collect one thread per call.
         if self._checking_master.acquire(blocking=False):
             in_background(self._check_master)
@@ -200,24 +212,45 @@ class ControlClient(RosEvents):
             subscriber("control_target_coordinate", Coordinates, _position(TargetPosition), 1),
             subscriber("survey_parameters", SurveyParametersMessage, conversions.parameters, None),
             subscriber("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
-            self._diagnostics_subscriber(lambda health, _message: health),
+            self._diagnostics_subscriber(),
         ]
+
+    def _endstop_subscriptions(self) -> List[rospy.Subscriber]:
+        def endstop(axis: AxisId) -> rospy.Subscriber:
+            topic = f"{axis.value}_axis/endstop"
+            return self._subscriber(topic, Bool, lambda one: Endstop(axis, one.data), 10)
+
+        return [endstop(axis) for axis in (AxisId.X, AxisId.Y)]
+
+    def _diagnostics_subscriber(self) -> rospy.Subscriber:
+        """Emit each report of a node of this robot on `/diagnostics`."""
+        # Players put a prefix before the topics; behind it, a robot may have had a namespace.
+        namespace = self._senders.namespace
+        prefix, _, recorded = namespace.strip("/").partition("/")
+        below = f"/{prefix}" if prefix and self._senders.replay else ""
+
+        def received(message: DiagnosticArray) -> None:
+            found = node_healths(message, namespace)
+            if self._senders.replay and not found:
+                # `rosbag play --prefix` changes the names of topics, not those in the messages.
+                found = node_healths(message, recorded)
+            for health in found:
+                # Every node of the graph publishes there about itself: only who speaks for a node
+                # of this robot is no such node.
+                if self._takes(message, is_usual=health.name not in EXPECTED_NODES):
+                    self._emit(health)
+
+        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, received, queue_size=20)
 
     def _check_master(self) -> None:
         try:
             rosgraph.Master(rospy.get_name()).getPid()
             self._stop.remember()
-            self._emit(self._limits)
-        except (rosgraph.MasterException, OSError) as error:
-            reason = Message("the ROS master does not answer", details=error)
-            reason = reason.with_fault(MASTER_LOST)
-            self._emit(AxisLimits(None, reason, master_alive=False))
+            self._emit(MasterAnswered(True))
+        except (rosgraph.MasterException, OSError):
+            self._emit(MasterAnswered(False))
         finally:
             self._checking_master.release()
-
-    def _robot_limits(self, message: RobotConfiguration) -> AxisLimits:
-        self._limits = conversions.axis_limits(message)
-        return self._limits
 
     def _ask_start(
         self, parameters: SurveyParameters, added: Dict[str, Any], withdrawals: int
@@ -250,7 +283,7 @@ class ControlClient(RosEvents):
 
         in_background(work)
 
-    def _measured(self, axis: AxisId, message: CurrentCoordinate) -> Optional[AxisMeasured]:
+    def _measured(self, axis: AxisId, message: CurrentCoordinate) -> Optional[AxisReport]:
         now_s = self._clock.now_s()
         moved, reported_s = self._reports.get(axis, (False, -math.inf))
         # A motion that begins is passed on at once, however short it is.
@@ -258,7 +291,7 @@ class ControlClient(RosEvents):
         if now_s - reported_s < AXIS_PERIOD_S and not begins:
             return None
         self._reports[axis] = message.moving, now_s
-        return AxisMeasured(axis, axis_position(message), message.owner)
+        return axis_report(axis, message)
 
     def _state(self, message: ControlStatus) -> ControlState:
         return replace(conversions.control_state(message), replay=self._senders.replay)
@@ -272,3 +305,7 @@ class ControlClient(RosEvents):
 
 def _position(kind: Any) -> Callable[[Coordinates], Any]:
     return lambda one: kind(one.x_mm, one.y_mm, one.z_deg)
+
+
+def _activity(message: ServiceStatus) -> ServiceActivity:
+    return ServiceActivity(message_from(message) if message.busy else None)

@@ -17,23 +17,23 @@ from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import (
     ControlStatus,
     Fault,
-    Replay,
     RobotConfiguration,
     SurveyCoverage,
     SurveyData,
 )
+from gpr20_msgs.msg import Replay as ReplayMessage
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
 from gpr20_operator.robot.events import (
-    AxisLimits,
+    Configured,
     ControlState,
     Progress,
-    RobotDefaults,
-    RobotFigures,
+    Replay,
+    ReplayPhase,
+    RobotDescribed,
 )
-from gpr20_operator.robot.replay import ReplayMark, ReplayPhase
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation, Site
 from gpr20_survey.plan.markers import present_markers
@@ -50,8 +50,9 @@ from gpr20_survey.trace.trace_block import block_from
 LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 
 
-def replay_mark(message: Replay) -> ReplayMark:
-    return ReplayMark(
+def replay(message: ReplayMessage) -> Replay:
+    """Convert `replay`."""
+    return Replay(
         survey_id=message.survey_id,
         started=message.started,
         folder=message.folder,
@@ -147,11 +148,11 @@ def _reasons(texts: Sequence[str], faults_of: Sequence[Fault]) -> Dict[int, Mess
     return found
 
 
-def axis_limits(message: RobotConfiguration) -> AxisLimits:
-    """Return the limits of the three axes and the figures of the robot, or why they are unknown."""
+def robot_described(message: RobotConfiguration) -> RobotDescribed:
+    """Convert `robot_configuration`."""
     nodes = descriptions(message)
     if not message.known:
-        return AxisLimits(None, message_from(message), nodes=nodes)
+        return RobotDescribed(None, message_from(message), nodes)
     try:
         config = robot_config(nodes)
         # Another version of the node may have fields that this one does not know.
@@ -160,6 +161,5 @@ def axis_limits(message: RobotConfiguration) -> AxisLimits:
         site = record_from(Site, json.loads(message.site_json), "site", others=True)
         address = str(nodes[ANALYZER].configuration.get("address", ""))
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
-        return AxisLimits(None, LIMITS_UNKNOWN.with_details(error))
-    figures, defaults = RobotFigures(config, settings), RobotDefaults(address, site)
-    return AxisLimits(config.travel, figures=figures, defaults=defaults, nodes=nodes)
+        return RobotDescribed(None, LIMITS_UNKNOWN.with_details(error))
+    return RobotDescribed(Configured(config, settings, site, address), nodes=nodes)

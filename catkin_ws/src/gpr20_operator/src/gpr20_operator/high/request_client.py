@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import socket
 from functools import partial
-from typing import Any, Callable, Dict, NamedTuple, Optional
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional
 
 import rospy
 
@@ -12,6 +14,9 @@ from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import analyzer_test_of
+from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.machine_probe import probe_machine
+from gpr20_doctor.mid.machine_request import ThisMachine
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_operator.high.conversions import fact_fields, surveys_listed
@@ -28,6 +33,7 @@ from gpr20_operator.jobs.job import Delivery, Service, Ticket
 from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import HeightTested
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.results.volume import Volume
@@ -137,6 +143,22 @@ class RequestClient(RosEvents):
         offer = OFFERS[service]
         response = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
         return offer.convert(response)
+
+    def examine(
+        self,
+        ticket: Ticket[MachineFacts],
+        nodes: Mapping[str, NodeDescription],
+        surveying: bool,
+        thorough: bool,
+    ) -> None:
+        """Look at this computer in the background."""
+
+        def look() -> None:
+            machine = ThisMachine(socket.gethostname(), os.environ)
+            facts = probe_machine(machine.request(nodes, surveying, thorough=thorough))
+            self._emit(Delivery(partial(ticket.done, facts)))
+
+        in_background(look)
 
     def cancel(self, request_id: str) -> None:
 

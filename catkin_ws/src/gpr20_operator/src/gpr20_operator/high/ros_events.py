@@ -1,22 +1,23 @@
-"""Events from topics and services, until the client is closed."""
+"""Joining the ROS graph; topics as events for a listener, and requests without waiting."""
 
 from __future__ import annotations
 
 import threading
 from typing import Any, Callable, List
 
+import rosgraph
 import rospy
-from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import PART_SILENT
+from gpr20_common.faults import ASKED_FOR, PART_SILENT
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import node_healths
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, NodeHealth
+from gpr20_common.terminal_text import enable_line_buffering
+from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.senders import SenderIgnored, Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
@@ -150,32 +151,6 @@ class RosEvents:
 
         return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
 
-    def _diagnostics_subscriber(
-        self, convert: Callable[[NodeHealth, DiagnosticArray], Any]
-    ) -> rospy.Subscriber:
-        """Emit an event for each report of a node of this robot on `/diagnostics`."""
-
-        def received(message: DiagnosticArray) -> None:
-            for health in self._healths(message):
-                # Every node of the graph publishes there about itself: only who speaks for a node
-                # of this robot is no such node.
-                foreign = health.name not in EXPECTED_NODES
-                if self._takes(message, is_usual=foreign):
-                    self._emit(convert(health, message))
-
-        # Players put a prefix before the topics; behind it, a robot may have had a namespace.
-        prefix, _, _ = self._senders.namespace.strip("/").partition("/")
-        below = f"/{prefix}" if prefix and self._senders.replay else ""
-        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, received, queue_size=20)
-
-    def _healths(self, message: DiagnosticArray) -> List[NodeHealth]:
-        namespace = self._senders.namespace
-        found = node_healths(message, namespace)
-        if self._senders.replay and not found:
-            # `rosbag play --prefix` changes the names of topics, not those in the messages.
-            found = node_healths(message, namespace.strip("/").partition("/")[2])
-        return found
-
     def _takes(self, message: Any, is_usual: bool = False) -> bool:
         """Return whether a message counts; else report its sender, unless that is usual."""
         sender = connection_header(message)["callerid"]
@@ -205,3 +180,67 @@ class RosEvents:
             self._emit(event)
 
         in_background(work)
+
+
+POLL_S = 0.2
+# To join a master that answers.
+JOIN_LIMIT_S = 15.0
+
+
+def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
+    """Make this process a ROS node that leaves Ctrl-C to its own handlers.
+
+    `rospy.init_node` alone would wait for a master without a limit.
+
+    Args:
+        name: Base name of the node; a number makes it one of its own.
+        wait_s: How long to wait for the master [s].
+        is_cancelled: Checked while waiting; True ends it.
+        clock: Measures the waiting.
+
+    Raises:
+        MasterUnavailableError: No master answered in time, it died while it was joined, or it
+            was cancelled.
+    """
+    enable_line_buffering()
+    online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
+
+    def join() -> None:
+        while not given_up.is_set() and not rosgraph.is_master_online():
+            given_up.wait(POLL_S)
+        online.set()
+        if not given_up.is_set():
+            rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)
+            joined.set()
+
+    # In a thread, because a connection to an address that swallows packets takes minutes to fail.
+    threading.Thread(target=join, daemon=True).start()
+    begin_s = clock.now_s()
+    for event, limit_s in ((online, wait_s), (joined, JOIN_LIMIT_S)):
+        if not _happens(event, limit_s, is_cancelled, clock):
+            given_up.set()
+            if is_cancelled():
+                raise MasterUnavailableError(
+                    Message("stopped before contact with the robot; nothing was started"),
+                    fault=ASKED_FOR,
+                )
+            waited_s = clock.now_s() - begin_s
+            raise MasterUnavailableError(
+                Message(
+                    "no ROS master answers at {address} within {waited_s:.0f} s; start `roslaunch "
+                    "gpr20 survey.launch`, or correct ROS_MASTER_URI",
+                    address=rosgraph.get_master_uri(),
+                    waited_s=waited_s,
+                )
+            )
+
+
+def _happens(
+    event: threading.Event, limit_s: float, is_cancelled: Callable[[], bool], clock: Clock
+) -> bool:
+    """Wait for an event; return whether it came within the limit."""
+    deadline_s = clock.now_s() + limit_s
+    while not clock.wait_s(event, POLL_S):
+        if is_cancelled() or clock.now_s() > deadline_s:
+            return False
+    return True

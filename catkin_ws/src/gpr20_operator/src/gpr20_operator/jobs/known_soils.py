@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Dict, Optional, Set
 
+NOT_KNOWN = 0.0
+"""What is sent as the permittivity where none is known here: that of the stored survey is used."""
+
 
 class KnownSoils:
     """Belongs to one thread."""
@@ -15,6 +18,11 @@ class KnownSoils:
     def of(self, survey_id: str) -> Optional[float]:
         """Return the permittivity of a survey; None: it is not known."""
         return self._values.get(survey_id)
+
+    def asked(self, survey_id: str, permittivity: Optional[float]) -> float:
+        """Return what the imaging node is asked with, for one answer: it reads what is stored."""
+        is_stored = survey_id not in self._unstored and permittivity == self.of(survey_id)
+        return NOT_KNOWN if is_stored or permittivity is None else permittivity
 
     def enter(self, survey_id: str, permittivity: Optional[float]) -> None:
         """Take what a person entered here; it is not stored with the survey yet."""

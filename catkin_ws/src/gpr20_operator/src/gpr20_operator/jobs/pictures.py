@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
@@ -11,8 +12,6 @@ from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
-NOT_KNOWN = 0.0
-"""What is sent as the permittivity where none is known here: that of the stored survey is used."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
 # A permittivity that is set in steps: the last one counts.
@@ -65,8 +64,10 @@ class Pictures:
         return self._hiding.get(survey_id)
 
     def add_image(self, image: FocusedImage) -> None:
-        """Keep an image, in the place of the last one of its survey."""
-        self._images.pop(image.found.survey_id, None)
+        """Keep an image, in the place of the last one of its survey, unless it is the same."""
+        last = self.image(image.found.survey_id)
+        if last is not None and (last.traces, last.found) == (image.traces, image.found):
+            return
         self._images[image.found.survey_id] = image
         while len(self._images) > MOST_IMAGES:
             del self._images[next(iter(self._images))]
@@ -88,7 +89,7 @@ class Wanted(NamedTuple):
 
     survey_id: str
     traces: int
-    permittivity: float
+    permittivity: Optional[float]
 
 
 class Imaging:
@@ -97,19 +98,27 @@ class Imaging:
     Args:
         requests: The imaging node and the storage.
         now_s: A clock that never goes back [s].
+        pictures: Those of others, too; None: its own.
+        again_s: After how long to ask again though nothing is new here: another screen may have
+            entered what the ground is [s].
 
     Attributes:
         pictures: What it has found.
         soils: The permittivity of the ground of each survey.
     """
 
-    def __init__(self, requests: Requests, now_s: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        requests: Requests,
+        now_s: Callable[[], float],
+        pictures: Optional[Pictures] = None,
+        again_s: float = math.inf,
+    ) -> None:
         self._requests = requests
-        self.now_s = now_s
-        self.pictures = Pictures()
+        self.now_s, self._again_s = now_s, again_s
+        self.pictures = pictures or Pictures()
         self.soils = KnownSoils()
-        self._shown = self.job(Service.FOCUS, self._take_image)
-        self._made: Optional[FocusedImage] = None
+        self._shown = self.job(Service.FOCUS, self.pictures.add_image)
         self._others = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked: Optional[Wanted] = None
         self._ended_s: Optional[float] = None
@@ -136,10 +145,12 @@ class Imaging:
             return
         if self._ended_s is None:
             self._ended_s = self.now_s()
-        if (wanted == self._asked and not self._is_replaced()) or not self._is_due(wanted):
+        is_new = wanted != self._asked or self.now_s() - self._ended_s >= self._again_s
+        if not is_new or not self._is_due(wanted):
             return
         self._asked, self._ended_s = wanted, None
-        self._shown.ask(survey=wanted.survey_id, permittivity=wanted.permittivity)
+        permittivity = self.soils.asked(wanted.survey_id, wanted.permittivity)
+        self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
 
     def focus(self, survey_id: str, permittivity: float) -> bool:
         """Ask for the image of another survey, if none is awaited; return whether it was asked."""
@@ -152,20 +163,6 @@ class Imaging:
         """End what is awaited."""
         self._shown.end()
         self._others.end()
-
-    def _take_image(self, image: FocusedImage) -> None:
-        self._made = image
-        self.pictures.add_image(image)
-
-    def _is_replaced(self) -> bool:
-        """Return whether another page has an image with another permittivity made since."""
-        made = self._made
-        image = None if made is None else self.pictures.image(made.found.survey_id)
-        return (
-            image is not None
-            and made is not None
-            and image.found.permittivity != made.found.permittivity
-        )
 
     def _is_due(self, wanted: Wanted) -> bool:
         asked, now_s = self._asked, self.now_s()

@@ -13,7 +13,7 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.jobs.stick import StickExport
 from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
@@ -170,6 +170,11 @@ class SurveyResult:
         return self._imaging.soils.of(record.survey_id)
 
     @property
+    def _asked_permittivity(self) -> float:
+        survey_id = "" if self.record is None else self.record.survey_id
+        return self._imaging.soils.asked(survey_id, self.permittivity)
+
+    @property
     def soil_problem(self) -> Optional[Message]:
         """Why the permittivity that was entered is not stored with the survey; None: it is."""
         return self._soil.problem
@@ -231,10 +236,10 @@ class SurveyResult:
             if self.reading.state is JobState.READY:
                 self.reading.ask(survey=self.survey)
             return
-        if self.permittivity is None and self._soil.running:
+        if self._soil.running:
             return  # the imaging node uses what the log says, and this is not there yet
         self._wanted = False
-        self.search.ask(survey=self.record.survey_id, permittivity=self.permittivity or NOT_KNOWN)
+        self.search.ask(survey=self.record.survey_id, permittivity=self._asked_permittivity)
 
     def cancel(self) -> None:
         """End the search."""
@@ -269,14 +274,14 @@ class SurveyResult:
         self.target = target.value
         self.hiding.ask(
             survey=self.record.survey_id,
-            permittivity=self.permittivity or NOT_KNOWN,
+            permittivity=self._asked_permittivity,
             target=target.value.name,
         )
 
     def begin_export(self, language: str) -> None:
         """Write the report to a stick."""
         if self.record is not None and not self._survey_runs:
-            self.export.begin(self.record.survey_id, self.permittivity or NOT_KNOWN, language)
+            self.export.begin(self.record.survey_id, self._asked_permittivity, language)
 
     def turn_page(self) -> None:
         """Show the next five places; after them the weaker echoes, and the first ones again."""

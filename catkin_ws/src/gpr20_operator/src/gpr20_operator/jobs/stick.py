@@ -2,29 +2,17 @@
 
 from __future__ import annotations
 
-import enum
 from typing import Any, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import Exported, Imaging, Sticks
-from gpr20_survey.results.volume import Volume
+from gpr20_survey.results.volume import ExportPart, Volume
 
 # A stick that is plugged in shows within this time [s].
 LIST_PERIOD_S = 2.0
 CANCELLING = Message("Cancelling. Unfinished files are removed from the stick.")
 NO_STICKS = Sticks("", ())
-
-
-class ExportPart(enum.Enum):
-    """What can be exported, as the imaging node calls it."""
-
-    REPORT_HTML = "report-html"
-    CANDIDATES_CSV = "candidates-csv"
-    CANDIDATES_GEOJSON = "candidates-geojson"
-    SURVEY_ZIP = "survey-zip"
-
-
 REPORT = frozenset({ExportPart.REPORT_HTML})
 
 

@@ -7,7 +7,7 @@ from typing import Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.annotation import overwritten, shortened
-from gpr20_operator.plan.preview import SurveyPreview
+from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
 from gpr20_operator.robot.remote_control import WebStatusReported

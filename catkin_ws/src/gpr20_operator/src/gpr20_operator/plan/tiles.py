@@ -9,10 +9,8 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.plan.annotation import shortened
-from gpr20_operator.plan.fields import TILE_FIELDS, texts_of
-from gpr20_operator.plan.form import PlanCheck, problem_of
-from gpr20_operator.plan.preview import SurveyPreview
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.fields import TILE_FIELDS, Tile, texts_of
+from gpr20_operator.plan.form import PlanCheck, SurveyPreview, problem_of
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import (

@@ -14,10 +14,10 @@ from typing import Callable, Dict, NamedTuple, Optional, Tuple
 from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST, PART_SILENT
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.faults import MASTER_LOST
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator import faults
-from gpr20_operator.robot.events import AxisReport, Request
-from gpr20_operator.robot.job import percent_of, progress_of
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.snapshot import Snapshot, percent_of, progress_of
 from gpr20_operator.words import time_left
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import AXIS_MAY_MOVE, CAN_RESUME, TAKES_LONG

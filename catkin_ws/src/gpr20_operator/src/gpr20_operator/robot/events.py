@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import Iterator, Mapping, Optional
 
 from gpr20_common.message import Message, Severity, in_a_row
-from gpr20_doctor.mid.robot_facts import AxisPosition
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
@@ -19,29 +18,7 @@ from gpr20_survey.plan.survey_parameters import (
     Travel,
 )
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-
-
-@dataclass(frozen=True)
-class AxisReport:
-    """The last report of an axis.
-
-    Attributes:
-        owner: Full name of the node that holds it; empty: nobody, or it is not known.
-        received_s: When the report came [s].
-        silent: Whether none came for longer than usual.
-    """
-
-    axis: AxisId
-    position: AxisPosition
-    owner: str
-    received_s: float
-    silent: bool = False
-
-    @property
-    def moving(self) -> bool:
-        """Whether it moves."""
-        return self.position.moving
-
+from gpr20_survey.trace.utc_time import moment_text
 
 # The limits of the documented system, for as long as the axes' own are not known:
 # the main control, which knows them, refuses what lies between the two.
@@ -163,36 +140,46 @@ class MeasuredHeight:
 
 
 @dataclass(frozen=True)
-class RobotFigures:
-    """What the estimate of a survey's time and size is based on."""
+class Configured:
+    """What is known of a robot whose nodes have all described themselves.
+
+    Attributes:
+        config: Its axes; the estimate of a survey's time is based on them and the settings.
+        site: Place and operator that it proposes.
+        vna_address: The address that it proposes.
+    """
 
     config: RobotConfig
     settings: SurveySettings
-
-
-@dataclass(frozen=True)
-class RobotDefaults:
-    """What the robot's configuration proposes: address of the VNA, place and operator."""
-
-    vna_address: str
     site: Site
+    vna_address: str
+
+    @property
+    def travel(self) -> RobotTravel:
+        """The limits of the axes."""
+        return self.config.travel
 
 
 @dataclass(frozen=True)
-class AxisLimits:
-    """The limits of the axes and what else the nodes say about the robot; None: not known.
+class RobotDescribed:
+    """One message of `robot_configuration`.
 
     Attributes:
-        reason: Why something is not known; None if all is.
-        master_alive: Whether the ROS master answered.
+        robot: None: not everything is known.
+        reason: Why not.
+        nodes: What each node says.
     """
 
-    travel: Optional[RobotTravel]
+    robot: Optional[Configured] = None
     reason: Optional[Message] = None
-    figures: Optional[RobotFigures] = None
-    defaults: Optional[RobotDefaults] = None
-    master_alive: bool = True
     nodes: Mapping[str, NodeDescription] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class MasterAnswered:
+    """Whether the ROS master has answered."""
+
+    alive: bool
 
 
 @dataclass(frozen=True)
@@ -200,31 +187,6 @@ class ServiceActivity:
     """One message of `service_status`: what is done for maintenance; None: nothing."""
 
     activity: Optional[Message]
-
-
-@dataclass(frozen=True)
-class AxisMeasured:
-    """One message of an axis's `current_coord`; owner: the node that holds it, or empty."""
-
-    axis: AxisId
-    position: AxisPosition
-    owner: str = ""
-
-
-@dataclass(frozen=True)
-class EndstopState:
-    """One message of an axis's `endstop`."""
-
-    axis: AxisId
-    pressed: bool
-
-
-@dataclass(frozen=True)
-class ClockOffset:
-    """How far the clock of a node's computer is behind the window's, with the delay [s]."""
-
-    node: str
-    offset_s: float
 
 
 class Request(enum.Enum):
@@ -278,11 +240,82 @@ class StopRequested:
     signal: str
 
 
-@dataclass(frozen=True)
-class LinkState:
-    """Whether the link to the main control is down.
+class ReplayPhase(enum.IntEnum):
+    """What a replay does; the values are those of gpr20_msgs/Replay."""
 
-    It is not down if the process of the main control answers, or has certainly ended.
+    PLAYING = 0
+    PAUSED = 1
+    ENDED = 2
+
+
+@dataclass(frozen=True)
+class PlayerLink:
+    """Event: whether a player of recordings is connected; once a second."""
+
+    connected: bool
+
+
+@dataclass(frozen=True)
+class Replay:
+    """The last message of `replay`, and what is known besides; texts are empty if not known.
+
+    Attributes:
+        started: Start of the survey, ISO 8601, UTC.
+        rate: How many times faster than it was recorded; 0: its player does not report it.
+        connected: Whether its player is; None: none has been yet.
+        state: The last state of the recorded survey; None before the first.
     """
 
-    down: bool
+    survey_id: str = ""
+    started: str = ""
+    folder: str = ""
+    phase: ReplayPhase = ReplayPhase.PLAYING
+    rate: float = 0.0
+    connected: Optional[bool] = True
+    state: Optional[SurveyState] = None
+
+    @property
+    def survey(self) -> Message:
+        """The survey, for a sentence."""
+        place = self.folder or self.survey_id[:8]
+        if len(self.started) >= 16:
+            time = moment_text(self.started[:16])
+            return Message("Survey of {time} UTC, {folder}", time=time, folder=place)
+        return Message("Survey {folder}", folder=place) if place else Message("Recorded survey")
+
+    @property
+    def ended(self) -> bool:
+        """Whether nothing more will come."""
+        return self.connected is False or self.phase is ReplayPhase.ENDED
+
+    @property
+    def paused(self) -> bool:
+        """Whether it is paused and can continue."""
+        return not self.ended and self.phase is ReplayPhase.PAUSED
+
+    @property
+    def can_pause(self) -> bool:
+        """Whether its player takes requests: `rosbag play` takes none."""
+        return not self.ended and self.rate > 0.0
+
+    @property
+    def title(self) -> Message:
+        """What is shown where the state of a robot would be."""
+        if self.ended:
+            return Message("REPLAY ENDED")
+        return Message("REPLAY PAUSED") if self.paused else Message("REPLAY")
+
+    @property
+    def message(self) -> Message:
+        """The survey, and its state or how it ended."""
+        if self.connected is None:
+            return Message("Waiting for a recording.")
+        if self.state is None:
+            return self.survey
+        if self.ended and self.state not in ENDED:
+            return Message(
+                "{state}, and the recording does not contain the survey's end. {survey}",
+                state=self.state.label,
+                survey=self.survey,
+            )
+        return Message("{state}. {survey}", state=self.state.label, survey=self.survey)

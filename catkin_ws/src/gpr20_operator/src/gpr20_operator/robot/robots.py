@@ -65,18 +65,7 @@ class ListedRobot:
         """How it goes, by its state alone, which is heard now; None: it has not said so yet."""
         if self.state is None:
             return None
-        heard = Snapshot(
-            control_alive=True,
-            control_silent_s=0.0,
-            state=self.state,
-            progress=None,
-            current=None,
-            target=None,
-            height_m=None,
-            pending=frozenset(),
-            travel=None,
-        )
-        return condition_of(heard)
+        return condition_of(Snapshot(True, 0.0, self.state))
 
 
 @dataclass

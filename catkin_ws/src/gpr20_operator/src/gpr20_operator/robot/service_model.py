@@ -4,24 +4,18 @@ from __future__ import annotations
 
 import enum
 import math
-from collections import deque
 from dataclasses import dataclass
 from functools import singledispatchmethod
-from typing import Any, Callable, Deque, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.robot_facts import EndstopSeen, RobotFacts
+from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_operator.robot.events import (
-    AxisLimits,
-    ClockOffset,
-    EndstopState,
-    Request,
-)
+from gpr20_operator.robot.events import Request, RobotDescribed
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
@@ -35,8 +29,6 @@ AXIS_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
-# The smallest of this many offsets has the least delay in it.
-OFFSETS = 5
 # A test of the VNA is listed for so long [s]; then it may no longer be true.
 TEST_AGE_S = 120.0
 
@@ -67,25 +59,6 @@ class HeightTested:
     spread_m: float
     voltage_v: float
     failure: Optional[Message] = None
-
-
-@dataclass(frozen=True)
-class AxisState:
-    """What is known about an axis; the coordinate in mm or deg; None: not known now."""
-
-    axis: AxisId
-    coordinate: Optional[float]
-    homed: Optional[bool]
-    pressed: Optional[bool]
-
-
-@dataclass(frozen=True)
-class _Endstop:
-    """An endstop, when it was heard last, and when it was pressed last [s]."""
-
-    seen: EndstopSeen
-    heard_s: float
-    pressed_s: float = -math.inf
 
 
 class ServiceModel:
@@ -126,9 +99,8 @@ class ServiceModel:
         self._checking = False
         # What is to be measured next.
         self._part: Optional[Part] = None
-        self._endstops: Dict[AxisId, _Endstop] = {}
-        self._offsets_s: Dict[str, Deque[float]] = {}
-        self._limits = AxisLimits(None)
+        self._endstops: Dict[AxisId, Endstop] = {}
+        self._described = RobotDescribed()
         self._machine: Optional[MachineFacts] = None
 
     @singledispatchmethod
@@ -136,24 +108,13 @@ class ServiceModel:
         """Take an event; most are about something else."""
 
     @on_event.register
-    def _(self, event: EndstopState) -> None:
-        now_s, known = self._now_s(), self._endstops.get(event.axis)
-        changes, pressed_s = 0, -math.inf
-        if known is not None:
-            changes = known.seen.changes + int(known.seen.pressed != event.pressed)
-            pressed_s = known.pressed_s
-        seen = EndstopSeen(event.pressed, changes)
-        pressed_s = now_s if event.pressed else pressed_s
-        self._endstops[event.axis] = _Endstop(seen, now_s, pressed_s)
+    def _(self, event: Endstop) -> None:
+        former = self._endstops.get(event.axis)
+        self._endstops[event.axis] = event.after(former, self._now_s())
 
     @on_event.register
-    def _(self, event: ClockOffset) -> None:
-        self._offsets_s.setdefault(event.node, deque(maxlen=OFFSETS)).append(event.offset_s)
-
-    @on_event.register
-    def _(self, event: AxisLimits) -> None:
-        if event.master_alive:
-            self._limits = event
+    def _(self, event: RobotDescribed) -> None:
+        self._described = event
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -202,10 +163,19 @@ class ServiceModel:
             return Message("Not done: {reason}", reason=self.moving.problem)
         return self.moving.result
 
-    @property
-    def axes(self) -> Tuple[AxisState, ...]:
-        """X, Y and Z."""
-        return tuple(self._axis(axis) for axis in AxisId)
+    def axis(self, axis: AxisId) -> Optional[AxisReport]:
+        """Return what an axis has just reported; None: not known now."""
+        shown, now_s = self._snapshot, self._now_s()
+        recent = () if shown is None else shown.axes
+        found = (one for one in recent if now_s - one.received_s <= AXIS_LIMIT_S)
+        return next((one for one in found if one.axis is axis), None)
+
+    def pressed(self, axis: AxisId) -> Optional[bool]:
+        """Return whether an endstop is pressed, or was just now; None: not known now."""
+        endstop, now_s = self._endstops.get(axis), self._now_s()
+        if endstop is None or now_s - endstop.heard_s > AXIS_LIMIT_S:
+            return None
+        return endstop.pressed or now_s - endstop.pressed_s < LAMP_S
 
     @property
     def part(self) -> Optional[Part]:
@@ -228,20 +198,19 @@ class ServiceModel:
             return ()  # what was wrong with the robot of a recording is in its survey
         now_s = self._now_s()
         old = now_s - self.analyzer.changed_s >= TEST_AGE_S
-        nodes = self._limits.nodes
+        nodes = self._described.nodes
         robot = RobotFacts(
             master_alive=shown.master_alive,
             control_alive=shown.control_alive,
-            configured=shown.travel is not None,
+            configured=shown.robot is not None,
             simulated=shown.simulated,
             surveying=shown.running,
             nodes=shown.health.nodes,
-            configuration_problem=self._limits.reason,
-            clock_offsets_s={node: min(few, key=abs) for node, few in self._offsets_s.items()},
+            configuration_problem=self._described.reason,
             listening_s=now_s - self._begun_s,
             software={name: one.software for name, one in nodes.items()},
-            endstops={axis: one.seen for axis, one in self._endstops.items()},
-            axes={one.axis: one.position for one in shown.axes},
+            endstops=dict(self._endstops),
+            axes={one.axis: one for one in shown.axes},
             height_m=math.nan if shown.height_m is None else shown.height_m,
             analyzer=None if shown.running or old else self.tested,
         )
@@ -267,7 +236,6 @@ class ServiceModel:
             self._examine(thorough=False)
             return
         self.leave()
-        self._offsets_s.clear()
         self._checking = False
 
     def enter(self) -> None:
@@ -326,7 +294,7 @@ class ServiceModel:
 
     def _examine(self, thorough: bool) -> None:
         surveying = self._snapshot is not None and self._snapshot.running
-        self._examining.ask(nodes=self._limits.nodes, surveying=surveying, thorough=thorough)
+        self._examining.ask(nodes=self._described.nodes, surveying=surveying, thorough=thorough)
 
     def _take_machine(self, machine: MachineFacts) -> None:
         self._machine = machine
@@ -334,17 +302,3 @@ class ServiceModel:
     @property
     def _activity(self) -> Optional[Message]:
         return None if self._snapshot is None else self._snapshot.service
-
-    def _axis(self, axis: AxisId) -> AxisState:
-        now_s, pressed, coordinate = self._now_s(), None, None
-        endstop = self._endstops.get(axis)
-        if endstop is not None and now_s - endstop.heard_s <= AXIS_LIMIT_S:
-            pressed = endstop.seen.pressed or now_s - endstop.pressed_s < LAMP_S
-        shown, homed = self._snapshot, None
-        if shown is not None:
-            recent = (one for one in shown.axes if now_s - one.received_s <= AXIS_LIMIT_S)
-            homed = next((one.position.homed for one in recent if one.axis is axis), None)
-        if shown is not None and shown.current is not None:
-            place = shown.current
-            coordinate = {AxisId.X: place.x_mm, AxisId.Y: place.y_mm}.get(axis, place.z_deg)
-        return AxisState(axis, coordinate, homed, pressed)

@@ -2,25 +2,26 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass, field
 from typing import FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import HealthReport
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import (
-    AxisReport,
+    Configured,
     ControlState,
     CurrentPosition,
     Progress,
+    Replay,
     Request,
-    RobotDefaults,
-    RobotFigures,
     TargetPosition,
 )
-from gpr20_operator.robot.health import HealthReport
-from gpr20_operator.robot.replay import ReplayView
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_operator.words import size_text, time_left
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
 CONTROL_SILENCE_S = 5.0
@@ -33,20 +34,18 @@ class Snapshot:
     """What a client shows; None: not known now."""
 
     control_alive: bool
-    control_silent_s: Optional[float]
-    state: Optional[ControlState]
-    progress: Optional[Progress]
-    current: Optional[CurrentPosition]
-    target: Optional[TargetPosition]
-    height_m: Optional[float]
-    pending: FrozenSet[Request]
-    travel: Optional[RobotTravel]
+    control_silent_s: Optional[float] = None
+    state: Optional[ControlState] = None
+    progress: Optional[Progress] = None
+    current: Optional[CurrentPosition] = None
+    target: Optional[TargetPosition] = None
+    height_m: Optional[float] = None
+    pending: FrozenSet[Request] = frozenset()
+    robot: Optional[Configured] = None
     # The parameters of the survey that runs, also of one that another client started.
     survey_parameters: Optional[SurveyParameters] = None
     # Those of the survey that runs or ran last.
     job_parameters: Optional[SurveyParameters] = None
-    figures: Optional[RobotFigures] = None
-    defaults: Optional[RobotDefaults] = None
     health: HealthReport = field(default_factory=HealthReport)
     master_alive: bool = True
     # A survey ran, and the main control does not know it any more.
@@ -63,7 +62,7 @@ class Snapshot:
     # recordings; nothing of that is shown.
     ignored_sender: str = ""
     # What is shown is a replay, not a robot.
-    replay: Optional[ReplayView] = None
+    replay: Optional[Replay] = None
 
     @property
     def code(self) -> Optional[SurveyState]:
@@ -122,3 +121,93 @@ class Snapshot:
     @property
     def _takes_requests(self) -> bool:
         return self.control_alive and not self.pending and self.replay is None
+
+
+def percent_of(snapshot: Snapshot) -> Optional[int]:
+    """Return how much is stored, rounded down; None: there is no survey, or it is not known."""
+    progress = progress_of(snapshot)
+    return None if progress is None else math.floor(progress.completion_percent)
+
+
+def progress_of(snapshot: Snapshot) -> Optional[Progress]:
+    """Return how far the survey of the state is; None: there is no survey, or it is not known."""
+    state, progress = snapshot.state, snapshot.progress
+    if state is None or progress is None or not progress.total_points:
+        return None
+    if progress.survey_id != state.survey_id:
+        return None
+    return progress if snapshot.running or state.shown in ENDED else None
+
+
+def line_of(snapshot: Snapshot) -> Optional[Message]:
+    """Return the line of the area that is measured, and how many there are; None: none is."""
+    parameters, target = snapshot.job_parameters, snapshot.target
+    if parameters is None or target is None or not snapshot.running:
+        return None
+    return Message(
+        "line {number} of {count}",
+        number=_line_number(parameters, target.y_mm),
+        count=parameters.y_points,
+    )
+
+
+def _line_number(parameters: SurveyParameters, y_mm: float) -> int:
+    span_mm = parameters.y_stop_mm - parameters.y_start_mm
+    if span_mm == 0.0:
+        return 1
+    part = (y_mm - parameters.y_start_mm) / span_mm
+    return min(max(round(part * (parameters.y_points - 1)), 0), parameters.y_points - 1) + 1
+
+
+def area_of(parameters: SurveyParameters) -> Message:
+    """Return the size of a survey's area."""
+    p = parameters
+    return size_text(abs(p.x_stop_mm - p.x_start_mm), abs(p.y_stop_mm - p.y_start_mm))
+
+
+def remaining(progress: Progress) -> Message:
+    """Return the time that is left and its basis: the plan, or the points taken so far."""
+    left = time_left(progress.remaining_s)
+    if progress.visited_points == 0:
+        return Message("{left} (by the plan)", left=left)
+    return Message("{left} (measured)", left=left)
+
+
+def survey_name(description: str) -> Tuple[str, str]:
+    """Return id, and name or site, of a survey.json; empty what it does not have."""
+    try:
+        values = json.loads(description)
+        annotation = values.get("annotation") or {}
+        name = annotation.get("name") or annotation.get("site") or ""
+        return str(values.get("survey_id", "")), str(name)
+    except (ValueError, AttributeError):
+        # Who reads the plan from the same text reports what is wrong with it.
+        return "", ""
+
+
+class JobScreen:
+    """Decides whether the job or the plan of the next survey is shown.
+
+    The job stays on the screen after its end until the operator plans the next survey.
+    """
+
+    def __init__(self) -> None:
+        self._left = ""
+        self.visible = False
+
+    def note(self, snapshot: Snapshot) -> None:
+        """Take what is known now."""
+        state = snapshot.state
+        if state is None:
+            self.visible = False
+        elif snapshot.running:
+            self._left = ""
+            self.visible = True
+        else:
+            self.visible = state.shown in ENDED and state.survey_id != self._left
+
+    def leave(self, snapshot: Snapshot) -> None:
+        """Note that the operator plans the next survey; not while one is running."""
+        if snapshot.state is not None and not snapshot.running:
+            self._left = snapshot.state.survey_id
+            self.note(snapshot)

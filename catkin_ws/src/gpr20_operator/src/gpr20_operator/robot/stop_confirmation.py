@@ -8,7 +8,8 @@ from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
-from gpr20_operator.robot.events import Answer, AxisReport, AxisStopAnswer, Request
+from gpr20_doctor.mid.robot_facts import AxisReport
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import Notice, stop_notice
 from gpr20_operator.robot.snapshot import STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId

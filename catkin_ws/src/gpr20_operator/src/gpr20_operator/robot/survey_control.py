@@ -6,16 +6,15 @@ from dataclasses import replace
 from typing import Optional, Protocol, Union
 
 from gpr20_operator.ground.finer_plan import FinerPlan
-from gpr20_operator.plan.preview import (
+from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
     SurveyPreview,
     preview,
 )
 from gpr20_operator.robot.events import Request
-from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_model import Refusal, SurveyModel
+from gpr20_operator.robot.survey_model import Refusal, ReplayModel, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -54,7 +53,7 @@ class SurveyControl(Protocol):
         """Ask to resume the paused survey, or one by its id or the name of its folder."""
 
     def check_master(self) -> None:
-        """Check that the master answers; the answer is an event with the limits of the axes."""
+        """Check that the master answers; the answer is an event."""
 
     def set_replay_paused(self, paused: bool) -> None:
         """Ask the replay to pause or to continue."""
@@ -101,8 +100,8 @@ class WindowPresenter:
 
     def refresh(self) -> Snapshot:
         """Return what is known now."""
-        figures, self.snapshot = self.snapshot.figures, self._model.snapshot()
-        if self.snapshot.figures != figures:
+        robot, self.snapshot = self.snapshot.robot, self._model.snapshot()
+        if self.snapshot.robot != robot:
             self.set_plan(self._parameters, self._permittivity)
         return self.snapshot
 
@@ -110,8 +109,8 @@ class WindowPresenter:
         """Preview another plan; parameters None: something in the fields is wrong."""
         self._parameters, self._permittivity = parameters, permittivity
         self.preview = None if parameters is None else preview(parameters, permittivity)
-        if parameters is not None and self.snapshot.figures is not None:
-            self._estimator.ask(parameters, self.snapshot.figures)
+        if parameters is not None and self.snapshot.robot is not None:
+            self._estimator.ask(parameters, self.snapshot.robot)
 
     def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
         """Return the preview of parameters; with their cost if they are those of the plan."""

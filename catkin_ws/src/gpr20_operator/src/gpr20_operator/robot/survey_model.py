@@ -9,21 +9,22 @@ from typing import Any, Dict, FrozenSet, Optional, Set, Tuple, Type, TypeVar
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_doctor.mid.node_health import NodeHealth
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, HealthTracker, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import (
     Answer,
-    AxisLimits,
-    AxisMeasured,
-    AxisReport,
     ControlState,
     CurrentPosition,
+    MasterAnswered,
     MeasuredHeight,
+    PlayerLink,
     Progress,
+    Replay,
     Request,
+    RobotDescribed,
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.health import HealthReport, HealthTracker
 from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
@@ -99,7 +100,8 @@ class SurveyModel:
         # What goes stale, and when it came [s].
         self._latest: Dict[type, Tuple[Any, float]] = {}
         self._pending: Set[Request] = set()
-        self._limits = AxisLimits(None)
+        self._master_alive = True
+        self._described = RobotDescribed()
         self._parameters: Optional[SurveyParameters] = None
         self._service: Optional[Message] = None
         self._axes: Dict[AxisId, AxisReport] = {}
@@ -167,9 +169,12 @@ class SurveyModel:
         self._latest[type(event)] = event, self._clock.now_s()
 
     @handle.register
-    def _(self, event: AxisLimits) -> None:
-        # What was known remains true while the master is away.
-        self._limits = event if event.master_alive else replace(self._limits, master_alive=False)
+    def _(self, event: MasterAnswered) -> None:
+        self._master_alive = event.alive
+
+    @handle.register
+    def _(self, event: RobotDescribed) -> None:
+        self._described = event
 
     @handle.register
     def _(self, event: SurveyParameters) -> None:
@@ -180,11 +185,11 @@ class SurveyModel:
         self._service = event.activity
 
     @handle.register
-    def _(self, event: AxisMeasured) -> None:
+    def _(self, event: AxisReport) -> None:
         now_s = self._clock.now_s()
-        if event.position.moving:
+        if event.moving:
             self._progressed_s = now_s
-        self._axes[event.axis] = AxisReport(event.axis, event.position, event.owner, now_s)
+        self._axes[event.axis] = replace(event, received_s=now_s)
 
     @handle.register
     def _(self, event: NodeHealth) -> None:
@@ -204,13 +209,11 @@ class SurveyModel:
             target=self._known_target(),
             height_m=self._known_height_m(),
             pending=frozenset(self._pending | self._beginning()),
-            travel=self._limits.travel,
+            robot=self._described.robot,
             survey_parameters=self._parameters_in(RUNNING),
             job_parameters=self._parameters_in(RUNNING | ENDED),
-            figures=self._limits.figures,
-            defaults=self._limits.defaults,
             health=NOT_FOLLOWED if self._health is None else self._health.report(),
-            master_alive=self._limits.master_alive,
+            master_alive=self._master_alive,
             interrupted=self._interrupted,
             state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
@@ -243,3 +246,51 @@ class SurveyModel:
     def _known_height_m(self) -> Optional[float]:
         height = self._fresh(MeasuredHeight)
         return height.height_m if height is not None and math.isfinite(height.height_m) else None
+
+
+class StoppedClock(Clock):
+    """Time that does not pass: nothing that was recorded goes stale."""
+
+    def now_s(self) -> float:
+        """Return the only moment [s]."""
+        return 0.0
+
+
+class ReplayModel:
+    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread."""
+
+    def __init__(self) -> None:
+        self._survey_id = ""
+        self._recorded = SurveyModel(StoppedClock())
+        self._replay = Replay(connected=None)
+
+    def request_sent(self, _request: Request) -> None:
+        """Take no request: there is nobody to ask."""
+
+    def handle(self, event: object) -> None:
+        """Take an event; another survey begins another replay."""
+        if isinstance(event, PlayerLink):
+            self._replay = replace(self._replay, connected=event.connected)
+            return
+        if isinstance(event, (Replay, ControlState, Progress)):
+            self._note_survey(event.survey_id)
+        if isinstance(event, Replay):
+            self._replay = replace(event, connected=self._replay.connected)
+        self._recorded.handle(event)
+
+    def snapshot(self) -> Snapshot:
+        """Return what is known now."""
+        shown = self._recorded.snapshot()
+        # Nodes that the recording says nothing about are not offline.
+        nodes = tuple(node for node in shown.health.nodes if node.level is not HealthLevel.STALE)
+        view = replace(self._replay, state=shown.code)
+        return replace(shown, replay=view, health=HealthReport(nodes))
+
+    def _note_survey(self, survey_id: str) -> None:
+        # What was in flight when the player ended does not begin its replay again.
+        connected = self._replay.connected is not False
+        if survey_id and self._survey_id not in ("", survey_id):
+            self._recorded, self._replay = SurveyModel(StoppedClock()), Replay()
+            connected = True
+        self._survey_id = survey_id or self._survey_id
+        self._replay = replace(self._replay, connected=connected)

@@ -1,8 +1,18 @@
-"""A mounted removable volume."""
+"""A mounted removable volume, and what of a survey is exported to it."""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass
+
+
+class ExportPart(enum.Enum):
+    """One file of an export, as messages of ROS call it."""
+
+    REPORT_HTML = "report-html"
+    CANDIDATES_CSV = "candidates-csv"
+    CANDIDATES_GEOJSON = "candidates-geojson"
+    SURVEY_ZIP = "survey-zip"
 
 
 @dataclass(frozen=True)

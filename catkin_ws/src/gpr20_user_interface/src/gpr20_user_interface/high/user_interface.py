@@ -26,23 +26,20 @@ from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableErro
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.master import join_graph
 from gpr20_operator.high.remote_control import WebPageClient
 from gpr20_operator.high.request_client import RequestClient
-from gpr20_operator.high.robot_watch import RobotWatchClient
 from gpr20_operator.high.robots_client import RobotsClient
+from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.memory import PlanMemory
-from gpr20_operator.plan.preview import CostEstimator
-from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.form import CostEstimator
+from gpr20_operator.plan.stored import PlanMemory, Profiles
 from gpr20_operator.robot.remote_control import Arming
-from gpr20_operator.robot.replay_model import ReplayModel
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.high.display import (
     check_display,
     draw_without_opengl,
@@ -114,20 +111,18 @@ class UserInterface:
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.watch = RobotWatchClient(self.signal.emit_event, senders)
         self.requests = RequestClient(self.signal.emit_event, senders)
         self.robots = RobotsClient(self.signal.emit_event, senders)
         self.web = WebPageClient(self.signal.emit_event, senders)
-        self._clients = (
-            *(self.control, self.storage, self.watch, self.requests, self.robots),
-            self.web,
-        )
+        self._clients = (self.control, self.storage, self.requests, self.robots, self.web)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 Imaging(self.requests, time.monotonic),
-                ServiceModel(self.requests, self.watch.set_watched, self.watch.examine, Clock()),
+                ServiceModel(
+                    *(self.requests, self.control.watch_endstops, self.requests.examine, Clock())
+                ),
                 profiles,
                 self.plans,
                 Robots(

@@ -1,31 +1,49 @@
-"""Follow one survey from the request to its end, by the status of the main control."""
+"""One survey in a terminal: asked for, followed by the status of the main control, and ended."""
 
 from __future__ import annotations
 
 import enum
+import math
+import queue
+import shlex
+import shutil
 from dataclasses import dataclass
-from typing import List, Optional
+from typing import Callable, List, Optional, TextIO
 
+from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
+from gpr20_common.message import BETWEEN_SENTENCES, Message, Severity
+from gpr20_common.terminal_text import printable
 from gpr20_operator import faults
 from gpr20_operator.robot.events import (
+    Accepted,
     Answer,
     ControlState,
-    LinkState,
     Progress,
     Request,
     StopRequested,
 )
+from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.senders import SenderIgnored
-from gpr20_survey.faults import NONE_OPEN
+from gpr20_operator.robot.snapshot import remaining
+from gpr20_operator.words import duration
+from gpr20_survey.faults import NONE_OPEN, OTHER_ZEROS
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
-REPLAY = Message(
-    "A replay of a recorded survey is running here, and no robot. Only --attach can follow it. To "
-    "use a robot, end the replay and start the robot."
-).with_fault(faults.REPLAY)
+TICK_S = 0.2
+# The main control reports twice a second. So many ticks without a word: it is said, and later the
+# client ends. Ticks, not times: a client that was suspended itself has heard nothing.
+SAID_TICKS, LOST_TICKS = 25, 175
+# A STOP is repeated as long as the client runs: the survey continues when the link is back.
+LOST_STOP_TICKS = 4500
+# For the first status of the survey that was accepted [s].
+BEGIN_S = 10.0
+# For axes to ramp down, a sweep to end and pending traces to be stored [s].
+STOP_S = 60.0
+# A line is written for each such part of the survey.
+STEP_PERCENT = 10.0
+SIMULATED = Message("SIMULATED robot: these data show no real ground.")
 
 
 class ExitStatus(enum.IntEnum):
@@ -35,14 +53,21 @@ class ExitStatus(enum.IntEnum):
     REFUSED = 1
     FAILED = 3
     PAUSED = 4
-    # What was followed was a replay: nothing was measured.
-    REPLAY = 5
     STOPPED = 130
+
+
+_HEADLINES = {
+    ExitStatus.FINISHED: Message("Survey finished."),
+    ExitStatus.REFUSED: Message("No survey was run."),
+    ExitStatus.FAILED: Message("Survey NOT finished."),
+    ExitStatus.PAUSED: Message("Survey PAUSED; it stays paused."),
+    ExitStatus.STOPPED: Message("Survey stopped."),
+}
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """How it ended: a status for the shell and a sentence.
+    """How it ended.
 
     Attributes:
         other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
@@ -54,268 +79,167 @@ class Outcome:
     other_analyzer: str = ""
 
 
-class Mode(enum.Enum):
-    """Which survey is followed."""
+class Display:
+    """Sentences and progress; on a terminal the last line is written again for each trace."""
 
-    START = "start a new one"
-    RESUME = "resume a paused one"
-    ATTACH = "follow the running one"
+    def __init__(self, stream: TextIO, catalogue: Catalogue) -> None:
+        self._stream, self._catalogue = stream, catalogue
+        self._next_percent = 0.0
+        # Whether the line of progress is still open.
+        self._open = False
 
+    def note(self, message: Message) -> None:
+        """Write a sentence, with its details in brackets."""
+        details = BETWEEN_SENTENCES.join(message.all_details)
+        sentence = self._catalogue.text(message)
+        self.close()
+        self._write(printable(f"{sentence} ({details})" if details else sentence) + "\n")
 
-class OnPause(enum.Enum):
-    """What happens when the survey pauses."""
+    def close(self) -> None:
+        """End the line of progress."""
+        if self._open:
+            self._write("\n")
+            self._open = False
 
-    EXIT = "exit"
-    WAIT = "wait"
+    def show(self, progress: Progress) -> None:
+        """Show how far the survey is."""
+        line = Message(
+            "{percent:5.1f} %  {visited}/{total} traces  {remaining}",
+            percent=progress.completion_percent,
+            visited=progress.visited_points,
+            total=progress.total_points,
+            remaining=remaining(progress),
+        )
+        if self._stream.isatty():
+            # To the end of the line: the one before may have been longer.
+            text = printable(self._catalogue.text(line))[: shutil.get_terminal_size().columns - 1]
+            self._write(f"\r{text}\x1b[K")
+            self._open = True
+        elif progress.completion_percent >= self._next_percent:
+            after = min(progress.completion_percent + STEP_PERCENT, 100.0)
+            self._next_percent = math.inf if progress.is_complete else after
+            self.note(line)
 
-
-@dataclass(frozen=True)
-class Limits:
-    """How long the follower waits [s]."""
-
-    # For the first status of the main control.
-    wait_s: float = 15.0
-    # The main control publishes at 2 Hz: ten messages have to be lost.
-    silence_s: float = 5.0
-    # While the link is down; the survey itself waits for 300 s by default and then pauses.
-    link_down_s: float = 600.0
-    # For topics to be connected again when the link is back.
-    link_back_s: float = 20.0
-    # For the first status of the survey that was started.
-    begin_s: float = 10.0
-    # For axes to ramp down, a sweep to end and pending traces to be stored.
-    stop_s: float = 60.0
-    # Between two attempts to have a survey stopped.
-    stop_retry_s: float = 2.0
-
-
-class _Phase(enum.Enum):
-    WAITING = "for the first status of the main control"
-    REQUESTED = "for the answer to start or resume"
-    FOLLOWING = "for the end of the survey"
-    ENDED = "for nothing"
-
-
-_FIRST_REQUEST = {Mode.START: Request.START, Mode.RESUME: Request.RESUME}
+    def _write(self, text: str) -> None:
+        self._stream.write(text)
+        # So that the reader of a pipe sees it when it happens.
+        self._stream.flush()
 
 
 class SurveyFollower:
-    """Takes events and the passing of time, gives requests and in the end an outcome."""
+    """Takes events and ticks until there is an outcome.
 
-    def __init__(self, mode: Mode, on_pause: OnPause, limits: Limits, clock: Clock) -> None:
-        self._mode = mode
-        self._on_pause = on_pause
-        self._limits = limits
-        self._clock = clock
-        self._phase = _Phase.WAITING
+    Args:
+        ask: Asks for the survey; None: the one that runs is followed.
+        stop: Asks whatever moves to stop, again and again until it answers.
+        display: Shows what happens.
+        wait_s: For the first status of the main control [s].
+
+    Attributes:
+        outcome: How it ended; None: it has not.
+        survey_id: Empty while it is not known.
+    """
+
+    def __init__(
+        self,
+        ask: Optional[Callable[[], None]],
+        stop: Callable[[], None],
+        display: Display,
+        wait_s: float,
+        clock: Clock,
+    ) -> None:
+        self._ask, self._stop, self._display = ask, stop, display
+        self._wait_s, self._now_s = wait_s, clock.now_s
         self.outcome: Optional[Outcome] = None
-        # The last status since the request; a latched one from before it is about another
-        # survey.
-        self._state: Optional[ControlState] = None
         self.survey_id = ""
-        self._seen = False
-        self._ignored = False
-        self._awaits_begin = False
-        self._stop_wanted_s: Optional[float] = None
-        self._stop_due_s: Optional[float] = None
-        self._stop_refusal: Optional[Message] = None
-        self._link_down = False
-        now_s = clock.now_s()
-        self._began_s = self._received_s = self._ticked_s = now_s
+        self._simulated = self._stored = self._replay = False
+        # When the first status came, and the answer; when STOP was asked for [s].
+        self._since_s = self._now_s()
+        self._asked = self._answered = False
+        self._stopping_s: Optional[float] = None
+        # Whether a status is about our survey; the last one that is.
+        self._begun = False
+        self._state: Optional[ControlState] = None
+        self._step: Optional[Message] = None
+        self._quiet_ticks = 0
 
-    def concerns(self, event: object) -> bool:
-        """Return whether an event is about this survey."""
-        if isinstance(event, ControlState) and not self.survey_id:
-            return event is self._state and event.code in RUNNING
-        if isinstance(event, (ControlState, Progress)):
-            return bool(self.survey_id) and event.survey_id == self.survey_id
-        return True
+    def run(self, events: queue.SimpleQueue) -> Outcome:
+        """Take events until the survey has ended; return how."""
+        while self.outcome is None:
+            try:
+                self.take(events.get(timeout=TICK_S))
+            except queue.Empty:
+                self.tick()
+        return self.outcome
 
-    def handle(self, event: object) -> List[Request]:
-        """Take an event; return the requests to send to the main control now."""
-        if self._phase is _Phase.ENDED:
-            return []
-        if isinstance(event, (ControlState, Progress)):
-            self._received_s = self._clock.now_s()
+    def take(self, event: object) -> None:
+        """Take an event."""
         if isinstance(event, ControlState):
-            return self._take_state(event)
-        if isinstance(event, Answer):
-            return self._answered(event)
-        if isinstance(event, StopRequested):
-            return self._request_stop()
-        if isinstance(event, LinkState):
-            self._take_link(event)
-        if isinstance(event, SenderIgnored):
-            self._ignored = True
-        return []
+            self._quiet_ticks = 0
+            self._take_state(event)
+        elif isinstance(event, Progress):
+            self._quiet_ticks = 0
+            if self._begun and event.survey_id == self.survey_id:
+                self._stored = event.visited_points > 0
+                self._display.show(event)
+        elif isinstance(event, Accepted):
+            self._display.note(
+                Message(
+                    "Parameters accepted: {traces} traces, estimated time: {time}.",
+                    traces=event.total_points,
+                    time=duration(event.estimated_s),
+                )
+            )
+        elif isinstance(event, Answer):
+            self._take_answer(event)
+        elif isinstance(event, StopRequested):
+            self._take_stop(event)
+        elif isinstance(event, SenderIgnored):
+            self._replay = True
 
-    def ask_again(self) -> List[Request]:
-        """Return the request that was refused, to be sent again; its answer is awaited."""
-        self._phase = _Phase.REQUESTED
-        self.outcome = None
-        # What the refused request led to may still be reported.
-        self._state = None
-        self._awaits_begin = True
-        return [_FIRST_REQUEST[self._mode]]
-
-    def _take_link(self, link: LinkState) -> None:
-        if self._link_down and not link.down:
-            wait_s = self._limits.link_back_s - self._limits.silence_s
-            self._received_s = max(self._received_s, self._clock.now_s() + wait_s)
-        self._link_down = link.down
-
-    def tick(self) -> List[Request]:
-        """Check the time limits; return the requests to send to the main control now."""
-        now_s = self._clock.now_s()
-        if now_s - self._ticked_s > self._limits.silence_s / 2:
-            # This process itself was suspended and has received nothing.
-            self._received_s = now_s
-        self._ticked_s = now_s
-        if self._phase is _Phase.WAITING and now_s - self._began_s > self._limits.wait_s:
-            self._end(ExitStatus.REFUSED, REPLAY if self._ignored else self._not_there())
-        elif self._phase is _Phase.FOLLOWING and now_s - self._received_s > self._silence_limit_s:
+    def tick(self) -> None:
+        """Note that nothing has come for `TICK_S`."""
+        self._quiet_ticks += 1
+        waited_s = self._now_s() - self._since_s
+        if not self._asked:
+            if waited_s > self._wait_s:
+                self._end(ExitStatus.REFUSED, self._nobody())
+        elif self._stop_is_late:
+            message = Message(
+                "The main control did not confirm within {limit_s:g} s that the survey has "
+                "stopped. The robot may still move: switch it off if people are near it.",
+                limit_s=STOP_S,
+            )
+            self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
+        elif self._answered and self._quiet_ticks == SAID_TICKS:
+            self._display.note(
+                Message(
+                    "No contact with the main control. The robot may still move. Waiting for it."
+                )
+            )
+        elif self._answered and self._quiet_ticks > self._lost_ticks:
             self._end(ExitStatus.FAILED, self._lost())
-        elif self._stop_wanted_s is not None:
-            return self._tick_stop(now_s, now_s - self._stop_wanted_s)
-        elif self._phase is _Phase.FOLLOWING and not self._seen:
-            self._tick_unseen(now_s - self._began_s)
-        return []
 
     @property
-    def _silence_limit_s(self) -> float:
-        return self._limits.link_down_s if self._link_down else self._limits.silence_s
-
-    def _tick_unseen(self, waited_s: float) -> None:
-        if waited_s > self._limits.begin_s:
-            self._end(
-                ExitStatus.FAILED,
-                Message(
-                    "The main control accepted the survey but has not reported on it for "
-                    "{limit_s:g} s. Check that it is running.",
-                    limit_s=self._limits.begin_s,
-                    details="topic control_status",
-                ).with_fault(PART_LOST),
-            )
-
-    def _tick_stop(self, now_s: float, waited_s: float) -> List[Request]:
-        # A survey that is not stopped continues when the link is back.
-        if waited_s > self._limits.stop_s and not self._link_down:
-            self._end(ExitStatus.FAILED, self._stop_not_confirmed())
-        elif self._stop_due_s is not None and now_s >= self._stop_due_s:
-            return self._ask_stop()
-        return []
-
-    def _take_state(self, state: ControlState) -> List[Request]:
-        if self._phase is _Phase.WAITING:
-            return self._take_first_state(state)
-        if self._awaits_begin and (state.code not in RUNNING or state.code is SurveyState.PAUSED):
-            return []
-        self._awaits_begin = False
-        self._state = state
-        if self._phase is _Phase.FOLLOWING:
-            self._follow(state)
-        return []
-
-    def _take_first_state(self, state: ControlState) -> List[Request]:
-        self._began_s = self._clock.now_s()
-        if self._mode is not Mode.ATTACH:
-            self._phase = _Phase.REQUESTED
-            return [_FIRST_REQUEST[self._mode]]
-        if state.code not in RUNNING:
-            self._end(
-                ExitStatus.REFUSED,
-                Message(
-                    "No survey is running. The main control is {state}: {message}",
-                    state=state.code.label,
-                    message=state.message,
-                ).reporting_only(NONE_OPEN),
-            )
-            return []
-        self._begin(state.survey_id, state)
-        return []
-
-    def _answered(self, answer: Answer) -> List[Request]:
-        if answer.request is Request.STOP:
-            self._stop_refusal = None if answer.success else answer.message
-            if not answer.success:
-                self._stop_due_s = self._clock.now_s() + self._limits.stop_retry_s
-            return []
-        if self._phase is not _Phase.REQUESTED:
-            return []
-        if not answer.success:
-            self._phase = _Phase.ENDED
-            self.outcome = self._refusal(answer)
-            return []
-        # The id of a resumed survey comes with its next status.
-        self._begin(answer.survey_id, self._state)
-        # A stop that was asked for before the start may have found nothing to stop.
-        return self._ask_stop() if self._stopping and self._phase is not _Phase.ENDED else []
+    def _lost_ticks(self) -> int:
+        return LOST_TICKS if self._stopping_s is None else LOST_STOP_TICKS
 
     @property
-    def _stopping(self) -> bool:
-        return self._stop_wanted_s is not None
+    def _stop_is_late(self) -> bool:
+        if self._stopping_s is None or self._quiet_ticks > SAID_TICKS:
+            return False
+        return self._now_s() - self._stopping_s > STOP_S
 
-    def _refusal(self, answer: Answer) -> Outcome:
-        if self._stopping:
-            message = Message("The survey was not started: {reason}", reason=answer.message)
-            return Outcome(ExitStatus.STOPPED, message)
-        return Outcome(ExitStatus.REFUSED, answer.message, answer.other_analyzer)
-
-    def _begin(self, survey_id: str, state: Optional[ControlState]) -> None:
-        self._phase = _Phase.FOLLOWING
-        self.survey_id = survey_id
-        self._state = state
-        self._began_s = self._received_s = self._clock.now_s()
-        if state is not None:
-            self._follow(state)
-
-    def _follow(self, state: ControlState) -> None:
-        if not self.survey_id and state.code in RUNNING | ENDED:
-            self.survey_id = state.survey_id
-        if state.survey_id != self.survey_id:
-            # Before the first status of our survey, this one is from before it began.
-            if self._seen:
-                self._end(ExitStatus.FAILED, self._replaced(state))
-            return
-        self._seen = True
-        if state.shown in ENDED:
-            said = state.message if state.code is state.shown else state.title
-            self._end(self._status_of_end(state.shown), said)
-        elif state.code is SurveyState.PAUSED and self._leaves_paused:
-            self._end(ExitStatus.PAUSED, state.message)
-
-    @property
-    def _leaves_paused(self) -> bool:
-        return self._on_pause is OnPause.EXIT and not self._stopping
-
-    def _status_of_end(self, code: SurveyState) -> ExitStatus:
-        if code is SurveyState.FINISHED:
-            return ExitStatus.FINISHED
-        if code is SurveyState.STOPPED and self._stopping:
-            return ExitStatus.STOPPED
-        return ExitStatus.FAILED
-
-    def _request_stop(self) -> List[Request]:
-        if self._phase is _Phase.WAITING:
-            self._end(ExitStatus.STOPPED, Message("Nothing was started."))
-            return []
-        if not self._stopping:
-            self._stop_wanted_s = self._clock.now_s()
-        return self._ask_stop()
-
-    def _ask_stop(self) -> List[Request]:
-        self._stop_due_s = None
-        return [Request.STOP]
-
-    def _end(self, status: ExitStatus, message: Message) -> None:
-        self._phase = _Phase.ENDED
-        self.outcome = Outcome(status, message)
-
-    def _not_there(self) -> Message:
+    def _nobody(self) -> Message:
+        if self._replay:
+            return Message(
+                "A replay of a recorded survey is running here, and no robot. To use a robot, end "
+                "the replay and start the robot."
+            ).with_fault(faults.REPLAY)
         return Message(
             "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
             "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
-            limit_s=self._limits.wait_s,
+            limit_s=self._wait_s,
         ).with_fault(NOT_RUNNING)
 
     def _lost(self) -> Message:
@@ -323,24 +247,95 @@ class SurveyFollower:
             "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
             "that the main control is running, then follow the survey again with `rosrun "
             "gpr20_user_interface run_survey --attach`.",
-            limit_s=self._silence_limit_s,
+            limit_s=self._lost_ticks * TICK_S,
         ).with_fault(PART_LOST)
 
-    def _stop_not_confirmed(self) -> Message:
-        limit_s, refusal = self._limits.stop_s, self._stop_refusal
-        if refusal is None:
-            return Message(
-                "The main control did not confirm within {limit_s:g} s that the survey has "
-                "stopped. The robot may still move: switch it off if people are near it.",
-                limit_s=limit_s,
-            ).with_fault(MAY_MOVE)
-        return Message(
-            "The main control did not confirm within {limit_s:g} s that the survey has stopped; "
-            "its last answer to the stop request: {answer}. The robot may still move: switch it "
-            "off if people are near it.",
-            limit_s=limit_s,
-            answer=refusal,
-        ).reporting_only(MAY_MOVE)
+    def _take_state(self, state: ControlState) -> None:
+        if state.simulated and not self._simulated:
+            self._simulated = True
+            self._display.note(SIMULATED)
+        if not self._asked:
+            self._take_first_state(state)
+            return
+        own = bool(self.survey_id) and state.survey_id == self.survey_id
+        if not self._begun:
+            # What stands still now is from before the request.
+            self._begun = own or (state.code in RUNNING and state.code is not SurveyState.PAUSED)
+        if self._begun and (own or not self.survey_id):
+            self._show(state)
+            self._state = state
+            self._follow()
+        elif self._answered and (self._begun or self._now_s() - self._since_s > BEGIN_S):
+            self._end(ExitStatus.FAILED, self._replaced(state))
+
+    def _take_first_state(self, state: ControlState) -> None:
+        self._asked, self._since_s = True, self._now_s()
+        if self._ask is not None:
+            self._ask()
+        elif state.code in RUNNING:
+            self.survey_id, self._answered = state.survey_id, True
+            self._take_state(state)
+        else:
+            message = Message(
+                "No survey is running. The main control is {state}: {message}",
+                state=state.code.label,
+                message=state.message,
+            )
+            self._end(ExitStatus.REFUSED, message.reporting_only(NONE_OPEN))
+
+    def _take_answer(self, answer: Answer) -> None:
+        stopping = self._stopping_s is not None
+        if answer.request is Request.STOP:
+            if not answer.success:
+                self._display.note(Message("Stop not accepted: {reason}", reason=answer.message))
+        elif answer.success:
+            self._answered, self._since_s = True, self._now_s()
+            # The id of a resumed survey comes with its status.
+            self.survey_id = answer.survey_id
+            if stopping:
+                self._stop()  # the one before may have found nothing to stop
+            self._follow()
+        elif stopping:
+            message = Message("The survey was not started: {reason}", reason=answer.message)
+            self._end(ExitStatus.STOPPED, message)
+        else:
+            self.outcome = Outcome(ExitStatus.REFUSED, answer.message, answer.other_analyzer)
+
+    def _take_stop(self, event: StopRequested) -> None:
+        if not self._asked:
+            self._end(ExitStatus.STOPPED, Message("Nothing was started."))
+            return
+        self._display.note(Message("{signal}: stopping the survey.", signal=event.signal))
+        self._stopping_s = self._now_s()
+        self._stop()
+
+    def _follow(self) -> None:
+        """End with the survey."""
+        state = self._state
+        if state is None or not self._answered:
+            return
+        self.survey_id = state.survey_id
+        stopping = self._stopping_s is not None
+        said = state.message if state.code is state.shown else state.title
+        if state.shown is SurveyState.FINISHED:
+            self._end(ExitStatus.FINISHED, said)
+        elif state.shown in ENDED:
+            asked = stopping and state.shown is SurveyState.STOPPED
+            self._end(ExitStatus.STOPPED if asked else ExitStatus.FAILED, said)
+        elif state.code is SurveyState.PAUSED and not stopping:
+            self._end(ExitStatus.PAUSED, state.message)
+
+    def _show(self, state: ControlState) -> None:
+        if state == self._state:
+            return
+        message = state.message
+        self._display.note(Message("{state}: {message}", state=state.title, message=message))
+        warns = message.severity not in (None, Severity.NOTE) and message.remedy is not None
+        # The same warning with another number needs no other step.
+        step = first_step(message) if state.is_fault or message.may_move or warns else None
+        if step is not None and step != self._step:
+            self._display.note(step)
+        self._step = step
 
     def _replaced(self, state: ControlState) -> Message:
         return Message(
@@ -351,3 +346,57 @@ class SurveyFollower:
             state=state.code.label,
             message=state.message,
         ).reporting_only(PART_LOST)
+
+    def _end(self, status: ExitStatus, message: Message) -> None:
+        self.outcome = Outcome(status, message)
+
+    def last_words(self) -> List[Message]:
+        """Return what is said of the outcome, and how to continue."""
+        outcome = self.outcome
+        assert outcome is not None
+        status, message = outcome.status, outcome.message
+        lines = [_HEADLINES[status], message]
+        unknown = status in (ExitStatus.FAILED, ExitStatus.PAUSED) and not message.fault_code
+        refused = status is ExitStatus.REFUSED or message.may_move
+        if unknown or refused or message.severity is Severity.FAULT:
+            lines.append(first_step(message))
+        if self.survey_id:
+            lines.append(Message("Survey id: {survey}", survey=self.survey_id))
+        if outcome.other_analyzer:
+            lines.append(
+                Message(
+                    "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
+                    identity=shlex.quote(outcome.other_analyzer),
+                )
+            )
+        if message.fault_code == OTHER_ZEROS.code:
+            lines.append(
+                Message(
+                    "To continue as it is, resume with `--accept-zeros`; its traces are marked."
+                )
+            )
+        resumable = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
+        if status is ExitStatus.PAUSED or (resumable and message.can_continue):
+            lines.append(_how_to_continue(status, message.can_continue, self.survey_id))
+        return lines
+
+
+def first_step(message: Message) -> Message:
+    """Return what to do first about a fault, with its code."""
+    code = message.fault_code
+    return Message("Do this first: {remedy}", remedy=remedy(message), details=code)
+
+
+def _how_to_continue(status: ExitStatus, can_continue: bool, survey_id: str) -> Message:
+    if status is not ExitStatus.PAUSED:
+        return Message(
+            "Measure the missing traces, while no other survey runs, with `rosrun "
+            "gpr20_user_interface run_survey --resume {survey}`.",
+            survey=survey_id,
+        )
+    if not can_continue:
+        return Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+    return Message(
+        "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with "
+        "`rosservice call stop_survey` in the robot's namespace."
+    )

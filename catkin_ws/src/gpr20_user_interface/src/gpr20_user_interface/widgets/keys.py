@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.fields import Keys
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget
 from gpr20_user_interface.widgets.overlay import Overlay

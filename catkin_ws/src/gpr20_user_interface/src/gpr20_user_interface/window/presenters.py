@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.memory import PlanMemory
-from gpr20_operator.plan.profiles import Profiles
+from gpr20_operator.plan.stored import PlanMemory, Profiles
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from PyQt5.QtWidgets import QStackedWidget, QWidget
 
-from gpr20_operator.robot.job import JobScreen
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import JobScreen, Snapshot
 from gpr20_user_interface.pages.result.page import ResultPage
 from gpr20_user_interface.widgets.page import Page
 

@@ -21,20 +21,17 @@ class LiveBridge(QObject):
 
     Attributes:
         computed: An image is ready.
-        found: Its candidates are: image, list.
         failed: The image of a request cannot be made: request, error.
     """
 
     # Emitted by the worker; they arrive in the window's own thread.
     computed = pyqtSignal(object)
-    found = pyqtSignal(object, object)
     failed = pyqtSignal(object, object)
 
     def __init__(self, session: ViewSession) -> None:
         super().__init__()
         self._session = session
         self._worker = ThreadPoolExecutor(1, "images")
-        self._wanted: Optional[ImageRequest] = None
         self._last: Optional[Future] = None
         self._closed = threading.Event()
 
@@ -42,7 +39,6 @@ class LiveBridge(QObject):
         """Compute an image next, in place of one that is still waiting."""
         if self._last is not None:
             self._last.cancel()
-        self._wanted = wanted
         self._last = self._worker.submit(self._compute, wanted)
 
     def close(self) -> None:
@@ -52,11 +48,7 @@ class LiveBridge(QObject):
 
     def _compute(self, wanted: ImageRequest) -> None:
         try:
-            image = self._session.compute(wanted, self._until_closed)
-            self.computed.emit(image)
-            # An image is not to wait for the candidates in the one before.
-            if self._wanted is wanted and not self._closed.is_set():
-                self.found.emit(image, self._session.find_candidates(image.image))
+            self.computed.emit(self._session.compute(wanted, self._until_closed))
         except Closed:
             return
         # The window shows it, and asks for something else.

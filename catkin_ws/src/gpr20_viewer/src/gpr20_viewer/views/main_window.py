@@ -27,7 +27,6 @@ from gpr20_analysis.sentences import shown
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_survey.radar.soils import ANY_SOIL
-from gpr20_survey.results.candidates import CandidateList
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.picks import Pick
 from gpr20_viewer.positions import Place
@@ -93,7 +92,6 @@ class MainWindow(QMainWindow):
         self._add_keys()
         self.bridge = LiveBridge(session)
         self.bridge.computed.connect(self._show_computed)
-        self.bridge.found.connect(self._show_found)
         self.bridge.failed.connect(self._show_failed)
         self.bridge.request(self._wanted)
         self._refresh()
@@ -151,14 +149,8 @@ class MainWindow(QMainWindow):
         if self._wanted.permittivity is None and not self.is_computing:
             # The slider starts at the value found, or at what was assumed.
             self.settings.show_permittivity(image.permittivity)
-        self.candidates.show_candidates(None)
+        self.candidates.show_candidates(image.candidates)
         self._refresh()
-
-    def _show_found(self, image: LiveImage, found: CandidateList) -> None:
-        if image is self.image:
-            image.candidates = found
-            self.candidates.show_candidates(found)
-            self._refresh()
 
     def _show_failed(self, request: ImageRequest, error: Exception) -> None:
         if request != self._wanted:
@@ -204,9 +196,8 @@ class MainWindow(QMainWindow):
         return caption
 
     def _go_to(self, name: str) -> None:
-        found = None if self.image is None else self.image.candidates
         places: List[Any] = [*self.picks.editor.picks]
-        places += [] if found is None else found.candidates
+        places += [] if self.image is None else self.image.candidates.candidates
         for one in places:
             if one.id == name:
                 self.move_to(Place(one.x_m, one.y_m, one.depth_m))

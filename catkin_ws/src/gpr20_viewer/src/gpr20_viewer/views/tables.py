@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, List, Optional, Sequence
+from typing import Callable, Dict, Optional, Sequence
 
 import pyqtgraph
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import (
     QAbstractItemView,
+    QCheckBox,
     QFileDialog,
     QHBoxLayout,
     QLabel,
@@ -18,9 +19,9 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_analysis.candidates.table import candidate_heading, candidate_row, places_sentence
+from gpr20_analysis.candidates.table import candidate_table, places_sentence, weaker_sentence
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_analysis.sentences import ENGLISH, shown
+from gpr20_analysis.sentences import shown
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.message import Message
 from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
@@ -74,29 +75,36 @@ class PlaceTable(pyqtgraph.TableWidget):
 
 
 class CandidatesTab(QWidget):
-    """Shows candidates.
+    """Shows the places to check, and the weaker echoes when they are asked for.
 
     Attributes:
         table: The list.
+        weaker: Shows the weaker echoes, or hides them again.
     """
 
     def __init__(self) -> None:
         super().__init__()
+        self._found: Optional[CandidateList] = None
         self.notice, self.notes = _label(NO_CLEARANCE.sentence()), _label("", QUIET)
-        self.table = PlaceTable()
-        _stack(self, self.notice, self.notes, self.table)
+        self.table, self.weaker = PlaceTable(), QCheckBox()
+        self.weaker.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.weaker.toggled.connect(self._show_rows)
+        _stack(self, self.notice, self.notes, self.table, self.weaker)
 
-    def show_candidates(self, found: Optional[CandidateList]) -> None:
-        """Show candidates; None: they are being searched."""
-        texts = ["searching candidates ..."]
-        rows: List[Dict[str, str]] = []
+    def show_candidates(self, found: CandidateList) -> None:
+        """Show the list of the image that is shown."""
+        self._found = found
+        self.notes.setText("\n".join(map(shown, (places_sentence(found), *found.notes))))
+        self.weaker.setText(shown(weaker_sentence(found)))
+        self.weaker.setVisible(found.weaker > 0)
+        self._show_rows()
+
+    def _show_rows(self) -> None:
+        found = self._found
         if found is not None:
-            messages = [places_sentence(found), *found.notes]
-            texts = [shown(one) for one in messages]
-            titles = candidate_heading(ENGLISH)
-            rows = [dict(zip(titles, candidate_row(one, ENGLISH))) for one in found.candidates]
-        self.notes.setText("\n".join(texts))
-        self.table.show_rows(rows)
+            listed = found.candidates if self.weaker.isChecked() else found.shown()
+            titles, *rows = candidate_table(found, listed)
+            self.table.show_rows([dict(zip(titles, one)) for one in rows])
 
 
 class PicksTab(QWidget):

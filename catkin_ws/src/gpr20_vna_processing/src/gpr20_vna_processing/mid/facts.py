@@ -21,6 +21,8 @@ from gpr20_survey.trace import utc_time
 OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
 KINDS = tuple(one.value for one in (Kind.ANNOTATION, *OF_MARKERS, Kind.REPORT, *NOTES))
 OPTIONAL_KEYS = ("name", "heading_deg")
+# Of an annotation: the notes that its client had read, so that none written since are lost.
+NOTES_BEFORE = "notes_before"
 ANNOTATION_KEYS = ("operator", "site", "notes", "position", *OPTIONAL_KEYS)
 
 
@@ -41,11 +43,11 @@ def requested_fact(kind: str, values_json: str, now: str) -> Tuple[Kind, Change]
         return found, lambda description: _unless_entry(description, "report", Fact(found, values))
     if found is Kind.ANNOTATION:
         # It replaces the former one: what is left out by mistake would be lost.
+        before = values.pop(NOTES_BEFORE, None)
         _check_keys(kind, {**dict.fromkeys(OPTIONAL_KEYS), **values}, ANNOTATION_KEYS)
         annotation = record_from(Annotation, values, ANNOTATION)
-        # Its heading is that of the former one at this position.
         return found, lambda description: _unless_entry(
-            description, ANNOTATION, Fact(found, keeping_heading(annotation, description).values())
+            description, ANNOTATION, Fact(found, _joined(annotation, before, description).values())
         )
     if found is Kind.MARKER:
         _check_keys(kind, values, REQUEST_KEYS)
@@ -77,6 +79,36 @@ def _check_note(kind: Kind, values: Dict[str, Any]) -> None:
         raise InvalidValueError(
             Message("photo must be empty; gpr20 annotate --photo stores one with its record")
         )
+
+
+def _joined(annotation: Annotation, before: Any, description: Mapping[str, Any]) -> Annotation:
+    """Return an annotation with what a survey has and its client does not know.
+
+    Args:
+        annotation: What the client wants.
+        before: The notes that it has changed; None: it replaces them.
+        description: What the survey has.
+    """
+    found = keeping_heading(annotation, description)
+    if not isinstance(before, str):
+        return found
+    return replace(found, notes=joined_notes(before, found.notes, annotation_of(description).notes))
+
+
+def joined_notes(before: str, wanted: str, present: str) -> str:
+    """Return the notes that somebody wants, and below them what others have written meanwhile.
+
+    Args:
+        before: The notes that were changed to those that are wanted.
+        wanted: Them.
+        present: What the survey has now.
+    """
+    if present == before:
+        return wanted
+    if wanted in present:
+        return present  # the answer to the first call may have been lost
+    added = present[len(before) :] if present.startswith(before) else present
+    return "\n".join(one for one in (wanted, added.strip("\n")) if one)
 
 
 def keeping_heading(annotation: Annotation, description: Mapping[str, Any]) -> Annotation:

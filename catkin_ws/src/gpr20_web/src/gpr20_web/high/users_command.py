@@ -15,11 +15,10 @@ from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
+from gpr20_web.calls import Role
 from gpr20_web.errors import AccountError
-from gpr20_web.low.account_file import AccountFile, checked_name, role_of
-from gpr20_web.mid.accounts import Accounts
+from gpr20_web.low.accounts import Accounts, checked_name
 from gpr20_web.mid.web_parameters import WebParameters
-from gpr20_web.roles import Role
 
 FILE = "web.yaml"
 
@@ -28,10 +27,7 @@ def main() -> int:
     """Do what the command line asks; return the exit status."""
     given = _parser().parse_args()
     try:
-        accounts = Accounts(AccountFile(_folder(given)), Clock())
-        given.act(accounts, given)
-        if given.act is not _list and all(one.role is not Role.ADMIN for one in accounts.all()):
-            say("users: no account may manage the others on the page", file=sys.stderr)
+        given.act(Accounts(_folder(given), Clock()), given)
         return 0
     except Gpr20Error as error:
         remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
@@ -89,7 +85,7 @@ def _list(accounts: Accounts, given: argparse.Namespace) -> None:
 def _add(accounts: Accounts, given: argparse.Namespace) -> None:
     if accounts.find(checked_name(given.name)) is not None:
         raise AccountError(Message("there is an account {name} already", name=given.name))
-    made = accounts.add(given.name, role_of(given.role), _asked_password(given.stdin))
+    made = accounts.add(given.name, Role.of(given.role), _asked_password(given.stdin))
     say(f"{made.name}: account made, {made.role.word}")
 
 
@@ -101,12 +97,12 @@ def _password(accounts: Accounts, given: argparse.Namespace) -> None:
 
 
 def _role(accounts: Accounts, given: argparse.Namespace) -> None:
-    changed = accounts.change(given.name, role_of(given.role), keep_admin=False)
+    changed = accounts.change(given.name, Role.of(given.role))
     say(f"{changed.name}: {changed.role.word}; whoever was logged in is so no longer")
 
 
 def _remove(accounts: Accounts, given: argparse.Namespace) -> None:
-    accounts.remove(given.name, keep_admin=False)
+    accounts.remove(given.name)
     say(f"{given.name}: removed")
 
 

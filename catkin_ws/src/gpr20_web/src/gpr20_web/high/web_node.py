@@ -19,7 +19,7 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import AddFact
@@ -27,13 +27,11 @@ from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.conversions import fact_fields
 from gpr20_operator.high.remote_control import RemoteControlClient
 from gpr20_operator.high.request_client import FACT_TIMEOUT_S, RequestClient
-from gpr20_operator.high.robot_watch import RobotWatchClient
 from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
     call,
-    in_background,
 )
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Delivery
@@ -45,18 +43,16 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_web.errors import AuditFileError, NotNowError
 from gpr20_web.high.event_loop import EventLoop
 from gpr20_web.high.survey_services import RosSurveyServices
-from gpr20_web.low.account_file import AccountFile
+from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.certificate import ensure_certificate, ssl_context
+from gpr20_web.low.cookies import Logins, ensure_key
 from gpr20_web.low.doctor_program import make_bundle
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.notifier import Notifier
-from gpr20_web.low.session_file import SessionFile
-from gpr20_web.mid.accounts import Accounts
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.controller import Controller
-from gpr20_web.mid.sessions import Sessions
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.web_parameters import WebParameters
 
@@ -65,7 +61,7 @@ STATIC = Path(__file__).resolve().parent.parent / "static"
 # As often as the window while somebody looks, else as seldom as a notice may be late.
 MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
 CLOSE_LIMIT_S = 3.0
-SECONDS_PER_MINUTE, SECONDS_PER_HOUR = 60.0, 3600.0
+S_PER_HOUR = 3600.0
 
 
 @dataclass(frozen=True)
@@ -95,17 +91,11 @@ class WebNode:
         self._events = EventLoop(self._handle, self._refresh, self._report)
         folder = parameters.path
         self._certificate = ensure_certificate(folder, (parameters.address,))
-        file = AccountFile(folder)
-        file.read()
-        self._accounts = Accounts(file, self._clock)
-        self._sessions = Sessions(
-            *(self._accounts.find, self._clock),
-            parameters.idle_minutes * SECONDS_PER_MINUTE,
-            parameters.session_hours * SECONDS_PER_HOUR,
-            SessionFile(folder, self._warn),
-        )
+        self._accounts = Accounts(folder, self._clock)
+        longest_s = parameters.session_hours * S_PER_HOUR
+        self._logins = Logins(self._accounts, ensure_key(folder), longest_s, self._clock)
         self._facts = ServiceClient("add_fact", AddFact)
-        self._audit = Audit(folder / "audit.jsonl", self._note_survey, self._warn, self._clock)
+        self._audit = Audit(self._note_survey, self._warn, self._clock)
         self._model = SurveyModel(self._clock)
         self._connect_clients()
         language = language_from_environment(os.environ)
@@ -113,16 +103,14 @@ class WebNode:
             *(parameters.notified(), socket.gethostname()),
             *(read_catalogue(language).text, self._warn),
         )
-        self._controller = Controller(
-            self._clock, lambda session: self._server.streams.has(session)
-        )
+        self._lease = Lease(self._clock, lambda session: self._server.streams.has(session))
         self._commands = Commands(
             Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
-            *(self._controller, self._audit.add, parameters.view_may_stop),
+            *(self._lease, self._audit.add),
         )
         self._shell = Shell(all_pages(self._surroundings(data)))
         self._server = HttpServer(
-            tuple(self._shell.all_routes()), STATIC, self._sessions.find, self._report
+            tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
         )
         self._status = rospy.Publisher("web_status", WebStatus, queue_size=5, latch=True)
         self._diagnostics = Diagnostics(NODE, self._health)
@@ -143,13 +131,9 @@ class WebNode:
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
         self._requests = RequestClient(put, senders)
-        self._watch = RobotWatchClient(put, senders)
         self._robots = RobotsClient(put, senders)
         remote = RemoteControlClient(put, rospy.get_namespace())
-        self._clients = (
-            *(self._control, self._storage, self._requests, self._watch, self._robots),
-            remote,
-        )
+        self._clients = (self._control, self._storage, self._requests, self._robots, remote)
 
     def _surroundings(self, data: Path) -> Surroundings:
         namespace = rospy.get_namespace()
@@ -158,21 +142,17 @@ class WebNode:
             data=data,
             clock=self._clock,
             accounts=self._accounts,
-            sessions=self._sessions,
-            audit=self._audit,
+            logins=self._logins,
             commands=self._commands,
-            controller=self._controller,
             source=self._storage,
             requests=self._requests,
             services=RosSurveyServices(self._requests),
-            in_background=in_background,
             robots=Robots(namespace, False, self._follow_robots),
-            watch=self._watch.set_watched,
-            examine=self._watch.examine,
+            watch=self._control.watch_endstops,
+            examine=self._requests.examine,
             make_bundle=partial(make_bundle, namespace),
             send=self._notifier.send,
             warn=self._warn,
-            view_may_stop=self._parameters.view_may_stop,
         )
 
     def _begin(self) -> None:
@@ -190,7 +170,7 @@ class WebNode:
         self._events.call(listen)
         if not self._accounts.all():
             rospy.logwarn(
-                "nobody can log in yet: rosrun gpr20_web users add NAME --role admin --folder %s",
+                "nobody can log in yet: rosrun gpr20_web users add NAME --role control --folder %s",
                 parameters.path,
             )
 
@@ -209,11 +189,10 @@ class WebNode:
 
     def _refresh(self) -> bool:
         now_s = self._clock.now_s()
-        watchers, holder = len(self._server.streams), self._controller.holder
+        watchers, holder = len(self._server.streams), self._lease.holder
         if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
-            in_background(self._sessions.keep)
         self._model.set_followed(watchers > 0)
         for client in (self._control, self._storage):
             client.set_watched(watchers > 0)
@@ -239,10 +218,10 @@ class WebNode:
             raise NotNowError(message_from(response))
 
     def _health(self) -> Health:
-        problems = self._audit.problems
+        problem = self._audit.problem
         values = {"watchers": len(self._server.streams)}
-        if problems:
-            return WARN, in_a_row(problems), values
+        if problem is not None:
+            return WARN, problem, values
         return OK, Message("the page answers"), values
 
     @staticmethod

@@ -1,4 +1,4 @@
-"""Server-sent events: to each browser what has changed in its document, no faster than it reads."""
+"""Server-sent events: to each browser its document when it changes, no faster than it reads."""
 
 from __future__ import annotations
 
@@ -8,7 +8,19 @@ import math
 import time
 from dataclasses import dataclass, field
 from functools import partial
-from typing import Any, Awaitable, Callable, Dict, List, Mapping, NamedTuple, Protocol, Tuple
+from typing import (
+    Any,
+    Awaitable,
+    Callable,
+    Dict,
+    FrozenSet,
+    List,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Protocol,
+    Tuple,
+)
 
 from tornado.iostream import StreamClosedError
 
@@ -40,44 +52,11 @@ class Sender(Protocol):
         """Return when the browser's connection has taken it."""
 
 
-class Change(NamedTuple):
-    """What leads from one state of a document to another.
+class Texts(NamedTuple):
+    """A document as it is sent: all of it, and the parts that a browser is to have at once."""
 
-    Attributes:
-        known: The state before, which is kept as long as its identity is a key.
-        matters: Whether a browser is to have it at once.
-        members: Of the JSON object that is sent.
-    """
-
-    known: Mapping[str, str]
-    matters: bool
-    members: str
-
-
-@dataclass(frozen=True)
-class Beat:
-    """What is made once for all browsers that need the same, by the identity of what it is of."""
-
-    now_s: float
-    texts: Dict[int, Tuple[Mapping[str, Any], Mapping[str, str]]] = field(default_factory=dict)
-    changes: Dict[Tuple[int, int], Change] = field(default_factory=dict)
-
-    def parts(self, stream: Stream) -> Mapping[str, str]:
-        """Return the JSON texts of a document; browsers of one language share it."""
-        document = stream.document()
-        if id(document) not in self.texts:
-            texts = {name: json_text(one) for name, one in document.items()}
-            self.texts[id(document)] = (document, texts)
-        return self.texts[id(document)][1]
-
-    def change(self, known: Mapping[str, str], parts: Mapping[str, str], stream: Stream) -> Change:
-        """Return what leads from what a browser knows to what is so now."""
-        key = id(known), id(parts)
-        if key not in self.changes:
-            changed = {name: one for name, one in parts.items() if known.get(name) != one}
-            members = "".join(f"{json_text(name)}:{one}," for name, one in changed.items())
-            self.changes[key] = Change(known, not stream.seldom.issuperset(changed), members)
-        return self.changes[key]
+    whole: str
+    urgent: str
 
 
 @dataclass(eq=False)
@@ -85,7 +64,7 @@ class Watcher:
     """A stream to a browser.
 
     Attributes:
-        sent: What it knows: the JSON text of each part of the document.
+        sent: What it knows; None: nothing.
         busy: Whether its connection has not yet taken what was sent.
         gone: Set when it has ended.
     """
@@ -94,7 +73,7 @@ class Watcher:
     stream: Stream
     person: Person
     checked_s: float
-    sent: Mapping[str, str] = field(default_factory=dict)
+    sent: Optional[Texts] = None
     sent_s: float = 0.0
     busy: bool = False
     gone: asyncio.Event = field(default_factory=asyncio.Event)
@@ -163,29 +142,36 @@ class EventStreams:
         """Send what changes until this is cancelled."""
         while True:
             await asyncio.sleep(BEAT_S if self._watchers else REST_S)
-            beat = Beat(time.monotonic())
+            # Browsers of one language share a document, by its identity; it is kept meanwhile.
+            known: Dict[int, Tuple[Mapping[str, Any], Texts]] = {}
+            now_s = time.monotonic()
             for watcher in [one for one in self._watchers if not one.busy]:
                 try:
-                    self._send_changes(watcher, beat)
+                    self._send_news(watcher, known, now_s)
                 except NotLoggedInError:
                     watcher.gone.set()
                 except Exception as error:  # one browser's trouble is not that of the others
                     self._report(error)
                     watcher.gone.set()
 
-    def _send_changes(self, watcher: Watcher, beat: Beat) -> None:
-        now_s, stream = beat.now_s, watcher.stream
+    def _send_news(
+        self, watcher: Watcher, known: Dict[int, Tuple[Mapping[str, Any], Texts]], now_s: float
+    ) -> None:
         if now_s - watcher.checked_s > SESSION_CHECK_S:
             watcher.checked_s = now_s
             self._check(watcher.person)
-        parts = beat.parts(stream)
-        change = beat.change(watcher.sent, parts, stream)
-        if not change.matters and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
+        document = watcher.stream.document()
+        if id(document) not in known:
+            known[id(document)] = document, _texts(document, watcher.stream.seldom)
+        texts = known[id(document)][1]
+        is_new = watcher.sent is None or texts.urgent != watcher.sent.urgent
+        if not is_new and now_s - watcher.sent_s < SIGN_OF_LIFE_S:
             return
-        watcher.sent, watcher.sent_s, watcher.busy = parts, now_s, True
+        members = texts.whole if texts != watcher.sent else ""
+        watcher.sent, watcher.sent_s, watcher.busy = texts, now_s, True
         # A browser is to show how old the state is, also when a fault keeps it from being made.
         sent_ms = 1e3 * min(now_s, self.fresh_s)
-        watcher.sender.write(f'data: {{{change.members}"sent_ms":{sent_ms:.0f}}}\n\n'.encode())
+        watcher.sender.write(f'data: {{{members}"sent_ms":{sent_ms:.0f}}}\n\n'.encode())
         sending = asyncio.ensure_future(watcher.sender.flush())
         sending.add_done_callback(partial(self._sent, watcher))
 
@@ -198,6 +184,12 @@ class EventStreams:
         watcher.gone.set()
         if not isinstance(error, StreamClosedError):
             self._report(error)
+
+
+def _texts(document: Mapping[str, Any], seldom: FrozenSet[str]) -> Texts:
+    members = {name: f"{json_text(name)}:{json_text(one)}," for name, one in document.items()}
+    urgent = "".join(one for name, one in members.items() if name not in seldom)
+    return Texts("".join(members.values()), urgent)
 
 
 def json_text(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""The table of routes over HTTPS, by tornado."""
+"""The pages and their routes over HTTPS, by tornado."""
 
 from __future__ import annotations
 
@@ -8,18 +8,17 @@ import os
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Dict, Optional
 
 from tornado import httpserver, netutil, web
 from tornado.iostream import IOStream
 
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_web.calls import Person, Routes
+from gpr20_web.calls import Person, Route, Routes
 from gpr20_web.errors import PortTakenError
 from gpr20_web.low.event_streams import EventStreams
-from gpr20_web.low.static_files import read_files
-from gpr20_web.low.table_handler import Pool, Site, TableHandler
+from gpr20_web.low.handlers import FileHandler, PageHandler, Pool, RouteHandler, Site
 
 MAX_BODY_BYTES = 64 * 1024
 MAX_HEADER_BYTES = 16 * 1024
@@ -28,6 +27,8 @@ IDLE_CONNECTION_S = 120.0
 # Each has a descriptor, of which a process usually has 1024: without any, nothing works.
 MAX_CONNECTIONS = 512
 THREADS, LOGIN_THREADS = 8, 2
+# A file of the pages; without a name it is the first one.
+FILES = r"/((?:(?:[a-z]+/)?[a-z_]+\.[a-z]+)?)"
 _REFUSALS = {
     errno.EADDRINUSE: Message(
         "another program uses this port; end it, or set another port in web.yaml"
@@ -57,8 +58,8 @@ class HttpServer:
 
     Args:
         routes: Everything that can be asked for; what is not in it cannot be reached.
-        static: Folder of the pages; its files are read once, here.
-        find: Returns the person of a session and an address, or raises NotLoggedInError.
+        static: Folder of the pages.
+        find: Returns the person of a cookie and an address, or raises NotLoggedInError.
         report: Takes an exception that no error of the project is, to be logged.
     """
 
@@ -72,8 +73,22 @@ class HttpServer:
         self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="web")
         self._logins = ThreadPoolExecutor(LOGIN_THREADS, thread_name_prefix="login")
         self.streams = EventStreams(lambda one: _ignore(find(one.session, one.address)), report)
-        pools = Pool(self._threads), Pool(self._logins)
-        self._site = Site(routes, read_files(static), find, report, self.streams, *pools)
+        site = Site(find, report, self.streams, Pool(self._threads), Pool(self._logins))
+        by_path: Dict[str, Dict[str, Route]] = {}
+        for one in routes:
+            by_path.setdefault(one.pattern, {})[one.method] = one
+        files = {"path": str(static), "default_filename": "index.html"}
+        self._application = web.Application(
+            [
+                *(
+                    (path, RouteHandler, {"site": site, "routes": methods})
+                    for path, methods in by_path.items()
+                ),
+                (FILES, FileHandler, files),
+                (r".*", PageHandler, {"site": site}),
+            ],
+            log_function=_ignore,
+        )
         self._server: Optional[httpserver.HTTPServer] = None
         self._beats: Optional[asyncio.Future[None]] = None
 
@@ -88,7 +103,6 @@ class HttpServer:
         Raises:
             PortTakenError: The address is not one of this computer, or the port is taken.
         """
-        table = web.Application([(r".*", TableHandler, {"site": self._site})], log_function=_ignore)
         try:
             sockets = netutil.bind_sockets(port, address)
             if not sockets:  # an IPv6 address, and this computer has no IPv6
@@ -104,7 +118,7 @@ class HttpServer:
                 )
             ) from error
         self._server = _BoundedServer(
-            table,
+            self._application,
             ssl_options=context,
             max_body_size=MAX_BODY_BYTES,
             max_header_size=MAX_HEADER_BYTES,
@@ -128,4 +142,4 @@ class HttpServer:
 
 
 def _ignore(_answer: object) -> None:
-    """Take what is of no interest: the audit says who did what, not a log of requests."""
+    """Take what is of no interest: the logs of the surveys say who did what."""

@@ -2,21 +2,53 @@
 
 from __future__ import annotations
 
+import enum
 import logging
 import threading
+from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, Dict, List, Sequence
+from typing import Any, Callable, Dict, List, Optional, Sequence
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_web.errors import NotSentError
 from gpr20_web.low.outbox import Outbox
-from gpr20_web.news import News, Occasion
 
 LIMIT_S = 60.0
 FIRST_DELAY_S = 20.0
 # The first one, and three more.
 TRIES = 4
+
+
+class Occasion(enum.Enum):
+    """What happened; the most urgent first."""
+
+    NO_CONTACT = "no_contact"
+    FAULT = "fault"
+    PAUSED = "paused"
+    FINISHED = "finished"
+
+
+@dataclass(frozen=True)
+class News:
+    """A notice.
+
+    Attributes:
+        number: Another one for each.
+        remedy: What to do first; None: nothing.
+        percent: How much of the survey is stored; None: there is none.
+        picture: PNG of the map; None: there is none.
+    """
+
+    number: int
+    occasion: Occasion
+    title: Message
+    text: Message
+    remedy: Optional[Message] = None
+    percent: Optional[int] = None
+    picture: Optional[bytes] = None
+
+
 TYPES = {
     Occasion.NO_CONTACT: "failure",
     Occasion.FAULT: "failure",

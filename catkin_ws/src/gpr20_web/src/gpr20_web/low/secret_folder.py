@@ -1,4 +1,4 @@
-"""The folder of what nobody but the page may read: accounts, key, audit."""
+"""The folder of what nobody but the page may read: accounts and keys."""
 
 from __future__ import annotations
 

@@ -10,22 +10,20 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
-from gpr20_operator.robot.job import survey_name
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot, survey_name
 from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import Refusal, SurveyModel
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Call, Route
+from gpr20_web.calls import Audited, Call, Role, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.controller import Controller
+from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.presses import Presses, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 
 @dataclass
@@ -49,9 +47,8 @@ class Commands(WebPage):
 
     Args:
         robot: What is commanded.
-        controller: Who may start and resume.
+        lease: Who may start and resume.
         audit: Notes who did what.
-        view_may_stop: Whether the site lets those stop who may only watch.
     """
 
     words: Mapping[str, Message] = {
@@ -60,6 +57,12 @@ class Commands(WebPage):
         "pause": Message("PAUSE"),
         "resume": Message("RESUME"),
         "start": Message("START"),
+        "control": Message("Control the robot"),
+        "take": Message("Take control"),
+        "release": Message("Give control up"),
+        "nobody": Message("Nobody is in control."),
+        "you": Message("You are in control."),
+        "other": Message("{name} is in control.", name="{name}"),
         "armed": Message("A person at the robot allows remote control for {time}.", time="{time}"),
         "confirm_start": Message("Start this survey?"),
         "confirm_resume": Message("Resume the survey?"),
@@ -84,10 +87,8 @@ class Commands(WebPage):
         "unknown": Message("{command}: unknown", command="{command}"),
     }
 
-    def __init__(
-        self, robot: Robot, controller: Controller, audit: Audited, view_may_stop: bool
-    ) -> None:
-        self._robot, self._controller, self._audit = robot, controller, audit
+    def __init__(self, robot: Robot, lease: Lease, audit: Audited) -> None:
+        self._robot, self._lease, self._audit = robot, lease, audit
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
         self._refusal: Optional[Refusal] = None
@@ -97,10 +98,12 @@ class Commands(WebPage):
         self._stop = StopConfirmation(robot.clock)
         self._warning: Optional[StopWarning] = None
         self.routes = (
-            Route("POST", "/api/stop", Role.VIEW if view_may_stop else Role.OPERATE, self._on_stop),
-            Route("POST", "/api/pause", Role.VIEW, self._pause),
-            Route("POST", "/api/start", Role.OPERATE, self._start),
-            Route("POST", "/api/resume", Role.OPERATE, self._resume),
+            Route("POST", "/api/stop", Role.WATCH, self._on_stop),
+            Route("POST", "/api/pause", Role.WATCH, self._pause),
+            Route("POST", "/api/start", Role.CONTROL, self._start),
+            Route("POST", "/api/resume", Role.CONTROL, self._resume),
+            Route("POST", "/api/control/take", Role.CONTROL, self._take),
+            Route("POST", "/api/control/release", Role.CONTROL, self._release),
         )
 
     def on_event(self, event: object) -> None:
@@ -139,6 +142,7 @@ class Commands(WebPage):
         self._robot.allowance.note(snapshot)
         if self._robot.allowance.obstacle is not None:
             self._robot.control.withdraw_start()
+        self._lease.refresh(self._robot.allowance.armed)
         self._warning = self._stop.warning(snapshot)
         self._presses.refresh(self._robot.clock.now_s())
 
@@ -164,6 +168,9 @@ class Commands(WebPage):
                 "obstacle": sentence(text, allowance.obstacle),
                 "plan": None if plan is None else plan_values(plan, text),
             },
+            "holder": None
+            if self._lease.holder is None
+            else {"name": self._lease.holder.name, "mark": self._lease.holder.mark},
             "command": self._presses.values(text),
             "refusal": self._refused(text),
             "stop_open": self._is_stop_open,
@@ -191,6 +198,14 @@ class Commands(WebPage):
                 self._stop.press(self._snapshot)
             self._note(call, Request.STOP, press)
         return {"confirmed": not self._is_stop_open}
+
+    def _take(self, call: Call) -> Mapping[str, Any]:
+        self._lease.take(call.who, self._robot.allowance.armed)
+        return {}
+
+    def _release(self, call: Call) -> Mapping[str, Any]:
+        self._lease.release(call.who)
+        return {}
 
     def _pause(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
@@ -257,7 +272,7 @@ class Commands(WebPage):
                 )
             if obstacle is not None:
                 raise NotNowError(obstacle.with_fault(faults.NOT_ARMED))
-            self._controller.check(call.who)
+            self._lease.check(call.who)
         except (NotNowError, NotAllowedError) as error:
             self._audit(call, "refused", str(error), self._survey)
             raise

@@ -11,7 +11,6 @@ from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
 from gpr20_operator.ground.sources import MAX_DEPTH_M
 from gpr20_operator.palette import Theme
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 from gpr20_survey.trace.trace import MAX_COORDINATE
 from gpr20_web.errors import BadRequestError
 
@@ -33,7 +32,7 @@ class GroundChoice(NamedTuple):
 
     Attributes:
         layer: One of LAYERS.
-        settings: All but their permittivity.
+        settings: All but their permittivity, which is that of the survey.
         alongs: Of the sections that are asked for.
     """
 
@@ -41,7 +40,6 @@ class GroundChoice(NamedTuple):
     theme: Theme
     settings: RadarSettings
     place: Optional[Place]
-    permittivity: Optional[float]
     alongs: Tuple[Axis, ...]
 
     @property
@@ -91,11 +89,6 @@ class Values:
         return found
 
     @property
-    def permittivity(self) -> Optional[float]:
-        """That of the pictures; None: that of the survey."""
-        return self.number("permittivity", MIN_PERMITTIVITY, LARGEST_PERMITTIVITY)
-
-    @property
     def choice(self) -> GroundChoice:
         """What is to be shown."""
         preset = RadarSettings()
@@ -115,7 +108,6 @@ class Values:
             self.one("theme", THEMES, Theme.SUN),
             settings,
             None if x_mm is None or y_mm is None else Place(x_mm, y_mm),
-            self.permittivity,
             (settings.along,) if self.one("section", FLAGS, False) else (),
         )
 

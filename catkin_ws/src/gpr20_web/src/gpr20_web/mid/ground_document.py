@@ -27,17 +27,17 @@ def document(ground: ShownGround, choice: GroundChoice, text: Text) -> Dict[str,
     shown, model = ground.show(choice), ground.model
     survey, settings, image, place = model.survey.map, model.settings, model.image, model.place
     counts, deepest_m, hiding = survey.counts(), model.deepest_m, ground.additions.hiding
+    above = texts.above_notice(model, shown, ground.imaging.problem) if survey.grid else ()
     return {
         "counts": [
             [state.name.lower(), text(name), None if counts is None else counts[state]]
             for state, name in texts.STATE_NAMES.items()
         ],
         "polarization": settings.polarization,
-        "permittivity": settings.permittivity,
         "depth_mm": round(settings.depth_m * MM_PER_M),
         "deepest_mm": None if deepest_m is None else round(deepest_m * MM_PER_M),
         "notes": _said((*texts.notes(model), texts.remark(model)), text),
-        "notice": _said(texts.above_notice(model, shown, None) if survey.grid else (), text),
+        "notice": _said(above, text),
         "lines": _said(texts.touched_lines(model, shown), text),
         "place": None if place is None else [place.x_mm, place.y_mm],
         "marks": [_mark(one, text) for one in marks_above(model)],

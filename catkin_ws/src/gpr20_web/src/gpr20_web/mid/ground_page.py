@@ -10,20 +10,21 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_operator.ground.cells import TILE_PX, Cell
 from gpr20_operator.ground.traces import TraceSource
-from gpr20_operator.jobs.job import Job, Requests, Service
-from gpr20_operator.jobs.pictures import FEWEST_TRACES, NOT_KNOWN, Imaging
-from gpr20_operator.jobs.result_texts import TARGETS
+from gpr20_operator.jobs.job import Job, Requests, Service, job_of
+from gpr20_operator.jobs.known_soils import NOT_KNOWN
+from gpr20_operator.jobs.pictures import FEWEST_TRACES, Imaging, Pictures
+from gpr20_operator.jobs.result_texts import TARGETS, headline
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace.trace import Trace
-from gpr20_web.calls import Body, Call, Route
+from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import BusyError, NotNowError
 from gpr20_web.mid.ground_choice import FLAGS, THEMES, Values
 from gpr20_web.mid.ground_document import Text, document
 from gpr20_web.mid.shown_ground import ShownGround, pattern_png
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.
 PERIOD_S = 1.0
@@ -31,10 +32,13 @@ PERIOD_S = 1.0
 MOST_PAST = 3
 # A past survey at which nobody has looked for so long gives room, or is forgotten.
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
+# The answer of a survey may be another one since: somebody has entered what its ground is.
+AGAIN_S = 10.0
 PNG = "image/png"
 CELLS = {one.name.lower(): one for one in Cell}
 TARGET_NAMES = {one.value.name: one.value.name for one in Targets}
 SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
+AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 
 
 class GroundPage(WebPage):
@@ -55,25 +59,21 @@ class GroundPage(WebPage):
         report: Callable[[Message], None],
     ) -> None:
         self._source, self._now_s, self._report = source, now_s, report
-        imaging = Imaging(requests, now_s)
-        self._pictures = imaging.pictures
-        self._live = ShownGround(source, self._pictures, report)
+        self._requests, self._pictures = requests, Pictures()
+        self._live = self._new_ground()
         self._past: Dict[str, ShownGround] = {}
         self._snapshot: Optional[Snapshot] = None
-        self._refreshed_s = self._traced_s = -math.inf
-        self._jobs: Dict[str, Job[Any]] = {
-            "focus": imaging.job(Service.FOCUS, self._pictures.add_image),
-            "hide": imaging.job(Service.HIDE, self._pictures.add_hiding),
-        }
-        # The survey that each of them is for.
-        self._asked: Dict[str, str] = {}
+        self._refreshed_s = self._traced_s = self._looked_s = -math.inf
+        self._hiding: Job[HidingMap] = job_of(
+            requests, Service.HIDE, now_s, self._pictures.add_hiding
+        )
+        self._hiding_of = ""  # the survey that it is for
         self.routes = (
-            Route("GET", "/api/ground", Role.VIEW, self._ground),
-            Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.VIEW, self._png),
-            Route("GET", r"/api/ground/sign\.png", Role.VIEW, self._sign),
-            Route("POST", "/api/ground/focus", Role.VIEW, self._focus),
-            Route("POST", "/api/ground/hide", Role.OPERATE, self._hide),
-            Route("POST", "/api/ground/cancel", Role.OPERATE, self._cancel),
+            Route("GET", "/api/ground", Role.WATCH, self._ground),
+            Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.WATCH, self._png),
+            Route("GET", r"/api/ground/sign\.png", Role.WATCH, self._sign),
+            Route("POST", "/api/ground/hide", Role.CONTROL, self._hide),
+            Route("POST", "/api/ground/cancel", Role.CONTROL, self._cancel),
         )
 
     def on_event(self, event: object) -> None:
@@ -86,25 +86,40 @@ class GroundPage(WebPage):
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow the running survey; a search that would disturb one that begins ends."""
         self._snapshot, now_s = snapshot, self._now_s()
-        if snapshot.running and self._jobs["hide"].running:
-            self._jobs["hide"].end(SURVEY_RUNS)
+        if snapshot.running and self._hiding.running:
+            self._hiding.end(SURVEY_RUNS)
         if now_s - self._refreshed_s < PERIOD_S:
             return
-        self._refreshed_s = now_s
-        self._live.traces.note_state(snapshot)
-        if now_s - self._live.used_s <= ROOM_S:
+        self._refreshed_s, live = now_s, self._live
+        live.traces.note_state(snapshot)
+        if now_s - live.used_s <= ROOM_S:
             # While nobody watches, traces that are missing are not read from the storage.
-            self._live.refresh(can_read=snapshot.replay is None)
+            live.refresh(can_read=snapshot.replay is None)
+            # The result of a survey that has ended is for every page.
+            rests = snapshot.state is not None and not snapshot.running
+            if rests or now_s - self._looked_s <= ROOM_S:
+                self._keep_image(live)
         for folder, ground in tuple(self._past.items()):
             ground.refresh(can_read=True)
+            if now_s - ground.used_s <= ROOM_S:
+                self._keep_image(ground)
             if now_s - ground.used_s > FORGOTTEN_S:
                 del self._past[folder]
 
+    def _keep_image(self, ground: ShownGround) -> None:
+        if not self._is_replay:
+            ground.keep_image()
+
     def live(self, text: Text) -> Mapping[str, Any]:
-        """Return which pictures of the running survey are the newest."""
+        """Return which pictures of the running survey are the newest, and its result at the end."""
         live, self._live.used_s = self._live, self._now_s()
         survey = "" if live.shown.map.stop_states is None else live.survey_id
-        return {"ground": {"survey": survey, "revision": live.revision}}
+        image, snapshot = live.additions.image, self._snapshot
+        result = None
+        if image is not None and snapshot is not None and not snapshot.running:
+            said = headline(image.found, most=max(1, image.found.primary))
+            result = {"folder": live.folder, "text": text(said)}
+        return {"ground": {"survey": survey, "revision": live.revision}, "result": result}
 
     def picture(self) -> Optional[bytes]:
         """Return what is measured of the running survey, for a notice: nothing that was found."""
@@ -118,7 +133,7 @@ class GroundPage(WebPage):
         ground.is_outdated |= values.one("again", FLAGS, False)
         found = {
             **self._about(ground, call.text),
-            **{name: self._job(name, ground, call.text) for name in self._jobs},
+            "hide": self._hiding_values(ground, call.text),
         }
         if call.values.get("known") != ground.revision:
             found["ground"] = document(ground, choice, call.text)
@@ -134,40 +149,33 @@ class GroundPage(WebPage):
         cells = np.full((1, 1), values.one("cell", CELLS, Cell.BLANK), np.uint8)
         return Body(pattern_png(cells, values.one("theme", THEMES, Theme.SUN), 2 * TILE_PX), PNG)
 
-    def _focus(self, call: Call) -> Mapping[str, Any]:
-        return self._ask("focus", call)
-
     def _hide(self, call: Call) -> Mapping[str, Any]:
+        """Ask where a target could hide, if that is possible now."""
+        values = Values(call.values)
+        target = values.one("target", TARGET_NAMES, Targets.PMN.value.name)
+        ground = self._shown(values, call.who.mark)
         if self._snapshot is not None and self._snapshot.running:
             raise NotNowError(SURVEY_RUNS)
-        target = Values(call.values).one("target", TARGET_NAMES, Targets.PMN.value.name)
-        return self._ask("hide", call, target=target)
-
-    def _cancel(self, call: Call) -> Mapping[str, Any]:
-        for job in self._jobs.values():
-            job.end()
-        return {}
-
-    def _ask(self, name: str, call: Call, **fields: str) -> Mapping[str, Any]:
-        """Ask the imaging node, if that is possible now."""
-        values, job = Values(call.values), self._jobs[name]
-        ground, permittivity = self._shown(values, call.who.mark), values.permittivity
         if self._is_replay:
             raise NotNowError(Message("This is not possible during a replay."))
         if ground.shown.loading.stored < FEWEST_TRACES:
             raise NotNowError(Message("This takes at least {count} traces.", count=FEWEST_TRACES))
-        if job.running:
-            raise NotNowError(Message("The imaging node is at work already. Wait for its answer."))
-        self._asked[name] = ground.survey_id
-        job.ask(survey=ground.survey_id, permittivity=permittivity or NOT_KNOWN, **fields)
-        return self._job(name, ground, call.text)
+        if self._hiding.running:
+            raise NotNowError(AT_WORK)
+        self._hiding_of = ground.survey_id
+        self._hiding.ask(survey=ground.survey_id, permittivity=NOT_KNOWN, target=target)
+        return self._hiding_values(ground, call.text)
+
+    def _cancel(self, call: Call) -> Mapping[str, Any]:
+        self._hiding.end()
+        return {}
 
     @property
     def _is_replay(self) -> bool:
         return self._snapshot is not None and self._snapshot.replay is not None
 
-    def _job(self, name: str, ground: ShownGround, text: Text) -> Dict[str, Any]:
-        job, own = self._jobs[name], self._asked.get(name) == ground.survey_id
+    def _hiding_values(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
+        job, own = self._hiding, self._hiding_of == ground.survey_id
         said = (job.stage or job.problem) if own else None
         return {
             "running": job.running,
@@ -197,7 +205,7 @@ class GroundPage(WebPage):
         if ground is not self._live:
             return ground.traces.band or ground.problem or loading
         if snapshot is not None and snapshot.replay is not None:
-            return Message("REPLAY: {survey}", survey=snapshot.replay.mark.survey)
+            return Message("REPLAY: {survey}", survey=snapshot.replay.survey)
         if not ground.survey_id:
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:
@@ -208,15 +216,21 @@ class GroundPage(WebPage):
         """Return the survey that a person's browser asks for; a past one is read first."""
         folder, live, now_s = values.survey, self._live, self._now_s()
         live.used_s = now_s
-        if not folder:
-            return live
-        if folder not in self._past:
-            self._make_room(person)
-            self._past[folder] = ShownGround(self._source, self._pictures, self._report, folder)
-        ground = self._past[folder]
-        ground.used_s, ground.used_by = now_s, person
-        # Of the running survey the live one knows more.
-        return live if ground.survey_id and ground.survey_id == live.survey_id else ground
+        if folder:
+            if folder not in self._past:
+                self._make_room(person)
+                self._past[folder] = self._new_ground(folder)
+            ground = self._past[folder]
+            ground.used_s, ground.used_by = now_s, person
+            # Of the running survey the live one knows more.
+            if not ground.survey_id or ground.survey_id != live.survey_id:
+                return ground
+        self._looked_s = now_s
+        return live
+
+    def _new_ground(self, folder: str = "") -> ShownGround:
+        imaging = Imaging(self._requests, self._now_s, self._pictures, AGAIN_S)
+        return ShownGround(self._source, imaging, self._report, folder)
 
     def _make_room(self, person: str) -> None:
         """Forget the past survey that was looked at longest ago, if there are many.
@@ -252,20 +266,18 @@ class MapPage(WebPage):
         "back": Message("Back to the robot's survey"),
         "age": Message("Last trace {seconds} s ago", seconds="{seconds}"),
         "layer": Message("Layer"),
+        "options": Message("Options"),
         "coverage": Message("Coverage"),
         "echoes": Message("Echoes"),
         "focused": Message("Focused image"),
         "hiding": Message("Hiding places"),
         "depth": Message("Depth: {depth} mm", depth="{depth}"),
         "polarization": Message("Antenna"),
-        "permittivity": Message("Permittivity"),
-        "own": Message("that of the survey"),
         "follow": Message("Follow the last trace"),
         "marks": Message("Candidates and markers"),
         "no_marks": Message("none here"),
         "text": Message("Text of the marker"),
         "add": Message("Set marker"),
-        "focus": Message("Make the focused image"),
         "hide": Message("Search hiding places"),
         "target": Message("Target"),
         "works": Message("The imaging node works: {seconds} s", seconds="{seconds}"),

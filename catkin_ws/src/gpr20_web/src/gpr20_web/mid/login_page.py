@@ -1,109 +1,107 @@
-"""Logging in and out, and one's own password."""
+"""Logging in and out, and how often somebody may guess."""
 
 from __future__ import annotations
 
-import dataclasses
-from typing import Any, Mapping
+import contextlib
+import math
+import threading
+from collections import OrderedDict
+from typing import Any, Iterator, Mapping, Tuple
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_web.calls import Audited, Call, Cookie, Route, text_of
-from gpr20_web.errors import AccountError, WrongLoginError
-from gpr20_web.low.account_file import Account
-from gpr20_web.low.passwords import check_password
-from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.login_limits import LoginLimits
-from gpr20_web.mid.sessions import Sessions
+from gpr20_web.calls import Call, Cookie, Person, Role, Route, text_of
+from gpr20_web.errors import TooManyLoginsError, WrongLoginError
+from gpr20_web.low.accounts import Accounts
+from gpr20_web.low.cookies import Logins
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
+
+# So many wrong passwords of one account and address; then each next try waits so long [s].
+FREE_FAILURES, PAUSE_S = 5, 60.0
+MOST_KNOWN = 1000
+
+
+class LoginLimits:
+    """Counts failed logins by account and address; any thread may use it.
+
+    Who guesses elsewhere does not keep the owner of an account out.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._now_s = clock.now_s
+        self._lock = threading.Lock()
+        # How many failed, and when the last one began; the one that failed longest ago is first.
+        self._failures: OrderedDict[Tuple[str, str], Tuple[int, float]] = OrderedDict()
+
+    @contextlib.contextmanager
+    def attempt(self, name: str, address: str) -> Iterator[None]:
+        """Check a password inside; WrongLoginError there is a failure, and success forgets all.
+
+        Args:
+            name: What was given, also if there is no such account.
+            address: Where the request came from.
+
+        Raises:
+            TooManyLoginsError: It is too early; nothing was checked.
+        """
+        key = name.lower()[:40], address
+        with self._lock:
+            now_s = self._now_s()
+            count, last_s = self._failures.get(key, (0, now_s))
+            if count >= FREE_FAILURES and now_s - last_s < PAUSE_S:
+                raise TooManyLoginsError(
+                    Message(
+                        "too many logins failed; wait {seconds} s",
+                        seconds=math.ceil(last_s + PAUSE_S - now_s),
+                    )
+                )
+            # Before it has failed: several at once would else be several guesses.
+            self._put(key, (count + 1, now_s))
+        try:
+            yield
+        except WrongLoginError:
+            raise
+        except Exception:
+            # The file of the accounts is damaged: nobody has guessed.
+            with self._lock:
+                count, _last_s = self._failures.get(key, (1, now_s))
+                self._put(key, (count - 1, last_s))
+            raise
+        with self._lock:
+            self._failures.pop(key, None)
+
+    def _put(self, key: Tuple[str, str], value: Tuple[int, float]) -> None:
+        self._failures.pop(key, None)
+        self._failures[key] = value
+        if len(self._failures) > MOST_KNOWN:
+            self._failures.popitem(last=False)
 
 
 class LoginPage(WebPage):
-    """The form in front of all other pages.
-
-    Args:
-        accounts: Who may log in.
-        sessions: Who is logged in.
-        limits: How often somebody may guess.
-        audit: Notes who did what.
-        view_may_stop: Whether the site lets those stop who may only watch.
-    """
+    """The form in front of all other pages."""
 
     words: Mapping[str, Message] = {
         "name": Message("Name"),
         "password": Message("Password"),
-        "log_in": Message("LOG IN"),
-        "log_out": Message("LOG OUT"),
-        "log_out_everywhere": Message("LOG OUT EVERYWHERE"),
+        "log_in": Message("Log in"),
+        "log_out": Message("Log out"),
     }
 
-    def __init__(
-        self,
-        accounts: Accounts,
-        sessions: Sessions,
-        limits: LoginLimits,
-        audit: Audited,
-        view_may_stop: bool,
-    ) -> None:
-        self._accounts, self._sessions, self._limits = accounts, sessions, limits
-        self._audit, self._view_may_stop = audit, view_may_stop
+    def __init__(self, accounts: Accounts, logins: Logins, clock: Clock) -> None:
+        self._accounts, self._logins, self._limits = accounts, logins, LoginLimits(clock)
         self.routes = (
             Route("POST", "/api/login", Role.NOBODY, self._log_in, blocking=True),
-            Route("POST", "/api/logout", Role.VIEW, self._log_out, True),
-            Route("POST", "/api/logout_everywhere", Role.VIEW, self._log_out_everywhere, True),
-            Route("GET", "/api/me", Role.VIEW, self._me),
-            Route("POST", "/api/password", Role.VIEW, self._change_password, blocking=True),
+            Route("POST", "/api/logout", Role.WATCH, lambda _call: Cookie("")),
+            Route("GET", "/api/me", Role.WATCH, lambda call: _me(call.who)),
         )
 
     def _log_in(self, call: Call) -> Cookie:
-        name = text_of(call, "name")
-        try:
-            account = self._check(call, name, text_of(call, "password"))
-        except WrongLoginError as error:
-            # An unknown name may be a password, typed in the wrong field.
-            known = self._accounts.find(name) is not None
-            self._audit(call, "login", error.message.fault_code, name=name if known else "?")
-            raise
-        return self._begin(call, account, "login")
-
-    def _log_out(self, call: Call) -> Cookie:
-        self._sessions.end(call.who.session)
-        self._audit(call, "logout", "done")
-        return Cookie("")
-
-    def _log_out_everywhere(self, call: Call) -> Cookie:
-        self._sessions.end_all(call.who.name)
-        self._audit(call, "logout_everywhere", "done")
-        return Cookie("")
-
-    def _me(self, call: Call) -> Mapping[str, Any]:
-        person = call.who
-        return {
-            "name": person.name,
-            "role": int(person.role),
-            "mark": person.mark,
-            "may_stop": self._view_may_stop or person.role >= Role.OPERATE,
-        }
-
-    def _change_password(self, call: Call) -> Cookie:
-        name, password = call.who.name, text_of(call, "new")
-        check_password(password, name)
-        try:
-            self._check(call, name, text_of(call, "old"))
-        except WrongLoginError as error:
-            self._audit(call, "password", error.message.fault_code)
-            # Not the status of a login: the browser would leave the page.
-            raise AccountError(Message("the present password is wrong")) from error
-        account = self._accounts.change(name, password=password)
-        self._sessions.end_all(name)
-        return self._begin(call, account, "password")
-
-    def _check(self, call: Call, name: str, password: str) -> Account:
+        name, password = text_of(call, "name"), text_of(call, "password")
         with self._limits.attempt(name, call.address):
-            return self._accounts.check(name, password)
+            account = self._accounts.check(name, password)
+        cookie = self._logins.begin(account)
+        return Cookie(cookie, _me(Person(account.name, account.role, cookie, call.address)))
 
-    def _begin(self, call: Call, account: Account, what: str) -> Cookie:
-        """Give the browser another session than it had, whichever that was."""
-        token = self._sessions.begin(account)
-        own = dataclasses.replace(call, person=self._sessions.find(token, call.address))
-        self._audit(own, what, "done")
-        return Cookie(token, self._me(own))
+
+def _me(person: Person) -> Mapping[str, Any]:
+    return {"name": person.name, "role": int(person.role), "mark": person.mark}

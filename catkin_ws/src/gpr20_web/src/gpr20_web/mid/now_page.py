@@ -8,9 +8,15 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import CurrentPosition
-from gpr20_operator.robot.job import area_of, line_of, percent_of, progress_of, survey_name
 from gpr20_operator.robot.notices import Notice, fault_notice
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import (
+    Snapshot,
+    area_of,
+    line_of,
+    percent_of,
+    progress_of,
+    survey_name,
+)
 from gpr20_web.mid.web_page import WebPage
 
 Text = Callable[[Message], str]
@@ -45,7 +51,7 @@ class NowPage(WebPage):
     """
 
     words: Mapping[str, Message] = {
-        "title": Message("Now"),
+        "title": Message("Survey"),
         "stored": Message("Stored"),
         "traces": Message("{stored} of {planned} traces", stored="{stored}", planned="{planned}"),
         "survey": Message("Survey"),
@@ -53,11 +59,11 @@ class NowPage(WebPage):
         "line": Message("Line"),
         "position": Message("Antennas at"),
         "height": Message("Height over the ground"),
+        "result": Message("Result"),
         "last_fault": Message("Last fault"),
         "first": Message("First"),
-        "details": Message("DETAILS"),
+        "details": Message("Details"),
         "simulated": Message("SIMULATED"),
-        "unknown": Message("not known"),
     }
 
     def __init__(self, robot: str) -> None:

@@ -8,8 +8,8 @@ from dataclasses import asdict
 from typing import Any, Callable, Mapping
 
 from gpr20_common.message import Message
+from gpr20_operator.plan.form import preview
 from gpr20_operator.plan.hold_question import HANDS_CLEAR
-from gpr20_operator.plan.preview import preview
 from gpr20_operator.plan.tiles import plan_rows, spacing_warning
 from gpr20_operator.robot.remote_control import RemotePlan
 

@@ -13,10 +13,8 @@ from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.robots import ListedRobot, RobotReported, Robots
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot
 from gpr20_survey.trace.utc_time import US_PER_S, iso_text
-from gpr20_web.calls import Call, Route
-from gpr20_web.mid.interest import Interest
-from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
+from gpr20_web.calls import Call, Role, Route
+from gpr20_web.mid.web_page import Interest, WebPage
 
 
 @dataclass(frozen=True)
@@ -44,7 +42,7 @@ class RobotsPage(WebPage):
         self._snapshot: Optional[Snapshot] = None
         self._reports: Dict[str, _Report] = {}
         self._interest = Interest(self._follow, clock)
-        self.routes = (Route("GET", "/api/robots", Role.VIEW, self._list),)
+        self.routes = (Route("GET", "/api/robots", Role.WATCH, self._list),)
 
     def on_event(self, event: object) -> None:
         """Follow the robots of the master."""

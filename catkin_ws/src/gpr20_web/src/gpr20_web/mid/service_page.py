@@ -15,12 +15,10 @@ from gpr20_operator.robot.notices import node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Body, Call, Route
+from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import NotFoundError, NotNowError
-from gpr20_web.mid.interest import Interest
 from gpr20_web.mid.now_page import notice_values, sentence
-from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
+from gpr20_web.mid.web_page import Interest, WebPage
 
 
 class NoRequests:
@@ -61,19 +59,18 @@ class ServicePage(WebPage):
         watch: Callable[[bool], None],
         examine: Callable[..., None],
         make: Callable[[], bytes],
-        audit: Audited,
         clock: Clock,
     ) -> None:
         self._model = ServiceModel(NoRequests(), watch, examine, clock)
         self._interest = Interest(self._model.set_watched, clock)
-        self._make, self._audit = make, audit
+        self._make = make
         self._snapshot: Optional[Snapshot] = None
         self._making = threading.Lock()
         self._bundle = b""
         self.routes = (
-            Route("GET", "/api/service", Role.VIEW, self._list),
-            Route("POST", "/api/service/bundle", Role.OPERATE, self._make_bundle, blocking=True),
-            Route("GET", "/api/service/bundle", Role.OPERATE, self._give_bundle),
+            Route("GET", "/api/service", Role.WATCH, self._list),
+            Route("POST", "/api/service/bundle", Role.CONTROL, self._make_bundle, blocking=True),
+            Route("GET", "/api/service/bundle", Role.CONTROL, self._give_bundle),
         )
 
     def on_event(self, event: object) -> None:
@@ -97,11 +94,10 @@ class ServicePage(WebPage):
             "making": self._making.locked(),
         }
 
-    def _make_bundle(self, call: Call) -> Mapping[str, Any]:
+    def _make_bundle(self, _call: Call) -> Mapping[str, Any]:
         if not self._making.acquire(blocking=False):
             raise NotNowError(Message("the bundle is already being made"))
         try:
-            self._audit(call, "bundle")
             self._bundle = self._make()
         finally:
             self._making.release()

@@ -8,9 +8,8 @@ from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.calls import Body, Call, Route, Stream
+from gpr20_web.calls import Body, Call, Role, Route, Stream
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 # What changes with each trace: nobody reads it faster, and each change costs every browser work.
 # Another level of the band is in `robot`, and is sent at once.
@@ -23,6 +22,11 @@ WORDS: Mapping[str, Message] = {
         **{one: f"{{{one}}}" for one in ("year", "month", "day", "time")},
     ),
     "shell.pages": Message("Pages"),
+    "shell.place_now": Message("Survey"),
+    "shell.place_map": Message("Ground"),
+    "shell.place_surveys": Message("Archive"),
+    "shell.place_more": Message("More"),
+    "more.title": Message("More"),
     "shell.language": Message("Language"),
     "shell.sun": Message("Sunlight"),
     "shell.night": Message("Night"),
@@ -60,7 +64,7 @@ class Shell(WebPage):
         self.routes = (
             Route("GET", "/api/words", Role.NOBODY, self._words),
             Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
-            Route("GET", "/api/live", Role.VIEW, self._live),
+            Route("GET", "/api/live", Role.WATCH, self._live),
         )
 
     def on_event(self, event: object) -> None:

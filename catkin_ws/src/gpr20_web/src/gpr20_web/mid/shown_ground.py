@@ -23,7 +23,7 @@ from gpr20_operator.ground.trace_events import (
     TracesRead,
 )
 from gpr20_operator.ground.traces import TracePresenter, TraceSource
-from gpr20_operator.jobs.pictures import Pictures
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.palette import Theme
 from gpr20_web.errors import NotFoundError
 from gpr20_web.mid.ground_choice import GroundChoice
@@ -53,7 +53,7 @@ class ShownGround:
 
     Args:
         source: The storage.
-        pictures: Images and hiding maps of all surveys.
+        imaging: Asks for images of this survey; its pictures are those of all.
         report: Called with the reason why a trace or a survey cannot be shown.
         opened: Folder of a past survey; empty: the one that runs.
 
@@ -67,13 +67,14 @@ class ShownGround:
     def __init__(
         self,
         source: TraceSource,
-        pictures: Pictures,
+        imaging: Imaging,
         report: Callable[[Message], None],
         opened: str = "",
     ) -> None:
         self.opened, self._source, self._report = opened, source, report
+        self.imaging = imaging
         self.traces = TracePresenter(source, self._note)
-        self.additions = AdditionsPresenter(source, lambda: "", pictures)
+        self.additions = AdditionsPresenter(source, lambda: "", imaging.pictures, imaging.focus)
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.used_by, self.is_outdated = -math.inf, "", False
         self.problem: Optional[Message] = None
@@ -143,14 +144,23 @@ class ShownGround:
         if shown is not self.model.survey:
             self.model.show_survey(shown)
         self.additions.follow(shown.survey_id, self._can_read)
-        grid = shown.map.grid
+        grid, image = shown.map.grid, self.imaging.pictures.image(shown.survey_id)
         if grid is not None:
-            self.model.take_soil(grid.survey_id, grid.permittivity)
+            # Since the plan was read somebody may have entered another one, which images have.
+            soil = grid.permittivity if image is None else image.found.permittivity
+            self.imaging.soils.take(grid.survey_id, soil)
+            self.model.take_soil(grid.survey_id, soil)
+
+    def keep_image(self) -> None:
+        """Ask for a newer image, and for those of finer surveys."""
+        self.model.keep_image(self.imaging)
+        self.additions.focus_finer()
 
     def show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""
+        self._follow()
         model, alongs = self.model, choice.alongs
-        model.show(choice.settings, choice.layers, choice.place, choice.permittivity)
+        model.show(choice.settings, choice.layers, choice.place)
         shown: Shown = self._once((alongs, *model.state[1:]), lambda: model.pictures(alongs))
         return shown
 

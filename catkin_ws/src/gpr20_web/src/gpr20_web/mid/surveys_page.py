@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 import threading
 import time
 import uuid
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Tuple
+from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import NOT_ALLOWED
@@ -17,11 +18,10 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN
-from gpr20_operator.jobs.result import list_sum
-from gpr20_operator.jobs.stick import ExportPart
-from gpr20_operator.robot.condition import first_step
+from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.jobs.known_soils import NOT_KNOWN
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
+from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
@@ -30,8 +30,9 @@ from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
-from gpr20_web.calls import Body, Call, Route
+from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import (
     BadRequestError,
     BusyError,
@@ -40,11 +41,9 @@ from gpr20_web.errors import (
     NotNowError,
 )
 from gpr20_web.mid import survey_files, survey_values
-from gpr20_web.mid.candidate_search import CandidateSearches, SurveyServices
-from gpr20_web.mid.ground_page import SURVEY_RUNS
+from gpr20_web.mid.ground_page import AT_WORK, SURVEY_RUNS
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.roles import Role
 
 SURVEYS_PER_PAGE = 50
 MOST_CHARACTERS = 2000
@@ -54,14 +53,59 @@ MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
 
 
+class SurveyServices(Protocol):
+    """Storage and imaging node."""
+
+    def ask(self, service: Service, **fields: Any) -> Any:
+        """Return what a service answers; raises Gpr20Error."""
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request, without waiting."""
+
+
+class _OpenedSurvey:
+    """A survey that was read, and its answer, while the caller waits.
+
+    Args:
+        services: Storage and imaging node.
+        folder: That of the survey.
+        focus: How an image is asked for, besides what the survey says.
+
+    Attributes:
+        result: As in the window; what is lacking has its reason in its jobs.
+        stored: What the storage has; None: it cannot be read.
+    """
+
+    def __init__(self, services: SurveyServices, folder: str, **focus: Any) -> None:
+        self._services, self._focus = services, focus
+        self.stored: Optional[StoredSurvey] = None
+        self.result = SurveyResult(Imaging(self, time.monotonic))
+        self.result.open(folder)
+        for _step in ("read", "focus"):
+            self.result.keep()
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service, and let the ticket take the answer."""
+        more = self._focus if service is Service.FOCUS else {}
+        try:
+            found = self._services.ask(service, **fields, **more)
+        except Gpr20Error as error:
+            ticket.fail(error.message)
+            return
+        if service is Service.READ:
+            self.stored = found
+        ticket.done(found)
+
+    def cancel(self, request_id: str) -> None:
+        """Do nothing: whoever asks has waited for the answer."""
+
+
 class SurveysPage(WebPage):
     """The stored surveys.
 
     Args:
         services: Storage and imaging node.
         data: The data folder, on this computer.
-        audit: Notes what a person has written, see `Audit.add`.
-        in_background: Calls something in a thread of its own.
     """
 
     words: Mapping[str, Message] = {
@@ -86,7 +130,7 @@ class SurveysPage(WebPage):
         "found": Message("Found"),
         "candidates": Message("Candidates"),
         "find": Message("Search for candidates"),
-        "searching": Message("Searching for places: {seconds} s", seconds="{seconds}"),
+        "searching": texts.SEARCHING,
         "downloads": Message("Downloads"),
         "whole": Message("whole survey as ZIP"),
         "report-html": Message("report as HTML"),
@@ -100,26 +144,20 @@ class SurveysPage(WebPage):
         self,
         services: SurveyServices,
         data: Path,
-        audit: Callable[..., None],
-        in_background: Callable[[Callable[[], None]], None],
         time_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        self._services, self._data, self._audit, self._time_us = services, data, audit, time_us
-        self._searches = CandidateSearches(services, in_background)
+        self._services, self._data, self._time_us = services, data, time_us
         self._running, self._replay = "", False
-        # A note is added to those that were read just before.
-        self._noting = threading.Lock()
-        self._making, self._making_id = threading.Lock(), uuid.uuid4().hex
+        self._working, self._work_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
-            Route(method, pattern, Role.VIEW, answer, blocking=True)
+            Route(method, pattern, Role.WATCH, answer, blocking=True)
             for method, pattern, answer in (
                 ("GET", "/api/surveys", self._list),
                 ("GET", SURVEY, self._details),
                 ("POST", f"{SURVEY}/notes", self._add_note),
                 ("POST", f"{SURVEY}/markers", self._change_markers),
                 ("POST", f"{SURVEY}/found", self._add_found),
-                ("POST", f"{SURVEY}/candidates", self._find),
-                ("GET", f"{SURVEY}/candidates", self._searched),
+                ("POST", f"{SURVEY}/candidates", self._search),
                 ("GET", f"{SURVEY}/files/(?P<name>{FORMS})", self._form),
                 ("GET", f"{SURVEY}/zip", self._whole),
                 ("GET", f"{SURVEY}/made/(?P<kind>{MADE})", self._made),
@@ -128,10 +166,8 @@ class SurveysPage(WebPage):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow which survey runs: nothing is searched meanwhile."""
-        if snapshot.running_survey and not self._running:
-            self._searches.end()
-            if self._making.locked():
-                self._services.cancel(self._making_id)
+        if snapshot.running_survey and not self._running and self._working.locked():
+            self._services.cancel(self._work_id)
         self._running, self._replay = snapshot.running_survey, snapshot.replay is not None
 
     def _folder(self, call: Call) -> Path:
@@ -188,7 +224,7 @@ class SurveysPage(WebPage):
         except Gpr20Error as error:
             problems.append(error.message)
         if survey.problem is None:
-            opened = self._searches.read(survey.folder)
+            opened = _OpenedSurvey(self._services, survey.folder, only_known=True)
             shown.update(survey_values.result_of(opened.result, call.text))
             problems.append(opened.result.reading.problem)
             try:
@@ -204,12 +240,12 @@ class SurveysPage(WebPage):
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
         # The other lines of a note are indented: none can look like the note of somebody else.
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
-        with self._noting:
-            stored = self._services.ask(Service.READ, survey=folder)
-            before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
-            after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
-            self._add_fact(folder, Kind.ANNOTATION, after.values())
-        self._audit(call, "note", folder=folder, text=text)
+        stored = self._services.ask(Service.READ, survey=folder)
+        before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
+        after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
+        # The storage keeps what others have written since.
+        values = {**after.values(), "notes_before": before.notes}
+        self._add_fact(folder, Kind.ANNOTATION, values)
         return {}
 
     def _change_markers(self, call: Call) -> Mapping[str, Any]:
@@ -223,7 +259,6 @@ class SurveysPage(WebPage):
             values = {"marker_id": str(uuid.uuid4()), **place, "text": text, "author": who}
             marker = record_from(Marker, values, "marker")
             self._add_fact(folder, Kind.MARKER, marker.request())
-        self._audit(call, "marker", folder=folder, text=text, removed=removed, **place)
         return {}
 
     def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
@@ -235,12 +270,12 @@ class SurveysPage(WebPage):
         authors = [one.author for one in markers if one.marker_id == marker_id]
         if not authors:
             raise NotFoundError(Message("there is no such marker; it may have been removed"))
-        if call.who.role < Role.OPERATE and authors != [call.who.name]:
+        if call.who.role < Role.CONTROL and authors != [call.who.name]:
             raise NotAllowedError(
                 Message(
                     "the marker is by {author}; to remove it needs the right {right}",
                     author=authors[0] or "?",
-                    right=Role.OPERATE.word,
+                    right=Role.CONTROL.word,
                 )
             )
 
@@ -249,7 +284,7 @@ class SurveysPage(WebPage):
         what = _one_of(What, call.values.get("what"))
         if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
             raise BadRequestError(Message("depth_mm is a number"))
-        result = self._searches.read(folder).result
+        result = _OpenedSurvey(self._services, folder, only_known=True).result
         known = result.image is not None and list_sum(result.image.found)
         wanted = call.values.get("candidate") if known == call.values.get("list") else None
         place = next((one for one in result.places if one.id == wanted), None)
@@ -258,26 +293,17 @@ class SurveysPage(WebPage):
         result.note_found(place, what, depth_mm, call.who.name)
         if result.noting.problem is not None:
             raise NotNowError(result.noting.problem)
-        self._audit(call, "found", folder=folder, candidate=place.id, found=what.value)
         return {}
 
-    def _find(self, call: Call) -> Mapping[str, Any]:
-        self._searches.begin(self._analysed(call).folder)
-        return {}
-
-    def _searched(self, call: Call) -> Mapping[str, Any]:
-        last = self._searches.last
-        if last is None or last.folder != call.parts["folder"]:
-            raise NotFoundError(Message("this survey was not searched"))
-        result = last.result
-        problem = result.search.problem or result.reading.problem
-        state = "done" if result.image is not None else "failed"
-        return {
-            "state": state if last.ended else "running",
-            "seconds": int(time.monotonic() - last.began_s),
-            "problem": sentence(call.text, problem),
-            "remedy": sentence(call.text, problem and first_step(problem)),
-        }
+    def _search(self, call: Call) -> Mapping[str, Any]:
+        """Return what is found in a survey; whoever asks later gets the same."""
+        folder = self._analysed(call).folder
+        with self._at_work():
+            result = _OpenedSurvey(self._services, folder, request_id=self._work_id).result
+        problem = result.reading.problem or result.search.problem
+        if problem is not None:
+            raise NotNowError(problem)
+        return survey_values.result_of(result, call.text)
 
     def _form(self, call: Call) -> Body:
         return survey_files.form_of(self._folder(call), call.parts["name"])
@@ -286,17 +312,23 @@ class SurveysPage(WebPage):
         return survey_files.whole_of(self._folder(call))
 
     def _made(self, call: Call) -> Body:
-        """Return a file that the imaging node makes, one at a time: each takes a thread."""
+        """Return a file that the imaging node makes."""
         folder = self._analysed(call).folder
-        if not self._making.acquire(blocking=False):
-            raise BusyError(Message("another report is being made"))
-        try:
-            options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
-            wanted = {"request_id": self._making_id, "kinds": [call.parts["kind"]], **options}
+        options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
+        wanted = {"request_id": self._work_id, "kinds": [call.parts["kind"]], **options}
+        with self._at_work():
             made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
-        finally:
-            self._making.release()
         return Body(made.content, survey_files.BYTES, made.files[0])
+
+    @contextlib.contextmanager
+    def _at_work(self) -> Iterator[None]:
+        """Wait for the imaging node with one thread at a time."""
+        if not self._working.acquire(blocking=False):
+            raise BusyError(AT_WORK)
+        try:
+            yield
+        finally:
+            self._working.release()
 
 
 def _just_after(folder: str) -> str:

@@ -7,13 +7,12 @@ from typing import Any, Callable, Dict, Hashable, Mapping, Optional, Set, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import condition_of, lost
-from gpr20_operator.robot.job import percent_of
 from gpr20_operator.robot.notices import fault_notice
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot, percent_of
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_web.low.notifier import News, Occasion
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
-from gpr20_web.news import News, Occasion
 
 Key = Tuple[Hashable, ...]
 

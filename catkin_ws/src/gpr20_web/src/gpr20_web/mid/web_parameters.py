@@ -25,20 +25,16 @@ class WebParameters:
             in the network of the browsers; or 0.0.0.0 for all its networks. IPv6 is possible, in
             quotes.
         port: TCP port.
-        folder: Folder of its accounts, key, certificate and audit, and of notify.txt, where a
+        folder: Folder of its accounts, keys and certificate, and of notify.txt, where a
             person may write whom to notify: the URL of a service of apprise on each line. These
             URLs have passwords in them, which do not belong in a file that every node reads.
-        idle_minutes: Who did nothing for this long must log in again [min].
         session_hours: Everybody must log in again after this long [h].
-        view_may_stop: Whether who may only watch and pause may also stop a survey.
     """
 
     address: str = "127.0.0.1"
     port: int = bounded(1024, 65535, 8443)
     folder: str = "~/.gpr20/web"
-    idle_minutes: float = bounded(1.0, 1440.0, 30.0)
     session_hours: float = bounded(0.1, 168.0, 12.0)
-    view_may_stop: bool = True
 
     def __post_init__(self) -> None:
         _check_address(self.address)

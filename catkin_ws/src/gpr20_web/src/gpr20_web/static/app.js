@@ -4,18 +4,18 @@ import { button, element, field } from "./dom.js";
 import { Notices } from "./notices.js";
 import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
-import audit from "./pages/audit.js";
 import map from "./pages/map.js";
+import more from "./pages/more.js";
 import now from "./pages/now.js";
 import radar from "./pages/radar.js";
 import robots from "./pages/robots.js";
 import service from "./pages/service.js";
 import surveys from "./pages/surveys.js";
-import users from "./pages/users.js";
 
-const OPERATE = 2;
-const ADMIN = 3;
-const PAGES = [now, map, radar, surveys, robots, service, users, audit];
+const CONTROL = 2;
+// The places at the bottom, each with its pages; the first one opens.
+const PLACES = [[now], [map, radar], [surveys], [more, service, robots]];
+const PAGES = PLACES.flat();
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
@@ -92,24 +92,16 @@ class App {
     return this.server.ask("POST", path, values);
   }
 
-  remove(path) {
-    return this.server.ask("DELETE", path, {});
-  }
-
   get state() {
     return this.live?.state ?? {};
   }
 
-  get mayOperate() {
-    return this.me.role >= OPERATE;
-  }
-
-  get mayStop() {
-    return this.me.may_stop;
+  get mayControl() {
+    return this.me.role >= CONTROL;
   }
 
   get inControl() {
-    return this.state.control?.holder?.mark === this.me.mark;
+    return this.state.holder?.mark === this.me.mark;
   }
 
   // The presses of STOP that are not confirmed yet, and when; who has no session sends none.
@@ -202,11 +194,12 @@ class App {
 
   enter() {
     const header = document.getElementById("top");
-    header.hidden = false;
+    const bottom = document.getElementById("bottom");
+    header.hidden = bottom.hidden = false;
     this.notices = new Notices(this);
     this.live = new Live(this.server, (state) => this.update(state), () =>
       this.leave("over"));
-    this.top = new Top(header, this);
+    this.top = new Top(header, bottom, this);
     this.ticks = setInterval(() => this.live.slept ? this.wake() : this.top.tick(), TICK_MS);
     document.addEventListener("visibilitychange", () => document.hidden || this.wake());
     window.addEventListener("pageshow", ({ persisted }) => persisted && this.wake());
@@ -226,54 +219,44 @@ class App {
     window.location.reload();
   }
 
-  pages() {
-    return PAGES.filter((one) => !one.admin || this.me.role >= ADMIN);
-  }
-
   show() {
     if (!this.me) return;
     const wanted = window.location.hash.slice(1).split("/")[0];
-    const page = this.pages().find((one) => one.name === wanted) ?? now;
+    const page = PAGES.find((one) => one.name === wanted) ?? now;
     this.page?.leave?.();
     if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
     document.body.dataset.page = page.name;
-    const nav = document.getElementById("pages");
-    nav.hidden = false;
-    nav.setAttribute("aria-label", this.word("shell.pages"));
-    nav.replaceChildren(
-      ...this.pages().map((one) =>
-        element(
-          "a",
-          { href: `#${one.name}`, "aria-current": one === page ? "page" : null },
-          this.word(`${one.name}.title`),
-        )),
-    );
+    const place = PLACES.find((one) => one.includes(page));
+    this.top.places.replaceChildren(...PLACES.map((one) =>
+      this.link(one[0], this.word(`shell.place_${one[0].name}`), one === place)));
     const title = this.word(`${page.name}.title`);
     document.title = `${title} – GPR-20`;
     const section = element("section", { "aria-labelledby": "page-title" });
-    this.root.replaceChildren(element("h1", { id: "page-title" }, title), section, this.foot());
+    // Two views of one place are beside each other; MORE has its own way to its pages.
+    const views = place === PLACES[1]
+      ? [element("nav", { class: "views", "aria-label": title },
+        ...place.map((one) => this.link(one, this.word(`${one.name}.title`), one === page)))]
+      : [];
+    const isPlace = place !== PLACES[3] || page === more;
+    const head = element("h1", { id: "page-title", class: isPlace ? "unseen" : null }, title);
+    this.root.replaceChildren(head, ...views, section);
     page.show(section, this);
     if (this.state.band) page.update?.(this.state, this);
   }
 
-  foot() {
-    const end = (path) => async () => {
-      try {
-        await this.post(path);
-        this.leave();
-      } catch (error) {
-        this.report(error);
-      }
-    };
-    return element(
-      "footer",
-      { class: "row" },
-      element("span", {}, this.me.name),
-      button(this.word("login.log_out"), end("/api/logout")),
-      button(this.word("login.log_out_everywhere"), end("/api/logout_everywhere")),
-      ...this.choices(),
-    );
+  link(page, text, isCurrent = false) {
+    const current = isCurrent ? "page" : null;
+    return element("a", { href: `#${page.name}`, "aria-current": current }, text);
+  }
+
+  async logOut() {
+    try {
+      await this.post("/api/logout");
+      this.leave();
+    } catch (error) {
+      this.report(error);
+    }
   }
 
   update(state) {

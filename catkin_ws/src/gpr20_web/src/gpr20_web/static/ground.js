@@ -7,7 +7,6 @@ const PERIOD_MS = 1000;
 const SETTLED_MS = 80;
 const STEP_MM = 5;
 const DEEPEST_MM = 500;
-const PERMITTIVITIES = [2, 3, 4, 5, 6, 8, 10, 12, 15, 20, 25, 30, 40];
 const theme = () => document.documentElement.dataset.theme;
 // How a key moves the place: across, up, deeper.
 const KEYS = {
@@ -19,7 +18,10 @@ export class Ground {
   constructor(root, app, hasSection) {
     Object.assign(this, { app, hasSection, images: new Map(), turn: 0 });
     const [page, folder = ""] = window.location.hash.split("/");
-    if (app.ground?.survey !== folder) app.ground = { survey: folder, layer: "coverage" };
+    if (app.ground?.survey !== folder) {
+      const layer = app.state.job?.running && !folder ? "coverage" : "echoes";
+      app.ground = { survey: folder, layer };
+    }
     this.choice = app.ground;
     this.title = element("strong", { role: "status" });
     this.age = element("span", {});
@@ -42,11 +44,14 @@ export class Ground {
     this.addChoice("layer", this.word("layer"),
       ["coverage", "echoes", "focused"].map((one) => [one, this.word(one)]));
     this.polarization = this.addChoice("polarization", this.word("polarization"), []);
-    this.addChoice("permittivity", this.word("permittivity"),
-      [["", this.word("own")], ...PERMITTIVITIES.map((one) => [String(one), one])]);
     const back = element("a", { class: "button", href: page }, this.word("back"));
-    this.controls.append(this.depthField, folder ? back : this.follow);
-    root.append(this.head, this.controls, pictures, this.lines, this.notes);
+    root.append(
+      this.head, pictures,
+      element("div", { class: "row" }, this.depthField, folder ? back : this.follow),
+      this.lines,
+      element("details", {}, element("summary", {}, this.word("options")), this.controls),
+      this.notes,
+    );
     this.poll();
   }
 

@@ -15,7 +15,7 @@ const STOP_AGAIN_MS = 1000;
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
 export class Top {
-  constructor(root, app) {
+  constructor(root, bottom, app) {
     this.app = app;
     // The last press of this page, until it is shown what became of it.
     this.press = null;
@@ -43,23 +43,14 @@ export class Top {
     this.warning = document.getElementById("stop-warning");
     this.said = element("p", { class: "said", role: "status" });
     this.remote = element("p", { class: "remote" });
-    this.bar = element(
-      "div",
-      { class: "bar" },
-      this.band,
-      element(
-        "div",
-        { class: "commands" },
-        this.start,
-        this.pause,
-        element("div", { class: "stop" }, this.stop, note),
-      ),
-    );
-    root.replaceChildren(
-      this.bar,
-      this.age,
-      this.said,
-      this.remote,
+    // Folded on the page SURVEY, for those who may.
+    this.control = element("details", { id: "control", hidden: !app.mayControl },
+      element("summary", {}, word("commands.control")), this.remote);
+    this.places = element("nav", { id: "pages", "aria-label": word("shell.pages") });
+    root.replaceChildren(this.band, this.age, this.said);
+    bottom.replaceChildren(
+      element("div", { class: "commands" }, this.start, this.pause, this.stop, note),
+      this.places,
     );
     for (const [press] of app.stops) this.repeatStop(press);
   }
@@ -80,9 +71,9 @@ export class Top {
     this.chip.hidden = !robot.simulated;
     const { paused } = state.job;
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
-    this.pause.hidden = !(state.job.running && (!paused || this.app.mayOperate));
-    this.start.hidden = !this.app.mayOperate || !can.start;
-    this.stop.hidden = !can.stop || !this.app.mayStop;
+    this.pause.hidden = !(state.job.running && (!paused || this.app.mayControl));
+    this.start.hidden = !this.app.mayControl || !can.start;
+    this.stop.hidden = !can.stop;
     this.showCommand(state);
     if (!state.stop_open) this.endStop(state.command?.press);
     this.tick();
@@ -130,7 +121,7 @@ export class Top {
 
   // What is asked covers the page: then it is there.
   showWarning(warning) {
-    const above = document.querySelector("dialog h2") ?? this.bar;
+    const above = document.querySelector("dialog h2") ?? this.band;
     if (above.nextElementSibling !== this.warning) above.after(this.warning);
     const key = JSON.stringify(warning);
     if (key === this.warningKey) return;
@@ -140,51 +131,32 @@ export class Top {
       ...(warning ? [element("strong", {}, warning.title), " ", warning.text] : []));
   }
 
-  showRemote({ remote, control }) {
-    if (!this.app.mayOperate) {
-      this.remote.hidden = true;
-      return;
-    }
-    this.remote.hidden = false;
+  showRemote({ remote, holder }) {
     const { app } = this;
+    if (!app.mayControl) return;
     const parts = [];
     if (remote.armed && remote.until_ms !== null) {
       const seconds = Math.floor(app.live.secondsUntil(remote.until_ms));
       const time = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
       parts.push(app.word("commands.armed", { time }));
     } else parts.push(remote.obstacle);
-    const { holder, asked } = control;
-    if (app.inControl) parts.push(app.word("control.you"));
-    else if (holder) parts.push(app.word("control.other", { name: holder.name }));
-    else parts.push(app.word("control.nobody"));
-    parts.push(
-      asked ? app.word("control.asked", { name: asked.name, seconds: asked.passes_s }) : "");
-    // The buttons stay while time alone changes: else a press or the focus is lost.
-    const key = JSON.stringify([holder, asked?.mark, app.inControl]);
+    // One missing step at a time.
+    if (app.inControl) parts.push(app.word("commands.you"));
+    else if (holder) parts.push(app.word("commands.other", { name: holder.name }));
+    else parts.push(remote.armed ? app.word("commands.nobody") : "");
+    // The button stays while time alone changes: else a press or the focus is lost.
+    const key = JSON.stringify([holder, app.inControl]);
     if (key !== this.remoteKey) {
       this.remoteKey = key;
       this.remoteTexts = parts.map(() => element("span"));
+      const what = app.inControl ? "release" : "take";
       this.remote.replaceChildren(...this.remoteTexts.flatMap((one) => [one, " "]),
-        ...this.remoteButtons(holder, asked));
+        button(app.word(`commands.${what}`),
+          () => app.post(`/api/control/${what}`).catch((error) => app.report(error)),
+          { id: what }));
     }
     parts[0] = parts[0].replace(/([^.!?])$/, "$1.");
     parts.forEach((text, number) => write(this.remoteTexts[number], text));
-  }
-
-  remoteButtons(holder, asked) {
-    const { app } = this;
-    const send = (path, values) => () => app.post(path, values).catch((error) => app.report(error));
-    if (app.inControl && asked)
-      return [
-        button(app.word("control.pass", { name: asked.name }),
-          send("/api/control/pass", { mark: asked.mark })),
-        button(app.word("control.keep"), send("/api/control/keep")),
-      ];
-    if (app.inControl) return [button(app.word("control.release"), send("/api/control/release"))];
-    const text = holder
-      ? app.word("control.ask", { name: holder.name })
-      : app.word("control.take");
-    return [button(text, send("/api/control/take"), { id: "take" })];
   }
 
   async pauseOrResume() {

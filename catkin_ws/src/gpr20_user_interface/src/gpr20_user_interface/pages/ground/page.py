@@ -4,20 +4,18 @@ from __future__ import annotations
 
 from typing import Callable, Optional, Tuple
 
-import numpy as np
 from PyQt5.QtCore import QObject, pyqtSignal
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
-from gpr20_operator.ground.coverage import is_stored
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, Wanted
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
@@ -129,7 +127,8 @@ class GroundPage(QObject, Page):
         """Request the missing traces and draw what is new."""
         self._traces.refresh()
         self._follow_soil()
-        self._keep_image()
+        if not self._replay and self.view.isVisible():
+            self.model.keep_image(self._imaging)
         self.view.problem = self._imaging.problem
         self.view.carriage_mm = self._traces.carriage_mm
         self.view.refresh()
@@ -196,10 +195,10 @@ class GroundPage(QObject, Page):
         self.view.refresh()
 
     def _duration_s(self, parameters: SurveyParameters) -> Optional[float]:
-        figures = self._survey.snapshot.figures
-        if figures is None:
+        robot = self._survey.snapshot.robot
+        if robot is None:
             return None
-        return survey_cost(parameters, figures.config, figures.settings).duration_s
+        return survey_cost(parameters, robot.config, robot.settings).duration_s
 
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
@@ -214,16 +213,6 @@ class GroundPage(QObject, Page):
             place, self._awaited = self._awaited[1:], None
             self.show_place(*place)
             self.wanted.emit()
-
-    def _keep_image(self) -> None:
-        """Ask for a newer image of the survey, while it is looked at."""
-        shown = self._traces.shown
-        states = shown.map.trace_states
-        if self._replay or states is None or not self.view.isVisible():
-            return
-        stored = int(np.count_nonzero(is_stored(states)))
-        permittivity = self.model.wanted_permittivity or NOT_KNOWN
-        self._imaging.keep(Wanted(shown.survey_id, stored, permittivity))
 
     def _follow_soil(self) -> None:
         """Use the permittivity of the survey that is shown."""

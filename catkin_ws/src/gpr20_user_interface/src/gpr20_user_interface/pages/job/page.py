@@ -10,8 +10,7 @@ from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.robot.condition import condition_of, left_of
-from gpr20_operator.robot.job import area_of, line_of, percent_of, survey_name
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot, area_of, line_of, percent_of, survey_name
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText

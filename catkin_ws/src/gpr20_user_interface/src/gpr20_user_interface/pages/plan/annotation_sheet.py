@@ -131,7 +131,8 @@ class AnnotationSheet(Overlay):
         def store() -> None:
             # The sheet stays open until the storage has it.
             self._stored = survey
-            self._storing.ask(survey=survey, kind=Kind.ANNOTATION, values=after.values())
+            values = {**after.values(), "notes_before": before.notes}
+            self._storing.ask(survey=survey, kind=Kind.ANNOTATION, values=values)
 
         if survey == self._running() and not replaces_text(before, after):
             store()

@@ -12,13 +12,11 @@ from PyQt5.QtWidgets import QGridLayout, QWidget
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
-from gpr20_operator.plan.form import PlanCheck, PlanForm
+from gpr20_operator.plan.fields import Tile
+from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
 from gpr20_operator.plan.hold_question import plan_question
-from gpr20_operator.plan.memory import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.presets import AREA_FIELDS
-from gpr20_operator.plan.preview import SurveyPreview
-from gpr20_operator.plan.profiles import Profiles
-from gpr20_operator.plan.spec import Tile
+from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, Profiles, RememberedPlan
 from gpr20_operator.plan.tiles import (
     check_lines,
     resumable,
@@ -143,13 +141,13 @@ class PlanPage(TranslatedWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         before, self._snapshot = self._snapshot, snapshot
-        changed, defaults = False, snapshot.defaults
-        if defaults is not None and (before is None or defaults != before.defaults):
-            changed = self.form.propose_address(defaults.vna_address)
+        changed, robot = False, snapshot.robot
+        if robot is not None and (before is None or robot != before.robot):
+            changed = self.form.propose_address(robot.vna_address)
             if snapshot.replay is None:
-                self.next_annotation.take_defaults(defaults.site.annotation)
+                self.next_annotation.take_defaults(robot.site.annotation)
                 changed = True
-        travel = snapshot.travel or DOCUMENTED_TRAVEL
+        travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
         if changed:

@@ -8,9 +8,9 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidget
 
 from gpr20_operator.errors import ProfileError
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.plan.hold_question import delete_profile_question
-from gpr20_operator.plan.profiles import MAX_NAME_LENGTH, Profiles, is_name
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.stored import MAX_NAME_LENGTH, Profiles, is_name
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad

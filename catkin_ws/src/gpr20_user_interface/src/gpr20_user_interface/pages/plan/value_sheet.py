@@ -16,12 +16,10 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES
-from gpr20_operator.plan.form import PlanForm
-from gpr20_operator.plan.memory import ARROW_STEPS
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, FieldSpec, Tile
+from gpr20_operator.plan.form import PlanForm, quarter_wavelength_mm
 from gpr20_operator.plan.presets import Preset, PresetContext
-from gpr20_operator.plan.preview import quarter_wavelength_mm
-from gpr20_operator.plan.spec import FieldSpec, Tile
+from gpr20_operator.plan.stored import ARROW_STEPS
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.plan.tile import PlanTile

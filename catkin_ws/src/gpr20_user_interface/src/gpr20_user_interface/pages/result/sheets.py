@@ -19,7 +19,7 @@ from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.condition import first_step
 from gpr20_operator.words import entered_number, number_from_text
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils

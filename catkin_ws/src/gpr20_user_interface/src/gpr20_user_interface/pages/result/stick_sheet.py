@@ -9,8 +9,7 @@ from PyQt5.QtWidgets import QPushButton, QWidget
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.jobs.stick import ExportPart
-from gpr20_survey.results.volume import Volume
+from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet, with_remedy
 from gpr20_user_interface.widgets.widgets import new_button

@@ -17,8 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, node_title
-from gpr20_operator.robot.health import HealthReport
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth, node_title
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of

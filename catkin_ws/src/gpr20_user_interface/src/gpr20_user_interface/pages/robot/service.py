@@ -18,13 +18,13 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.jobs.job import Job
 from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.service_model import (
     PARTS,
     STEPS,
     AxisAction,
-    AxisState,
     HeightTested,
     ServiceModel,
 )
@@ -104,8 +104,8 @@ class AxisRows(TranslatedWidget):
 
     def show_model(self, model: ServiceModel) -> None:
         """Show what is known of the axes."""
-        for row, axis in zip(self.rows, model.axes):
-            self._show(row, axis)
+        for row in self.rows:
+            self._show(row, model.axis(row.axis), model.pressed(row.axis))
             for button in row.buttons:
                 button.setEnabled(model.entered and not model.busy)
 
@@ -122,20 +122,20 @@ class AxisRows(TranslatedWidget):
             if row.set_zero is not None:
                 row.set_zero.setText(self.tr("SET ZERO"))
 
-    def _show(self, row: AxisRow, state: AxisState) -> None:
-        place, turns = UNKNOWN, state.axis is AxisId.Z
-        if state.homed is False:
-            place = self.tr("not homed")
-        elif state.coordinate is not None:
+    def _show(self, row: AxisRow, report: Optional[AxisReport], pressed: Optional[bool]) -> None:
+        place, turns = UNKNOWN, row.axis is AxisId.Z
+        if report is not None and report.homed:
             form, unit = (".1f", "°") if turns else (".2f", " mm")
-            place = shown_number(state.coordinate, form) + unit
-        row.place.setText(f"{state.axis.value.upper()} {place}")
-        set_look(row.lamp, "lamp", "on" if state.pressed else "off")
+            place = shown_number(report.coordinate, form) + unit
+        elif report is not None:
+            place = self.tr("not homed")
+        row.place.setText(f"{row.axis.value.upper()} {place}")
+        set_look(row.lamp, "lamp", "on" if pressed else "off")
         lamp = {
             None: self.tr("endstop") + f" {UNKNOWN}",
             True: "● " + self.tr("closed"),
             False: "○ " + self.tr("open"),
-        }[state.pressed]
+        }[pressed]
         row.lamp.setText("" if turns else lamp)
 
 

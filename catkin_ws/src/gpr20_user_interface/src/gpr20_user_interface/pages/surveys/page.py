@@ -17,7 +17,7 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, present_verdict, title_of
-from gpr20_operator.plan.spec import Keys
+from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon

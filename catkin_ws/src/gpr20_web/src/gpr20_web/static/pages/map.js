@@ -21,9 +21,6 @@ export default {
         app.report(error);
       }
     };
-    const search = (kind, more) => act(`/api/ground/${kind}`, {
-      survey: ground.choice.survey, permittivity: ground.choice.permittivity ?? "", ...more,
-    });
     const counts = STATES.map((one) => element("span", {}, sign(app, one), element("span", {})));
     const marks = element("ul", {});
     const text = element("input", { maxlength: 500 });
@@ -35,10 +32,11 @@ export default {
     });
     const target = element("select", {},
       ...TARGETS.map((one) => element("option", { value: one }, word(`target_${one}`))));
-    const focus = button(word("focus"), () => search("focus", {}));
-    const hide = button(word("hide"), () => search("hide", { target: target.value }));
-    const cancel = button(word("cancel"), () => search("cancel", {}));
-    const searches = app.mayOperate ? [field(word("target"), target), hide, cancel] : [];
+    const { survey } = ground.choice;
+    const hide = button(word("hide"), () =>
+      act("/api/ground/hide", { survey, target: target.value }));
+    const cancel = button(word("cancel"), () => act("/api/ground/cancel", {}));
+    const searches = app.mayControl ? [field(word("target"), target), hide, cancel] : [];
     const said = element("p", { role: "status" });
     const hiding = element("p", { class: "muted" });
     root.append(
@@ -46,20 +44,18 @@ export default {
       element("div", { class: "columns" },
         element("div", { class: "card" }, element("h2", {}, word("marks")), marks,
           element("div", { class: "row" }, field(word("text"), text), add)),
-        element("div", { class: "card" }, element("h2", {}, word("focused")),
-          element("div", { class: "row" }, focus, ...searches), said, hiding)),
+        element("div", { class: "card" }, element("h2", {}, word("hiding")),
+          element("div", { class: "row" }, ...searches), said, hiding)),
     );
     let key = "";
     ground.onAnswer = () => {
       const { shown, about } = ground;
       shown.counts.forEach(([state, name, count]) =>
         write(counts[STATES.indexOf(state)].lastChild, ` ${name}: ${count ?? "—"}`));
-      const jobs = [about.focus, about.hide];
-      const works = jobs.find((one) => one.running);
-      const running = works ? [word("works", { seconds: works.seconds })] : [];
-      write(said, [...running, ...jobs.map((one) => one.said)].join(" ").trim());
-      focus.disabled = hide.disabled = Boolean(works);
-      cancel.disabled = !works;
+      const { running, seconds, said: stage } = about.hide;
+      write(said, `${running ? word("works", { seconds }) : ""} ${stage}`.trim());
+      hide.disabled = running;
+      cancel.disabled = !running;
       add.disabled = !about.folder || !shown.place;
       write(hiding, shown.hiding.join(" "));
       if (key === (key = JSON.stringify(shown.marks))) return;

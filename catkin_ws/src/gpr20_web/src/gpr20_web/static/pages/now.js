@@ -18,6 +18,7 @@ export default {
         one, figure(word(one)),
       ]),
     );
+    this.result = element("a", { class: "button", hidden: true });
     this.cards = element("div", { class: "cards" });
     this.map = element("img", { class: "map", alt: app.word("map.title"), hidden: true });
     root.append(
@@ -30,21 +31,25 @@ export default {
           this.percent,
           this.progress,
           this.left,
+          this.result,
           element("dl", {}, ...Object.values(this.figures)),
+          app.top.control,
         ),
         element("div", { class: "card" }, this.map),
       ),
       this.cards,
-      app.notices.permission(),
     );
     this.cardsKey = "";
   },
 
   update(state, app) {
     const { job, band } = state;
-    const unknown = app.word("now.unknown");
-    const put = (name, text) => write(this.figures[name].lastChild, text || unknown);
-    write(this.percent, job.percent === null ? "—" : `${job.percent} %`);
+    const put = (name, text) => {
+      this.figures[name].hidden = !text;
+      write(this.figures[name].lastChild, text);
+    };
+    this.percent.hidden = job.percent === null;
+    write(this.percent, `${job.percent} %`);
     this.progress.hidden = job.percent === null;
     this.progress.value = job.percent ?? 0;
     write(this.left, band.left);
@@ -55,6 +60,10 @@ export default {
     put("area", job.area);
     put("position", job.place);
     put("height", job.height_mm === null ? "" : `${job.height_mm} mm`);
+    const { result } = state;
+    this.result.hidden = !result;
+    if (result) this.result.href = `#surveys/${result.folder}`;
+    write(this.result, result ? `${app.word("now.result")}: ${result.text}` : "");
     this.showMap(state, app);
     const key = JSON.stringify([state.fault, state.refusal]);
     if (key !== this.cardsKey) {
@@ -63,14 +72,16 @@ export default {
     }
   },
 
-  showMap({ ground }, app) {
-    if (!ground || this.revision === `${ground.survey} ${ground.revision}`) return;
-    this.revision = `${ground.survey} ${ground.revision}`;
+  // What is measured until all is, then what it shows.
+  showMap({ ground, job }, app) {
+    const layer = job.percent === 100 ? "echoes" : "coverage";
+    if (!ground || this.shown === `${layer} ${ground.survey} ${ground.revision}`) return;
+    this.shown = `${layer} ${ground.survey} ${ground.revision}`;
     const theme = document.documentElement.dataset.theme;
     this.map.hidden = !ground.survey;
     if (ground.survey)
       this.map.src = app.server.address(
-        `/api/ground/map.png?layer=coverage&theme=${theme}&revision=${ground.revision}`,
+        `/api/ground/map.png?layer=${layer}&theme=${theme}&revision=${ground.revision}`,
       );
   },
 
@@ -97,6 +108,6 @@ export default {
   },
 
   leave() {
-    this.revision = null;
+    this.shown = null;
   },
 };

@@ -25,11 +25,10 @@ export default {
     root.append(
       this.summary,
       this.wrong,
-      element("details", {}, element("summary", {}, word("all")), this.every),
-      element("h2", {}, word("parts")),
-      this.parts,
+      element("details", {}, element("summary", {}, word("all")), this.every,
+        element("h2", {}, word("parts")), this.parts),
     );
-    if (app.mayOperate)
+    if (app.mayControl)
       root.append(element("div", { class: "card" }, element("p", {}, word("contents")),
         this.bundle, this.said));
     this.key = "";

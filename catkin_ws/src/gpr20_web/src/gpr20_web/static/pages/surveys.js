@@ -9,7 +9,7 @@ const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
 const ENOUGH = 20;
 const TYPED_MS = 300;
-const POLL_MS = 1000;
+const SEARCH_LIMIT_MS = 600000;
 
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
@@ -171,31 +171,25 @@ export default {
   },
 
   candidates({ candidates, can_search: can }) {
-    const said = element("p", { role: "status" });
-    const find = button(this.word("find"), () => this.find(said, find), {
-      class: "primary", disabled: !can,
-    });
+    this.said = element("p", { role: "status" });
+    this.again = button(this.word("find"), () => this.find(), { hidden: !can || Boolean(candidates) });
     const shown = candidates ? this.places(candidates) : [];
-    return this.card(this.word("candidates"), ...shown, said, find);
+    this.list = this.card(this.word("candidates"), ...shown, this.said, this.again);
+    return this.list;
   },
 
-  async find(said, find) {
-    const { folder } = this;
-    const path = this.path("/candidates");
-    find.disabled = true;
+  // What nobody has found yet is searched for; else the answer is the one that is known.
+  async find() {
+    const { list: card, said, again } = this;
+    again.disabled = true;
+    write(said, this.word("searching"));
     await this.act(async () => {
-      await this.app.post(path);
-      let search = await this.app.get(path);
-      while (search.state === "running" && folder === this.folder) {
-        write(said, this.word("searching", { seconds: search.seconds }));
-        await pause(POLL_MS);
-        search = await this.app.get(path);
-      }
-      if (folder !== this.folder) return;
-      write(said, `${search.problem} ${search.remedy}`);
-      if (search.state === "done") await this.open(folder, this.word("candidates"));
+      const path = this.path("/candidates");
+      const found = await this.app.server.ask("POST", path, {}, SEARCH_LIMIT_MS);
+      if (card.isConnected) card.replaceWith(this.candidates({ ...found, can_search: true }));
     });
-    find.disabled = false;
+    write(said, "");
+    again.disabled = false;
   },
 
   places({ headline, warnings, notes, list, places, weaker }) {

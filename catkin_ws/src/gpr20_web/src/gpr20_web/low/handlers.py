@@ -1,28 +1,32 @@
-"""One request: finds its route, checks origin and right, and writes the answer."""
+"""One request, by tornado: a file of the pages, or a route with its right."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 from concurrent.futures import Executor
 from dataclasses import dataclass
-from typing import Any, Awaitable, Callable, Dict, Iterator, Mapping, Optional, Tuple
+from typing import Any, Awaitable, Callable, Dict, Iterator, List, Mapping, Optional
 
 from tornado import web
 from tornado.http1connection import HTTP1Connection
 from tornado.iostream import StreamClosedError
 
-from gpr20_common.catalogue import Language, read_catalogue
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.catalogue import Language, language_from_code, languages, read_catalogue
+from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
 from gpr20_web import faults
-from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Route, Routes, Stream
-from gpr20_web.errors import BusyError, NotAllowedError, NotFoundError, WebError
+from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Stream
+from gpr20_web.errors import (
+    BadRequestError,
+    BusyError,
+    NotAllowedError,
+    NotFoundError,
+    WebError,
+)
 from gpr20_web.low.event_streams import EventStreams, Watcher, json_text
-from gpr20_web.low.request_reading import language_of, object_of, path_of, query_of
-from gpr20_web.low.static_files import StaticFile
-from gpr20_web.roles import Role
 
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
@@ -31,6 +35,7 @@ LONG_AGO = 1.0
 MAX_WAITING = 32
 # A browser that watches and whose computer has not answered for so long is gone [s].
 BROKEN_S = 10.0
+MAX_LANGUAGES_CHARACTERS = 200
 JSON = "application/json"
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
 # forbid a person to accept the certificate that the installation made.
@@ -62,15 +67,12 @@ class Site:
     """What every request needs.
 
     Attributes:
-        routes: Everything that can be asked for.
-        find: Returns the person of a session and an address, or raises NotLoggedInError.
+        find: Returns the person of a cookie and an address, or raises NotLoggedInError.
         report: Takes an exception that no error of the project is, to be logged.
         work: For requests that wait for files or nodes.
         logins: For those who are not logged in yet: whatever the others wait for, they get in.
     """
 
-    routes: Routes
-    files: Mapping[str, StaticFile]
     find: Callable[[str, str], Person]
     report: Callable[[BaseException], None]
     streams: EventStreams
@@ -80,14 +82,12 @@ class Site:
 
 # Otherwise tornado itself reads forms, before any check; tornado 6.4 takes seconds for some.
 @web.stream_request_body
-class TableHandler(web.RequestHandler):
-    """Answers by the table alone."""
+class PageHandler(web.RequestHandler):
+    """What all answers have in common; it refuses what no other handler takes."""
 
     def initialize(self, site: Site) -> None:
         """Tornado: take what every request needs."""
         self._site = site
-        self._text: Callable[[Message], str] = str
-        self._watcher: Optional[Watcher] = None
         self._body = bytearray()
 
     def data_received(self, chunk: bytes) -> None:
@@ -100,37 +100,109 @@ class TableHandler(web.RequestHandler):
             self.set_header(name, value)
         self.clear_header("Server")
 
-    def get(self) -> Awaitable[None]:
+    def prepare(self) -> None:
+        """Tornado: refuse what no other handler takes."""
+        self._refuse(NotFoundError(Message("there is no page {path}", path=self.request.path[:80])))
+
+    def write_error(self, status_code: int, **_kwargs: Any) -> None:
+        """Tornado: write an error of its own, without what it knows of this program."""
+        self._send_json({"error": self._text(Message("The request was refused."))})
+
+    def _language(self) -> Language:
+        """Return the language that a page asks for, else one that its browser accepts."""
+        accepted = self.request.headers.get("Accept-Language", "")[:MAX_LANGUAGES_CHARACTERS]
+        asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
+        known = {one.value for one in languages()}
+        wanted = (
+            one.strip().partition("-")[0].lower()
+            for one in (asked, *accepted.replace(";", ",").split(","))
+        )
+        found = next((one for one in wanted if one in known), Language.ENGLISH.value)
+        try:
+            language = language_from_code(found)
+            read_catalogue(language)
+        except InvalidValueError:
+            # The catalogue was damaged since: a page in English is better than none.
+            return Language.ENGLISH
+        return language
+
+    def _text(self, message: Message) -> str:
+        return read_catalogue(self._language()).text(message)
+
+    def _send_json(self, values: Mapping[str, Any]) -> None:
+        connection = self.request.connection
+        if self._headers_written and isinstance(connection, HTTP1Connection):
+            # An error behind a part of a download would end it as if it were whole.
+            connection.close()
+            return
+        self.set_header("Content-Type", f"{JSON}; charset=UTF-8")
+        self.finish(json_text(values))
+
+    def _refuse(self, error: Gpr20Error) -> None:
+        self.set_status(error.status if isinstance(error, WebError) else 409)
+        message = error.message
+        first = first_step(message)
+        remedy = "" if first is None else self._text(first)
+        self._send_json(
+            {"error": self._text(message), "remedy": remedy, "code": message.fault_code}
+        )
+
+
+@web.stream_request_body
+class FileHandler(web.StaticFileHandler):
+    """A file of the pages; the browser asks each time, so that an update reaches it."""
+
+    def data_received(self, chunk: bytes) -> None:
+        """Tornado: ignore what is sent with a request for a file."""
+
+    def set_default_headers(self) -> None:
+        """Tornado: set what every answer has."""
+        PageHandler.set_default_headers(self)  # type: ignore[arg-type]
+
+    def set_extra_headers(self, path: str) -> None:
+        """Tornado: replace what is for answers that are made."""
+        self.set_header("Cache-Control", "no-cache")
+
+    def write_error(self, status_code: int, **_kwargs: Any) -> None:
+        """Tornado: write an error without what it knows of this program."""
+        self.finish()
+
+
+class RouteHandler(PageHandler):
+    """Answers one path by its routes."""
+
+    def initialize(  # type: ignore[override]
+        self, site: Site, routes: Mapping[str, Route]
+    ) -> None:
+        """Tornado: take what every request needs, and the routes by their methods."""
+        super().initialize(site)
+        self._routes = routes
+        self._watcher: Optional[Watcher] = None
+
+    def prepare(self) -> None:
+        """Tornado: do nothing before the request is read."""
+
+    def get(self, **parts: str) -> Awaitable[None]:
         """Answer a request that changes nothing."""
-        return self._serve()
+        return self._serve(parts)
 
-    def post(self) -> Awaitable[None]:
-        return self._serve()
-
-    def delete(self) -> Awaitable[None]:
-        """Answer a request that removes something."""
-        return self._serve()
+    def post(self, **parts: str) -> Awaitable[None]:
+        """Answer a request that changes something."""
+        return self._serve(parts)
 
     def on_connection_close(self) -> None:
         """Tornado: the browser has left."""
         if self._watcher is not None:
             self._watcher.gone.set()
 
-    def write_error(self, status_code: int, **_kwargs: Any) -> None:
-        """Tornado: write an error of its own, without what it knows of this program."""
-        self._send_json({"error": self._text(Message("The request was refused."))})
-
-    async def _serve(self) -> None:
+    async def _serve(self, parts: Mapping[str, str]) -> None:
         try:
-            query = query_of(self.request.query)
-            # First of all: whatever is refused is refused in it.
-            language = self._choose_language(query.pop("language", ""))
-            path = path_of(self.request.path)
-            if not path.startswith("/api/"):
-                self._send_file(path)
-                return
-            route, parts = self._route(path)
-            call = self._call(route, parts, query, language)
+            method = self.request.method or ""
+            route = self._routes.get(method)
+            if route is None:
+                path = self.request.path[:80]
+                raise NotFoundError(Message("there is no page {path}", path=path))
+            call = self._call(route, parts)
             await self._write(await self._answer(route, call), call)
         except Gpr20Error as error:
             self._refuse(error)
@@ -142,41 +214,13 @@ class TableHandler(web.RequestHandler):
             words = Message("The page has a fault of its own; its log says which.")
             self._send_json({"error": self._text(words)})
 
-    def _send_file(self, path: str) -> None:
-        file = self._site.files.get("/index.html" if path == "/" else path)
-        if file is None or self.request.method != "GET":
-            raise _not_found(path)
-        self.set_header("Content-Type", file.kind)
-        self.set_header("ETag", file.tag)
-        # The browser asks each time, so that an update of the robot reaches it.
-        self.set_header("Cache-Control", "no-cache")
-        if self.request.headers.get("If-None-Match") == file.tag:
-            self.set_status(304)
-            self.finish()
-        else:
-            self.finish(file.content)
-
-    def _route(self, path: str) -> Tuple[Route, Mapping[str, str]]:
-        for route in self._site.routes:
-            parts = route.match(path) if route.method == self.request.method else None
-            if parts is not None:
-                return route, parts
-        raise _not_found(path)
-
-    def _choose_language(self, code: str) -> Language:
-        language = language_of(code, self.request.headers.get("Accept-Language", ""))
-        self._text = read_catalogue(language).text
-        return language
-
-    def _call(
-        self, route: Route, parts: Mapping[str, str], query: Mapping[str, str], language: Language
-    ) -> Call:
+    def _call(self, route: Route, parts: Mapping[str, str]) -> Call:
         """Check a request and return it.
 
         Raises:
             WebError: It is not from this page, nobody is logged in, or has not the right.
         """
-        self._check_origin(route.method)
+        self._check_origin()
         address = str(self.request.remote_ip)
         person = None
         if route.right is not Role.NOBODY:
@@ -190,12 +234,11 @@ class TableHandler(web.RequestHandler):
                         right=route.right.word,
                     )
                 )
-        values: Mapping[str, Any] = query
-        if route.method != "GET":
-            values = object_of(bytes(self._body))
-        return Call(person, address, values, parts, language, self._text)
+        is_get = route.method == "GET"
+        values = _fields(self.request.query_arguments) if is_get else _object(bytes(self._body))
+        return Call(person, address, values, parts, self._language(), self._text)
 
-    def _check_origin(self, method: str) -> None:
+    def _check_origin(self) -> None:
         """Refuse what another page has made a browser send.
 
         Raises:
@@ -206,7 +249,7 @@ class TableHandler(web.RequestHandler):
         kind = headers.get("Content-Type", "").partition(";")[0].strip()
         # Every present browser says so; a page at another port has the cookie sent too.
         is_foreign = headers.get("Sec-Fetch-Site") in ("same-site", "cross-site")
-        if method != "GET":
+        if self.request.method != "GET":
             is_foreign |= headers.get("Origin", "") != own or kind != JSON
         if is_foreign:
             raise NotAllowedError(
@@ -214,10 +257,9 @@ class TableHandler(web.RequestHandler):
             )
 
     async def _answer(self, route: Route, call: Call) -> Answer:
-        site = self._site
         if not route.blocking:
             return route.answer(call)
-        pool = site.logins if route.right is Role.NOBODY else site.work
+        pool = self._site.logins if route.right is Role.NOBODY else self._site.work
         if pool.waiting >= MAX_WAITING:
             raise BusyError(
                 Message("the page has too much to do: {count} requests wait", count=pool.waiting)
@@ -263,35 +305,35 @@ class TableHandler(web.RequestHandler):
             self.finish(body.content)
             return
         loop, parts = asyncio.get_event_loop(), iter(body.content)
-        part = await loop.run_in_executor(self._site.work.threads, _next, parts)
-        while part is not None:
+        while True:
+            part = await loop.run_in_executor(self._site.work.threads, _next, parts)
+            if part is None:
+                break
             self.write(part)
             await self.flush()
-            part = await loop.run_in_executor(self._site.work.threads, _next, parts)
         self.finish()
-
-    def _send_json(self, values: Mapping[str, Any]) -> None:
-        connection = self.request.connection
-        if self._headers_written and isinstance(connection, HTTP1Connection):
-            # An error behind a part of a download would end it as if it were whole.
-            connection.close()
-            return
-        self.set_header("Content-Type", f"{JSON}; charset=UTF-8")
-        self.finish(json_text(values))
-
-    def _refuse(self, error: Gpr20Error) -> None:
-        self.set_status(error.status if isinstance(error, WebError) else 409)
-        message = error.message
-        first = first_step(message)
-        remedy = "" if first is None else self._text(first)
-        self._send_json(
-            {"error": self._text(message), "remedy": remedy, "code": message.fault_code}
-        )
-
-
-def _not_found(path: str) -> NotFoundError:
-    return NotFoundError(Message("there is no page {path}", path=path[:80]))
 
 
 def _next(parts: Iterator[bytes]) -> Optional[bytes]:
     return next(parts, None)
+
+
+def _fields(given: Mapping[str, List[bytes]]) -> Dict[str, str]:
+    try:
+        return {name: values[-1].decode() for name, values in given.items() if name != "language"}
+    except UnicodeDecodeError as error:
+        raise BadRequestError(Message("the address is no text")) from error
+
+
+def _object(body: bytes) -> Mapping[str, Any]:
+    try:
+        values = json.loads(body or b"{}", parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise BadRequestError(Message("the request is not JSON")) from error
+    if not isinstance(values, dict):
+        raise BadRequestError(Message("the request is no JSON object"))
+    return values
+
+
+def _refuse_constant(name: str) -> None:
+    raise ValueError(name)
