@@ -71,8 +71,8 @@ def recording_doubts(path: Path) -> List[Message]:
 def unproven_count(description: Described, samples: Sequence[Sample]) -> int:
     """Return of how many traces nothing proves that their zeros are those of the others."""
     in_order = sorted(samples, key=lambda one: one.index)
-    unproven = unproven_zeros(description.get("report"), (one.zeros for one in in_order))
-    return sum(one.zeros in unproven or str(UNPROVEN) in one["quality"] for one in samples)
+    unproven = unproven_zeros(description.get("report"), (one["zeros"] for one in in_order))
+    return sum(one["zeros"] in unproven or str(UNPROVEN) in one["quality"] for one in samples)
 
 
 def _positions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:

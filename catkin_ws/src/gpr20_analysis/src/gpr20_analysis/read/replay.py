@@ -74,15 +74,15 @@ def describe(survey: Path) -> ReplayedSurvey:
         AnalysisError: It is no recording of a survey; the message names its topics.
         OSError: It cannot be read.
     """
-    path, is_link = recording_of(survey), not survey.is_dir()
-    messages = all_messages(path, Lost(), follow_link=is_link)
+    path = recording_of(survey)
+    messages = all_messages(path, Lost())
     one = next((one for one in messages if is_metadata_topic(one.topic) or _is_trace(one)), None)
     if one is None:
         raise without_traces(path)
     found = ReplayedSurvey(
         folder=storable(survey.resolve().name) if survey.is_dir() else "",
         namespace=one.topic[: one.topic.rindex("/") + 1],
-        length_s=mcap_length_s(path, is_link) if path.suffix == MCAP else 0.0,
+        length_s=mcap_length_s(path) if path.suffix == MCAP else 0.0,
     )
     if _is_trace(one):
         return found
@@ -100,7 +100,7 @@ def recorded(survey: Path) -> Iterator[RecordedMessage]:
         OSError: It cannot be read.
     """
     lost = Lost()
-    for message in all_messages(recording_of(survey), lost, follow_link=not survey.is_dir()):
+    for message in all_messages(recording_of(survey), lost):
         if message.datatype != REPLAY_TYPE:
             yield message
     if lost.faults:

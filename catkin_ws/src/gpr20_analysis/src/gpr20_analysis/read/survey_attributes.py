@@ -69,7 +69,7 @@ def survey_attributes(
 
 def known_settings(samples: Sequence[Sample]) -> List[Tuple[AnalyzerSettings, int]]:
     """Return the settings that are known, and of how many samples, those of most first."""
-    known = (one.analyzer for one in samples if one.analyzer != AnalyzerSettings())
+    known = (one["analyzer"] for one in samples if one["analyzer"] != AnalyzerSettings())
     return Counter(known).most_common()
 
 

@@ -27,9 +27,9 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.recordings import is_metadata_topic
 from gpr20_analysis.read.replay import describe
-from gpr20_analysis.read.sources import read_trace
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.folder.survey_folder import LOG_FILES
+from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.trace import trace_message
