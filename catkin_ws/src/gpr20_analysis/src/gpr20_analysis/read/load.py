@@ -13,7 +13,7 @@ from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_analysis.formats.dataset_files import NETCDF, checked, read_dataset
-from gpr20_analysis.formats.facts import restored
+from gpr20_analysis.formats.facts import attributes_of
 from gpr20_analysis.formats.imports import refuse_device, refuse_importable
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.recordings import is_recording
@@ -43,8 +43,8 @@ def load_survey(
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
             `gpr20` as .nc.
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
-            `faults`, instead of refusing the survey. Samples that are merely missing are never
-            refused: they are NaN, marked, and named in attribute `missing`.
+            `faults`, instead of refusing the survey; a damaged .nc is always refused. Samples that
+            are merely missing never are: they are NaN, marked, and named in attribute `missing`.
         progress: Shows the progress.
 
     Returns:
@@ -59,7 +59,7 @@ def load_survey(
     found = Path(path).expanduser()
     refuse_device(found)
     if found.suffix == NETCDF:
-        return checked(read_dataset(found), found.name, accept_damaged)
+        return checked(read_dataset(found), found.name)
     # What is ours is not shown to the formats of other packages.
     if not (is_recording(found) or (found / LOG_FILE).exists()):
         refuse_importable(found)
@@ -256,10 +256,9 @@ def _attributes(
     described = source.description or {}
     imported = import_of(described)
     notes += _texts(imported.get(NOTES))
-    kept = restored(xr.Dataset(), imported).attrs
     attributes: Dict[str, Any] = {
         # What people add to a survey may have been changed since.
-        **{name: one for name, one in kept.items() if name not in OF_PEOPLE},
+        **{name: one for name, one in attributes_of(imported).items() if name not in OF_PEOPLE},
         "format": dataset.FORMAT,
         "source": source.name,
         "survey_id": table.survey_id,
