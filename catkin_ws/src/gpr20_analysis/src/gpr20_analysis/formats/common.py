@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from types import MappingProxyType
-from typing import Any, Iterable, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.formats.facts import GRID, with_facts
 from gpr20_analysis.read.survey_grid import SurveyGrid, grid_of
 from gpr20_analysis.sentences import with_sentences
@@ -193,42 +193,3 @@ def _on_known_grid(
     if np.any(np.abs(found - positions) > ROUNDED):
         return None
     return SurveyGrid(*(tuple(axis.tolist()) for axis in axes)), found
-
-
-def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float, float, float]]:
-    """Return array index, x [mm], y [mm] and rotation [deg] of each sample with data."""
-    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
-    turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
-    return [
-        (
-            (int(turn), int(row), int(column)),
-            float(x_m[column]) * dataset.MM_PER_M,
-            float(y_m[row]) * dataset.MM_PER_M,
-            float(turns_deg[turn]),
-        )
-        for turn, row, column in np.argwhere(usable)
-    ]
-
-
-def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float:
-    """Return the spacing of evenly spaced coordinates; 0 for a single one.
-
-    Raises:
-        ExportError: The spacing is uneven.
-    """
-    if len(values) < 2:
-        return 0.0
-    steps = np.diff(values)
-    if np.ptp(steps) > 0.01 * abs(steps.mean()):
-        raise ExportError(
-            Message(
-                "the spacing of {axis} is uneven, {smallest:g} to {largest:g} {unit}; choose a "
-                "format that supports that",
-                axis=name,
-                smallest=steps.min(),
-                largest=steps.max(),
-                unit=unit,
-            ),
-            fault=faults.INPUT,
-        )
-    return float((values[-1] - values[0]) / (len(values) - 1))

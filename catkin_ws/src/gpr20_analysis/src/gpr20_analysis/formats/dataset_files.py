@@ -24,6 +24,7 @@ from gpr20_analysis.errors import (
     DamagedSurveyError,
     ExportError,
     UnreadableFileError,
+    WrongDatasetError,
     not_there,
     wrong_ending,
 )
@@ -95,7 +96,7 @@ def read_dataset(path: Path) -> xr.Dataset:
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.INPUT)
     try:
-        stored = xr.open_dataset(str(path), engine="h5netcdf")
+        stored = xr.open_dataset(str(path), engine="h5netcdf", decode_timedelta=False)
         with np.errstate(invalid="ignore"), stored:
             return dataset.described(_as_complex(stored.load()))
     # On damaged files the libraries raise exceptions of many kinds.
@@ -184,13 +185,19 @@ def checked(data: xr.Dataset, name: str) -> xr.Dataset:
             fault=faults.INPUT,
         )
     for one in held:
-        _check_form(data, one, VALUES[one], name)
-        _check_axes(data, VALUES[one], name)
-        whole = abs(data[one]) < np.inf
-        if one in (dataset.S21, dataset.A_SCAN):
-            for variable in (dataset.QUALITY, dataset.HEIGHT):
-                _check_form(data, variable, dataset.SAMPLE_DIMS, name)
-            is_there = whole.all(VALUES[one][-1]) & ~np.isinf(data[dataset.HEIGHT])
+        dims = VALUES[one]
+        beside = (dataset.QUALITY, dataset.HEIGHT) if one in (dataset.S21, dataset.A_SCAN) else ()
+        try:
+            values = dataset.require(data, one, dims)
+            for variable in beside:
+                dataset.require(data, variable, dataset.SAMPLE_DIMS)
+        except WrongDatasetError as error:
+            reason = Message("{file}: {reason}", file=name, reason=error.message)
+            raise UnreadableFileError(reason, fault=faults.INPUT) from error
+        _check_axes(data, dims, name)
+        whole = abs(values) < np.inf
+        if beside:
+            is_there = whole.all(dims[-1]) & ~np.isinf(data[dataset.HEIGHT])
             whole = is_there | ~dataset.usable(data)
         if not whole.all():
             raise DamagedSurveyError(
@@ -205,26 +212,10 @@ def checked(data: xr.Dataset, name: str) -> xr.Dataset:
     return data.assign_attrs(with_sentences(attributes, missing=missing))
 
 
-def _check_form(data: xr.Dataset, one: str, dims: Tuple[str, ...], name: str) -> None:
-    if one not in data or set(data[one].dims) != set(dims) or 0 in data[one].shape:
-        found = data[one].sizes.items() if one in data else ()
-        raise UnreadableFileError(
-            Message(
-                "{file}: '{variable}' has the dimensions {found}; it must have {needed}, none of "
-                "them empty",
-                file=name,
-                variable=one,
-                found=", ".join(f"{dim} {size}" for dim, size in found) or "-",
-                needed=", ".join(dims),
-            ),
-            fault=faults.INPUT,
-        )
-
-
 def _check_axes(data: xr.Dataset, dims: Tuple[str, ...], name: str) -> None:
     for axis in dims:
         values = data[axis].values if axis in data.coords else np.array("")
-        if values.dtype.kind not in "fiu":
+        if values.dtype.kind not in "fiu" or not values.size:
             raise UnreadableFileError(
                 Message("{file} has no coordinate '{axis}'", file=name, axis=axis),
                 fault=faults.INPUT,

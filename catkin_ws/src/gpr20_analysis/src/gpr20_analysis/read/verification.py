@@ -260,21 +260,23 @@ class _Verifier:
 
     def _check_claims(self, readable: int) -> None:
         """Compare what the log says of the survey with what is there."""
-        log, planned, claims = self._description, self.found.planned, []
-        if self._has_ended:
-            claims.append(("stored", log.get("stored_traces"), readable))
-        if planned is not None:
-            claims.append(("planned", log.get("planned_traces", planned), planned))
-        self.found.faults += [
-            Message(
-                "the log records {recorded} {what} traces, but there are {present}",
-                recorded=recorded,
-                what=what,
-                present=present,
+        log, planned = self._description, self.found.planned
+        if self._has_ended and log.get("stored_traces") != readable:
+            self.found.faults.append(
+                Message(
+                    "the log records {recorded} stored traces, but there are {present}",
+                    recorded=log.get("stored_traces"),
+                    present=readable,
+                )
             )
-            for what, recorded, present in claims
-            if recorded != present
-        ]
+        if planned is not None and log.get("planned_traces", planned) != planned:
+            self.found.faults.append(
+                Message(
+                    "the log records {recorded} planned traces, but there are {present}",
+                    recorded=log.get("planned_traces"),
+                    present=planned,
+                )
+            )
         is_missing = planned is None or self.found.stored < planned
         is_complete = mapping_of(log, "report").get("complete") is True
         says_complete = log.get("outcome") == "finished" or is_complete

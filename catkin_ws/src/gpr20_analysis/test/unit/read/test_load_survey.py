@@ -157,7 +157,7 @@ def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
     with (tmp_path / "survey.csv").open(encoding="utf-8", newline="") as stream:
         rows = {int(row["index"]): row for row in csv.DictReader(stream)}
     assert rows[CELSIUS]["aux_soil_2 [K]"] == "6.0"
-    assert rows[KELVIN]["aux_period [s]"] == "nan"
+    assert rows[KELVIN]["aux_period [seconds]"] == "nan"
     section = _sensors(survey, ENGLISH)
     assert section.rows[1] == ("soil", "\N{DEGREE SIGN}C", "12/18", "0", "2.75", "5.5")
 
