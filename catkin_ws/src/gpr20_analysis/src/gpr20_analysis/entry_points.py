@@ -101,8 +101,14 @@ class ExtensionPoint:
                 )
             )
         if not found:
-            names = ", ".join(self.names())
-            raise self._refusal(name, Message("it does not exist; there are: {names}", names=names))
+            raise self.error(
+                Message(
+                    "{what} '{name}' does not exist; there are: {names}",
+                    what=self.what,
+                    name=name,
+                    names=", ".join(self.names()),
+                )
+            )
         if len(found) > 1:
             origins = "; ".join(one.origin for one in found)
             reason = Message("several packages have it: {origins}; remove one", origins=origins)

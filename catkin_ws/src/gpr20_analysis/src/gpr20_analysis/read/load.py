@@ -11,7 +11,7 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.formats.dataset_files import NETCDF, checked, read_dataset
 from gpr20_analysis.formats.facts import attributes_of
 from gpr20_analysis.formats.imports import refuse_device, refuse_importable
@@ -19,15 +19,16 @@ from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.recordings import is_recording
 from gpr20_analysis.read.sources import Damage, Source, open_source
 from gpr20_analysis.read.survey_attributes import OF_PEOPLE, aux_variables, survey_attributes
-from gpr20_analysis.read.survey_grid import Plan
+from gpr20_analysis.read.survey_grid import unknown_plan
 from gpr20_analysis.read.traces import Sample, TraceTable, trace_variables
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_analysis.work import Progress, no_progress
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.folder.survey_folder import LOG_FILE
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
-from gpr20_survey.plan.recorded_plan import REFINES
+from gpr20_survey.plan.recorded_plan import REFINES, PlanFit
 from gpr20_survey.trace.trace import Trace
 
 FAULTS_LISTED = 8
@@ -154,7 +155,7 @@ def assemble(
     return found.assign_attrs(with_sentences(attributes, missing=missing))
 
 
-def _plan(source: Source) -> Optional[Plan]:
+def _plan(source: Source) -> Optional[PlanFit]:
     if source.description is None:
         source.notes.append(
             Message(
@@ -164,9 +165,9 @@ def _plan(source: Source) -> Optional[Plan]:
         )
         return None
     try:
-        return Plan(source.description)
-    except AnalysisError as error:
-        source.faults.append(Damage(error.message))
+        return PlanFit(source.description)
+    except InvalidValueError as error:
+        source.faults.append(Damage(unknown_plan(error.message)))
         return None
 
 

@@ -65,7 +65,7 @@ def repair_survey(folder: Path, progress: Progress = no_progress) -> List[Messag
         is_valid = _is_manifest_valid(folder, recovered)
         if is_valid and recovered.found.is_whole and not recovered.unconfirmed:
             return [NOT_NEEDED]
-        verified = verify_survey(folder, progress, use_manifest=is_valid, repairing=True)
+        verified = verify_survey(folder, progress, repairing=True)
         if verified.faults:
             return [IMPOSSIBLE]
         notes = [*verified.notes, *repairs_of(recovered)]

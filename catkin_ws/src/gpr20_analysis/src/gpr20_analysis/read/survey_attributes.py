@@ -55,7 +55,7 @@ def survey_attributes(
             found.update(read(description))
         except InvalidValueError as error:
             notes.append(
-                Message("an entry of the log is not valid: {reason}", reason=error.message)
+                Message("an entry of the log is not valid and left out: {reason}", reason=error.message)
             )
     settings = [asdict(one) for one, _count in known_settings(samples)]
     for name in OF_ANALYZER if settings else ():

@@ -11,9 +11,10 @@ import numpy as np
 from gpr20_analysis.dataset import AXIS, HEIGHT, SAMPLE_DIMS
 from gpr20_analysis.read.sources import Damage
 from gpr20_analysis.read.survey_attributes import OF_ANALYZER
-from gpr20_analysis.read.survey_grid import Plan, SurveyGrid, grid_of, planned_grid
+from gpr20_analysis.read.survey_grid import SurveyGrid, exact_grid, grid_of, planned_positions
 from gpr20_analysis.work import require_bytes
 from gpr20_common.message import Message
+from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import FLOATS, TraceField
 from gpr20_survey.trace.utc_time import NS_PER_US
@@ -69,7 +70,7 @@ class Sample:
 class TraceTable:
     """Collects the traces of one Dataset; a trace that does not fit becomes a fault."""
 
-    def __init__(self, plan: Optional[Plan]) -> None:
+    def __init__(self, plan: Optional[PlanFit]) -> None:
         self.faults: List[Damage] = []
         self.samples: Dict[int, Sample] = {}
         """The samples by index."""
@@ -80,8 +81,12 @@ class TraceTable:
         self._void: Set[int] = set()
         """Indices of samples that a later trace contradicts."""
         # With a plan the values are written to their place at once, which saves a copy.
-        self._grid = planned_grid(plan) if plan else None
-        self._cells = self._grid.places(plan.positions) if self._grid and plan else None
+        self._grid: Optional[SurveyGrid] = None
+        self._cells: Optional[np.ndarray] = None
+        if plan:
+            positions = planned_positions(plan)
+            self._grid = exact_grid(positions)
+            self._cells = self._grid.places(positions)
         self._rows: Any = {}
 
     def add(self, trace: Trace) -> None:

@@ -11,10 +11,11 @@ from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks, doubts
 from gpr20_analysis.read.sources import whole_description
-from gpr20_analysis.read.survey_grid import Plan
+from gpr20_analysis.read.survey_grid import unknown_plan
 from gpr20_analysis.read.traces import Sample
 from gpr20_analysis.read.verdict import Verification
 from gpr20_analysis.work import Progress, no_progress
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import MANIFEST_DAMAGED
@@ -22,7 +23,8 @@ from gpr20_survey.files.folder_lock import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
-from gpr20_survey.plan.imported import import_of, import_sentence, is_imported
+from gpr20_survey.plan.imported import import_sentence, is_imported
+from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.plan.robot_description import is_simulated_identity
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import moment_text
@@ -59,7 +61,6 @@ def check_survey_folder(folder: Path) -> None:
 def verify_survey(
     folder: Union[str, Path],
     progress: Progress = no_progress,
-    use_manifest: bool = True,
     repairing: bool = False,
 ) -> Verification:
     """Check a survey's folder; nothing in it is changed.
@@ -67,8 +68,8 @@ def verify_survey(
     Args:
         folder: The folder of one survey.
         progress: Shows the progress of each pass over its traces.
-        use_manifest: False: check it as if it had no manifest, so everything else is compared.
-        repairing: Whether the caller holds the folder's lock and writes the log again.
+        repairing: Check all but log and manifest, which the caller, who holds the folder's lock,
+            writes again.
 
     Raises:
         AnalysisError: It is not the folder of a survey.
@@ -83,9 +84,9 @@ def verify_survey(
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
     verifier = _Verifier(folder, recovered, writer)
-    if use_manifest and not writer:
-        verifier.check_manifest()
     if not repairing:
+        if not writer:
+            verifier.check_manifest()
         verifier.check_log()
     verifier.check_data(progress)
     return verifier.found
@@ -222,37 +223,23 @@ class _Verifier:
             found.faults += _contradictions(self._description)
             self._check_claims(len(files.prints))
 
-    def _plan(self) -> Optional[Plan]:
+    def _plan(self) -> Optional[PlanFit]:
         try:
-            plan = Plan(self._description)
-        except AnalysisError as error:
-            self.found.faults.append(error.message)
+            plan = PlanFit(self._description)
+        except InvalidValueError as error:
+            self.found.faults.append(unknown_plan(error.message))
             return None
         if self.found.imported is None:
             self.found.planned = len(plan.points)
-        else:
-            self._note_import(len(plan.points))
-        return plan
-
-    def _note_import(self, places: int) -> None:
-        found = import_of(self._description)
-        self.found.notes.append(
-            Message(
-                "imported by {software} at {time} from {source} (files: {files}, SHA-256 {sha256})",
-                software=str(found.get("software")),
-                time=moment_text(str(found.get("time"))),
-                source=str(found.get("source")),
-                files=str(found.get("files")),
-                sha256=str(found.get("sha256")),
-            )
-        )
-        absent = places - int(self._description.get("stored_traces") or 0)
+            return plan
+        absent = len(plan.points) - int(self._description.get("stored_traces") or 0)
         if absent > 0:
             self.found.notes.append(
                 Message("the source has no data at {count} places of its grid", count=absent)
             )
+        return plan
 
-    def _check_trace(self, plan: Optional[Plan], trace: Trace) -> None:
+    def _check_trace(self, plan: Optional[PlanFit], trace: Trace) -> None:
         self._samples.append(Sample.of(trace, row=0))
         misfits = (plan.misfits(trace) or plan.changed_settings(trace)) if plan else []
         self.found.faults += misfits
