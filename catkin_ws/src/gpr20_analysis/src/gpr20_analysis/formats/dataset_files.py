@@ -74,8 +74,8 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     stored.attrs.update(zip(OF_FILE, of_file))
     # The conventions want these last where there is a depth; spectra end with the frequency.
     for axis in (dataset.Y, dataset.X) if dataset.DEPTH in stored.dims else ():
-        own = {"axis": axis.upper(), "standard_name": f"projection_{axis}_coordinate"}
-        stored[axis].attrs.update(own)
+        as_plane = {"axis": axis.upper(), "standard_name": f"projection_{axis}_coordinate"}
+        stored[axis].attrs.update(as_plane)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, stored.nbytes + OVERHEAD_BYTES) as own:
         # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.

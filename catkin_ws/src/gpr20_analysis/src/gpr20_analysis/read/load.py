@@ -32,6 +32,8 @@ from gpr20_survey.plan.recorded_plan import REFINES, PlanFit
 from gpr20_survey.trace.trace import Trace
 
 FAULTS_LISTED = 8
+MOST_KEPT_BYTES = 256 << 20
+"""Of a survey that grows; further traces are read again each time."""
 RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)
 
 
@@ -90,9 +92,12 @@ class GrowingSurvey:
         status = path.stat()
         version = (status.st_mtime_ns, status.st_size)
         kept = self._kept.get(path.name)
-        if kept is None or kept[0] != version:
-            kept = self._kept[path.name] = version, read_trace(path)
-        return kept[1]
+        if kept is not None and kept[0] == version:
+            return kept[1]
+        trace = read_trace(path)
+        if kept is not None or 3 * len(self._kept) * trace.frequency_hz.nbytes < MOST_KEPT_BYTES:
+            self._kept[path.name] = version, trace
+        return trace
 
 
 def assemble(

@@ -110,20 +110,15 @@ def _folder_source(folder: Path, read: ReadTrace) -> Source:
     files = sorted(one for one in files if one.name != survey_folder.SURVEY_FILE)
     is_described = any(one.exists() for one in logs)
     if not files:
-        message = (
+        raise AnalysisError(
             Message(
-                "{folder} holds a survey without traces; resume it, or choose another",
-                folder=folder,
-            )
-            if is_described
-            else Message(
-                "{folder} contains no survey: there are no JSON files of traces in it or in its "
-                "folder {traces}/",
+                "{folder} holds no traces of a survey: there are no JSON files in it or in its "
+                "folder {traces}/; choose another, or resume the survey",
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
-            )
+            ),
+            fault=faults.INPUT,
         )
-        raise AnalysisError(message, fault=faults.INPUT)
     found = Source(storable(folder.name), lambda: _of_files(files, read, found), count=len(files))
     if is_described:
         try:

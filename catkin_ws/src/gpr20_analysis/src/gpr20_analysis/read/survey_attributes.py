@@ -54,9 +54,8 @@ def survey_attributes(
         try:
             found.update(read(description))
         except InvalidValueError as error:
-            notes.append(
-                Message("an entry of the log is not valid and left out: {reason}", reason=error.message)
-            )
+            reason = error.message
+            notes.append(Message("an entry of the log is left out: {reason}", reason=reason))
     settings = [asdict(one) for one, _count in known_settings(samples)]
     for name in OF_ANALYZER if settings else ():
         first, *others = {one[name] for one in settings}
@@ -87,7 +86,7 @@ def position_text(attributes: Mapping[str, Any]) -> str:
 
 
 def aux_variables(
-    values: Sequence[Tuple[AuxValue, ...]], cells: np.ndarray, size: int, notes: List[Message]
+    values: Sequence[Tuple[AuxValue, ...]], cells: Sequence[int], size: int, notes: List[Message]
 ) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
     """Return the values and the attributes of each variable `aux_<name>`.
 

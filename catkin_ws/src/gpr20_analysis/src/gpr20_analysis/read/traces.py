@@ -105,10 +105,12 @@ class TraceTable:
         elif not np.array_equal(trace.frequency_hz, self.frequency_hz):
             self.other_frequencies += 1
             message = Message(
-                "trace {index} has other frequencies ({own}) than the first trace ({first})",
+                "trace {index} has other frequencies than the first trace: {count} from "
+                "{first_hz:g} to {last_hz:g} Hz",
                 index=trace.index,
-                own=_span(trace.frequency_hz),
-                first=_span(self.frequency_hz),
+                count=len(trace.frequency_hz),
+                first_hz=trace.frequency_hz[0],
+                last_hz=trace.frequency_hz[-1],
                 details=trace.sample_id,
             )
             self.faults.append(Damage(message, trace.index))
@@ -167,7 +169,7 @@ class TraceTable:
                 if sample.row not in placed:
                     self._rows[sample.row] = EMPTY
             return np.asarray(self._rows)
-        rows = empty_rows(cells, np.size(self.frequency_hz))
+        rows = empty_rows(cells, 0 if self.frequency_hz is None else len(self.frequency_hz))
         for cell, sample in placed.items():
             rows[cell] = self._rows[sample.row]
         return rows
@@ -185,15 +187,6 @@ def of_other_survey(trace: Trace) -> Message:
         index=trace.index,
         survey=trace.survey_id,
         details=trace.sample_id,
-    )
-
-
-def _span(frequency_hz: np.ndarray) -> Message:
-    return Message(
-        "{count} from {first_hz:g} to {last_hz:g} Hz",
-        count=len(frequency_hz),
-        first_hz=frequency_hz[0],
-        last_hz=frequency_hz[-1],
     )
 
 

@@ -129,9 +129,7 @@ class _Verifier:
                 "removed, or the survey was cut off while it was closed; {remedy}",
                 remedy=REMEDY,
             )
-        elif sealed is None:
-            found.notes.append(Message("the survey was not closed, so there is no manifest"))
-        else:
+        elif sealed is not None:
             self._note_later(sealed.log.number)
             is_named = checks.DATA in self._description.get(UNCONFIRMED, {})
             is_other = checks.has_other_data(self._description, sealed.files)
