@@ -62,7 +62,7 @@ def test_a_time_zero_late_in_the_record_is_removed_by_an_image():
 @each_case("name, beside", [("a.DT1", "a.GPS"), ("b.rd3", "b.cor")])
 def test_places_in_files_beside_it_are_named(name, beside):
     form = "dt1" if name.endswith("DT1") else "rd3"
-    assert f"{beside} is not kit.read" in str(kit.read(DATA / name, form).attrs["notes"])
+    assert f"{beside} is not read" in str(kit.read(DATA / name, form).attrs["notes"])
 
 
 def test_a_figure_of_a_line_shows_what_comes_after_its_time_zero():
@@ -135,7 +135,7 @@ def test_a_name_in_other_capitals_is_that_of_another_line_if_that_has_its_own_fi
         kit.read(tmp_path / "line1.dt1", "dt1")
 
 
-@each_case("form, key", [("dt1", "NUMBER OF kit.TRACES"), ("rd3", "LAST TRACE")])
+@each_case("form, key", [("dt1", "NUMBER OF TRACES"), ("rd3", "LAST TRACE")])
 def test_the_size_of_a_file_decides_how_many_traces_it_has(tmp_path, form, key):
     write = {"dt1": kit.write_dt1, "rd3": kit.write_rd3}[form]
     write(tmp_path / f"l.{form}", **{key: kit.TRACES + 3})

@@ -15,7 +15,6 @@ from gpr20_analysis.read.recordings import (
     all_messages,
     is_metadata_topic,
     is_recording,
-    recording_of,
     without_traces,
 )
 from gpr20_common.errors import os_reason
@@ -141,7 +140,7 @@ def _of_files(files: Sequence[Path], read: ReadTrace, source: Source) -> Iterato
 
 
 def _recording_source(path: Path) -> Source:
-    recording = recording_of(path)
+    recording = path.resolve()  # a link that is named is followed
     found = Source(storable(path.name), lambda: _of_recording(recording, found))
     lost, texts, records = Lost(), [], []
     for one in all_messages(recording, lost, TEXT_TYPE):
