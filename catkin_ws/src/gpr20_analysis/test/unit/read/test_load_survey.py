@@ -2,7 +2,9 @@
 
 import csv
 import json
+import shutil
 from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -94,6 +96,14 @@ def test_missing_samples_are_nan_marked_and_listed(tmp_path):
     survey[dataset.QUALITY][0, 1, 2] = int(Quality.DAMAGED)
     (missing,) = dataset.missing_samples(survey)
     assert str(missing) == "damaged: x 20 mm, y 15 mm, 0 deg"
+
+
+def test_a_row_that_only_the_indices_miss_is_named(folder, tmp_path):
+    traces = Path(shutil.copytree(str(folder / "traces"), str(tmp_path / "traces")))
+    for path in sorted(traces.iterdir())[:6]:
+        path.unlink()
+    (missing,) = load_survey(traces).attrs["missing"]
+    assert missing.startswith("missing: 6 samples at unknown positions")
 
 
 def test_a_row_that_is_missing_between_others_is_put_in():
