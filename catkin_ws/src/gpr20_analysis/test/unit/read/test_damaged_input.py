@@ -127,7 +127,7 @@ def test_one_trace_or_place_twice_and_frequencies_that_no_half_shares_are_refuse
     for part in (twice, twice / "traces", place / "traces"):
         with raises_fault(survey_faults.DAMAGED):
             load_survey(part)
-    for part, lost in ((twice, [VICTIM]), (place / "traces", [VICTIM, VICTIM + 1])):
+    for part, lost in ((twice / "traces", [VICTIM]), (place / "traces", [VICTIM, VICTIM + 1])):
         found = load_survey(part, accept_damaged=True)["index"].values
         assert not np.isin(found, lost).any() and np.isin(VICTIM - 1, found)
     with raises_fault(survey_faults.DAMAGED):
