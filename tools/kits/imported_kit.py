@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from hypothesis import strategies as st
 
-from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.common import as_dataset
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of
@@ -43,12 +43,10 @@ def imported_surveys(draw: Any) -> xr.Dataset:
     height_m[random.random(shape) < 0.2] = np.nan
     height_m[missing] = np.nan
     survey = as_dataset(
-        Imported(
-            s21, turns_deg, y_m, x_m, height_m, SOURCE.name,
-            frequency_hz=np.cumsum(random.uniform(1e6, 1e9, points)),
-            simulated=draw(st.sampled_from([None, False, True])),
-            notes=[NOTE],
-        )
+        s21, turns_deg, y_m, x_m, height_m, SOURCE.name,
+        frequency_hz=np.cumsum(random.uniform(1e6, 1e9, points)),
+        simulated=draw(st.sampled_from([None, False, True])),
+        notes=[NOTE],
     )  # fmt: skip
     if draw(st.booleans()):
         times_us = 1_600_000_000_000_000 + random.integers(0, 10**9, shape)
@@ -62,11 +60,9 @@ def line_survey(count: int = 5, rows: int = 1) -> xr.Dataset:
     shape = (1, rows, count, 8)
     parts = np.random.default_rng(7).standard_normal((2, *shape))
     return as_dataset(
-        Imported(
-            parts[0] + 1j * parts[1], [0.0], np.arange(rows) * 0.1, np.arange(count) * 0.02,
-            np.full(shape[:3], 0.01), SOURCE.name, frequency_hz=np.linspace(1e9, 3e9, 8),
-            simulated=False,
-        )
+        parts[0] + 1j * parts[1], [0.0], np.arange(rows) * 0.1, np.arange(count) * 0.02,
+        np.full(shape[:3], 0.01), SOURCE.name, frequency_hz=np.linspace(1e9, 3e9, 8),
+        simulated=False,
     )  # fmt: skip
 
 

@@ -52,10 +52,10 @@ def test_all_parts_show_the_same_a_scan(points, start_hz, band_hz, seed):
         with_phase = echoes * shown.carrier(shown.delays_s)
         np.testing.assert_allclose(with_phase, expected, atol=2.0 * atol)
 
-    exported_s = np.arange(20) * 1e-10
-    exported = segy._a_scans(survey.isel(polarization=0), exported_s)[0, 0]
-    expected = s21 @ delay_kernel(frequency_hz, exported_s)
-    np.testing.assert_allclose(exported, expected.real, atol=atol)
+    part = slice(0, 101)  # a long record of many frequencies takes much memory
+    exported_s, exported = segy._a_scans(survey.isel(polarization=0, frequency=part))
+    expected = s21[part] @ delay_kernel(frequency_hz[part], exported_s)
+    np.testing.assert_allclose(exported[0, 0], expected.real, atol=atol)
 
 
 @settings(max_examples=draws(6))

@@ -48,16 +48,22 @@ def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
                 fault=DISK_FULL,
             )
         beside = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(path.parent)))
+        try:
+            place = beside / storable(path.name)  # some libraries write no other names
+            yield place
+            put(place, path, beside / "replaced")
+        finally:
+            shutil.rmtree(str(beside), ignore_errors=True)
     except OSError as error:
-        raise ExportError(_refusal(path, error)) from error
-    try:
-        place = beside / storable(path.name)  # some libraries write no other names
-        yield place
-        put(place, path, beside / "replaced")
-    except OSError as error:
-        raise ExportError(_refusal(path, error)) from error
-    finally:
-        shutil.rmtree(str(beside), ignore_errors=True)
+        raise ExportError(
+            Message(
+                "{path} cannot be written: {reason}; check free space and permissions of "
+                "{folder}, or choose another place",
+                path=path,
+                reason=os_reason(error),
+                folder=path.absolute().parent,
+            )
+        ) from error
 
 
 def put(written: Path, path: Path, replaced: Path) -> None:
@@ -66,13 +72,3 @@ def put(written: Path, path: Path, replaced: Path) -> None:
     if path.is_dir():
         path.rename(replaced)
     written.replace(path)
-
-
-def _refusal(path: Path, error: OSError) -> Message:
-    return Message(
-        "{path} cannot be written: {reason}; check free space and permissions of {folder}, or "
-        "choose another place",
-        path=path,
-        reason=os_reason(error),
-        folder=path.absolute().parent,
-    )

@@ -58,10 +58,20 @@ ATTRIBUTES: Dict[str, Dict[str, Any]] = {
     X: {"units": "m", "long_name": "x"},
     FREQUENCY: {"units": "Hz", "long_name": "frequency"},
     DELAY: {"units": "s", "long_name": "two-way delay"},
-    DEPTH: {"units": "m", "long_name": "depth below the surface", "positive": "down"},
+    DEPTH: {
+        "units": "m",
+        "long_name": "depth below the surface",
+        "positive": "down",
+        "standard_name": "depth",
+    },
     S21: {"units": "1", "long_name": "transmission S21"},
     A_SCAN: {"units": "1", "long_name": "A-scan"},
-    HEIGHT: {"units": "m", "long_name": "antenna height above the ground"},
+    HEIGHT: {
+        "units": "m",
+        "long_name": "antenna height above the ground",
+        "positive": "up",
+        "standard_name": "height",
+    },
     "index": {"long_name": "index in the survey's plan, -1 without a sample"},
     "remarks": {"long_name": "remarks of the robot about the sample"},
     IMAGE: {"units": "1", "long_name": "image"},
@@ -86,7 +96,7 @@ class Quality(enum.IntFlag):
 
 ATTRIBUTES[QUALITY] = {
     "long_name": "quality of the sample",
-    "flag_masks": [flag.value for flag in Quality if flag],
+    "flag_masks": np.array([flag.value for flag in Quality if flag], np.uint8),
     "flag_meanings": " ".join(flag.name.lower() for flag in Quality if flag and flag.name),
 }
 UNUSABLE = Quality.MISSING | Quality.DAMAGED

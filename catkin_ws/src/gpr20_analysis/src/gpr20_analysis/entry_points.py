@@ -4,25 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from importlib import metadata
-from typing import Any, Dict, List, Mapping, Optional, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple, Type
 
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
 from gpr20_common.message import Fault, Message
 
 
-@dataclass(frozen=True)
-class Addition:
-    """An entry point of an installed package.
-
-    Attributes:
-        entry: The entry point.
-        package: The package's name and version.
-        summary: The package's summary.
-    """
+class Addition(NamedTuple):
+    """An entry point of an installed package."""
 
     entry: metadata.EntryPoint
     package: str
+    """The package's name and version."""
     summary: str
+    """The package's summary."""
 
     @property
     def name(self) -> str:
@@ -33,10 +28,6 @@ class Addition:
     def origin(self) -> str:
         """Package and object, for people and for records."""
         return f"{self.package}, {self.entry.value}"
-
-    def load(self) -> Any:
-        """Import the module and return the object; this may raise anything."""
-        return self.entry.load()
 
 
 def additions(group: str) -> List[Addition]:
@@ -99,20 +90,7 @@ class ExtensionPoint:
     def addition(self, name: str) -> Addition:
         """Return the one addition of a name; see `find`."""
         found = [one for one in additions(self.group) if one.name == name]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise self.error(
-                Message(
-                    "several installed packages have {what} '{name}': {origins}; remove all but "
-                    "one",
-                    what=self.what,
-                    name=name,
-                    origins="; ".join(one.origin for one in found),
-                ),
-                fault=self.fault,
-            )
-        if name in self.wings:
+        if not found and name in self.wings:
             raise MissingLibraryError(
                 Message(
                     "{what} '{name}' is of the package {package}, which is not installed; in a "
@@ -122,41 +100,42 @@ class ExtensionPoint:
                     package=self.wings[name],
                 )
             )
-        raise self.error(
-            Message(
-                "{what} '{name}' does not exist; there are: {names}",
-                what=self.what,
-                name=name,
-                names=", ".join(self.names()),
+        if not found:
+            raise self.error(
+                Message(
+                    "{what} '{name}' does not exist; there are: {names}",
+                    what=self.what,
+                    name=name,
+                    names=", ".join(self.names()),
+                )
             )
-        )
+        if len(found) > 1:
+            origins = "; ".join(one.origin for one in found)
+            reason = Message("several packages have it: {origins}; remove one", origins=origins)
+            raise self._refusal(name, reason)
+        return found[0]
 
     def load(self, addition: Addition) -> Any:
         """Return what an addition is; see `find`."""
         try:
-            loaded = addition.load()
+            loaded = addition.entry.load()
         except Exception as error:  # the package is not ours: it may raise anything
-            raise self.error(
-                Message(
-                    "{what} '{name}' ({origin}) cannot be loaded: {reason}; correct or remove that "
-                    "package",
-                    what=self.what,
-                    name=addition.name,
-                    origin=addition.origin,
-                    reason=f"{type(error).__name__}: {error}",
-                ),
-                fault=self.fault,
-            ) from error
-        if self.kind is not None and not isinstance(loaded, self.kind):
-            raise self.error(
-                Message(
-                    "{what} '{name}' ({origin}) is a {type}; it must be a {expected}",
-                    what=self.what,
-                    name=addition.name,
-                    origin=addition.origin,
-                    type=type(loaded).__name__,
-                    expected=f"{self.kind.__module__}.{self.kind.__name__}",
-                ),
-                fault=self.fault,
+            reason = Message(
+                "{origin} cannot be loaded; correct or remove that package: {reason}",
+                origin=addition.origin,
+                reason=f"{type(error).__name__}: {error}",
             )
+            raise self._refusal(addition.name, reason) from error
+        if self.kind is not None and not isinstance(loaded, self.kind):
+            reason = Message(
+                "{origin} is a {type}; it must be a {expected}",
+                origin=addition.origin,
+                type=type(loaded).__name__,
+                expected=f"{self.kind.__module__}.{self.kind.__name__}",
+            )
+            raise self._refusal(addition.name, reason)
         return loaded
+
+    def _refusal(self, name: str, reason: Message) -> AnalysisError:
+        message = Message("{what} '{name}': {reason}", what=self.what, name=name, reason=reason)
+        return self.error(message, fault=self.fault)

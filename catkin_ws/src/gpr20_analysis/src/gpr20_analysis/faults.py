@@ -35,25 +35,22 @@ IMPORTED = _doubt(
     "analysis.imported",
     Message("Compare the area with what was to be searched: nothing else says what is missing."),
 )
-NOT_COMPLETE = Fault(
+NOT_COMPLETE = _doubt(
     "analysis.survey_not_complete",
     Message(
         "Resume the survey and let it end: where a trace is missing, the ground was not searched."
     ),
-    Severity.WARNING,
 )
-CHANGED_SINCE_SIGNED = Fault(
+CHANGED_SINCE_SIGNED = _doubt(
     "analysis.changed_since_signed",
     Message(
         "Ask who added what gpr20 info shows; on the robot, gpr20 sign signs the survey as it is "
         "now."
     ),
-    Severity.WARNING,
 )
-UNSIGNED = Fault(
+UNSIGNED = _doubt(
     "analysis.survey_unsigned",
     Message("Ask for the survey as the robot signed it, or verify it without --signers."),
-    Severity.WARNING,
 )
 UNKNOWN_SIGNER = Fault(
     "analysis.unknown_signer",

@@ -3,19 +3,17 @@
 import numpy as np
 
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.common import Imported, as_dataset
-from gpr20_analysis.formats.facts import restored
+from gpr20_analysis.formats.common import as_dataset
+from gpr20_analysis.formats.facts import with_facts
 
 
 def noise_survey(seed, rows=9, columns=7):
     """Return a survey of noise alone, of two polarizations."""
     values = np.random.default_rng(seed).standard_normal((2, 2, rows, columns, 41))
     return as_dataset(
-        Imported(
-            values[0] + 1j * values[1], [0.0, 90.0], np.arange(rows) * 0.02,
-            np.arange(columns) * 0.02, np.full((2, rows, columns), 0.2), "noise",
-            frequency_hz=np.linspace(1e9, 5e9, 41),
-        )
+        values[0] + 1j * values[1], [0.0, 90.0], np.arange(rows) * 0.02,
+        np.arange(columns) * 0.02, np.full((2, rows, columns), 0.2), "noise",
+        frequency_hz=np.linspace(1e9, 5e9, 41),
     )  # fmt: skip
 
 
@@ -37,17 +35,15 @@ def random_survey(seed, one_polarization=False):
     height_m[missing] = np.nan
     start_hz, step_hz = rng.integers(300, 900) * 1e6, rng.integers(5, 200) * 1e6
     survey = as_dataset(
-        Imported(
-            s21,
-            turns,
-            (start_mm[1] + step_mm[1] * np.arange(rows)) / 1000.0,
-            (start_mm[0] + step_mm[0] * np.arange(columns)) / 1000.0,
-            height_m,
-            "random",
-            frequency_hz=start_hz + step_hz * np.arange(points),
-            simulated=bool(rng.integers(2)),
-        )
+        s21,
+        turns,
+        (start_mm[1] + step_mm[1] * np.arange(rows)) / 1000.0,
+        (start_mm[0] + step_mm[0] * np.arange(columns)) / 1000.0,
+        height_m,
+        "random",
+        frequency_hz=start_hz + step_hz * np.arange(points),
+        simulated=bool(rng.integers(2)),
     )
     survey = survey.assign(index=(survey.index.dims, np.arange(missing.size).reshape(shape)))
     assert ((survey.quality.values & int(Quality.MISSING)) != 0).tolist() == missing.tolist()
-    return restored(survey, {"survey_id": f"survey-{seed}", "antenna_delay_s": 0.25e-9})
+    return with_facts(survey, {"survey_id": f"survey-{seed}", "antenna_delay_s": 0.25e-9})

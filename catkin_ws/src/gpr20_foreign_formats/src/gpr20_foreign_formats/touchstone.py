@@ -11,7 +11,6 @@ import xarray as xr
 
 from gpr20_analysis import work
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.formats.facts import SIMULATED, facts_beside
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
@@ -41,14 +40,11 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
     which numbers are ordered as numbers.
 
     Raises:
-        MissingLibraryError: scikit-rf is not installed.
         AnalysisError: Places are not known, or frequencies are uneven.
         UnreadableFileError: There is no such file, one is damaged, or frequencies or kinds differ.
     """
-    try:
-        from skrf.io.touchstone import Touchstone
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
+    from skrf.io.touchstone import Touchstone  # an optional library
+
     folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
     if len({one.suffix.lower() for one in paths}) != 1:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Union
+from typing import Any, Callable, Dict, List, Mapping, Optional, Union
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,6 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
-from gpr20_analysis.formats.facts import Facts
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import with_notes, with_sentence
@@ -57,7 +56,7 @@ class Traces:
     height_m: Union[float, np.ndarray] = np.nan
     separation_m: Optional[float] = None
     simulated: Optional[bool] = None
-    facts: Optional[Facts] = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
     was_moved: bool = False
     notes: List[Message] = field(default_factory=list)
 

@@ -4,23 +4,11 @@ import shutil
 from pathlib import Path
 
 import h5py
+import instruments_kit as kit
 import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from instruments_kit import (
-    SPACING_M,
-    SPECTRA,
-    TRACES,
-    channel_header,
-    counts,
-    read,
-    write_dt1,
-    write_dzt,
-    write_merged,
-    write_rd3,
-    write_segy,
-)
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
@@ -53,7 +41,7 @@ READ = [
 def test_a_file_of_others_has_the_right_places_times_and_distances(
     name, form, options, shape, last_m, step_ns, zero_ns, separation_m
 ):
-    found = read(DATA / name, form, **options)
+    found = kit.read(DATA / name, form, **options)
     assert found.a_scan.shape[2:] == shape
     assert last_m is None or float(found.x[-1] - found.x[0]) == pytest.approx(last_m, abs=1e-6)
     assert float(found.delay[1]) * 1e9 == pytest.approx(step_ns, rel=1e-5)
@@ -66,7 +54,7 @@ def test_a_file_of_others_has_the_right_places_times_and_distances(
 
 
 def test_a_time_zero_late_in_the_record_is_removed_by_an_image():
-    found = to_frequency(read(DATA / "sir4000.DZT", "dzt", separation_m=0.2, height_m=0.1))
+    found = to_frequency(kit.read(DATA / "sir4000.DZT", "dzt", separation_m=0.2, height_m=0.1))
     options = ImageOptions(permittivity=6.0, depth_m=(0.5, 1.0))
     assert np.isfinite(image_survey(found, options).image.values).all()
 
@@ -74,118 +62,120 @@ def test_a_time_zero_late_in_the_record_is_removed_by_an_image():
 @each_case("name, beside", [("a.DT1", "a.GPS"), ("b.rd3", "b.cor")])
 def test_places_in_files_beside_it_are_named(name, beside):
     form = "dt1" if name.endswith("DT1") else "rd3"
-    assert f"{beside} is not read" in str(read(DATA / name, form).attrs["notes"])
+    assert f"{beside} is not read" in str(kit.read(DATA / name, form).attrs["notes"])
 
 
 def test_a_figure_of_a_line_shows_what_comes_after_its_time_zero():
-    found = until(read(DATA / "line.DT1", "dt1"))
+    found = until(kit.read(DATA / "line.DT1", "dt1"))
     assert 55e-9 < float(found.delay[-1]) < 60e-9
 
 
 def test_a_line_whose_antennas_move_apart_is_refused(tmp_path):
     with raises_fault(faults.INPUT, "SURVEY MODE", "CMP/WARR"):
-        read(DATA / "cmp.DT1", "dt1")
-    places = 20 * np.arange(TRACES)
-    write_segy(tmp_path / "warr.sgy", b73=7, b81=places + 20)
+        kit.read(DATA / "cmp.DT1", "dt1")
+    places = 20 * np.arange(kit.TRACES)
+    kit.write_segy(tmp_path / "warr.sgy", b73=7, b81=places + 20)
     with raises_fault(faults.INPUT, "constant separation", "0.013", "0.113"):
-        read(tmp_path / "warr.sgy", "segy")
-    write_merged(tmp_path / "m.h5", srcsteps=(0, 0, 0))
+        kit.read(tmp_path / "warr.sgy", "segy")
+    kit.write_merged(tmp_path / "m.h5", srcsteps=(0, 0, 0))
     with raises_fault(faults.INPUT, "#src_steps"):
-        read(tmp_path / "m.h5", "gprmax", **SPECTRA)
+        kit.read(tmp_path / "m.h5", "gprmax", **kit.SPECTRA)
 
 
 def test_a_second_channel_is_read_by_its_own_header(tmp_path):
-    channels = [counts(seed=seed) for seed in (1, 2)]
+    channels = [kit.counts(seed=seed) for seed in (1, 2)]
     own = {"position": -2.5, "range": 20.0, "antenna": b"400MHz", "gains": (0.0, 40.0)}
-    write_dzt(tmp_path / "a.dzt", channels, position=-1.0, second=own)
-    first, second = (read(tmp_path / "a.dzt", "dzt", channel=one) for one in (1, 2))
+    kit.write_dzt(tmp_path / "a.dzt", channels, position=-1.0, second=own)
+    first, second = (kit.read(tmp_path / "a.dzt", "dzt", channel=one) for one in (1, 2))
     for found, zero_ns, range_ns in ((first, 1.0, 8.0), (second, 2.5, 20.0)):
         assert found.attrs["antenna_delay_s"] == pytest.approx(zero_ns * 1e-9)
-        assert float(found.delay[1]) == pytest.approx(range_ns * 1e-9 / counts().shape[1])
+        assert float(found.delay[1]) == pytest.approx(range_ns * 1e-9 / kit.counts().shape[1])
     assert "400MHz" in str(second.attrs["notes"]) and "0 to 40 dB" in str(second.attrs["notes"])
     assert "1.5/1.6GH" in str(first.attrs["notes"]) and "dB" not in str(first.attrs["notes"])
-    write_dzt(tmp_path / "a.dzt", channels, data=2048)
+    kit.write_dzt(tmp_path / "a.dzt", channels, data=2048)
     for number, values in enumerate(channels):
-        found = read(tmp_path / "a.dzt", "dzt", channel=number + 1).a_scan.values[0, 0]
+        found = kit.read(tmp_path / "a.dzt", "dzt", channel=number + 1).a_scan.values[0, 0]
         np.testing.assert_allclose(found.real, values / 2.0**15)
     for channel in (None, 0, 3):
         with raises_fault(NOT_ALLOWED, "2 channels", "--channel"):
-            read(tmp_path / "a.dzt", "dzt", channel=channel)
+            kit.read(tmp_path / "a.dzt", "dzt", channel=channel)
     for wrong in ({"spm": 10.0}, {"samples": 39}, {"bits": 8}, {"channels": 3}, {"tag": 0}):
-        write_dzt(tmp_path / "w.dzt", channels, second=wrong)
+        kit.write_dzt(tmp_path / "w.dzt", channels, second=wrong)
         with raises_fault(faults.INPUT, "w.dzt"):
-            read(tmp_path / "w.dzt", "dzt", channel=2)
-    (tmp_path / "none.dzt").write_bytes(channel_header(data=1, channels=2) + bytes(4 * 80 * 6))
+            kit.read(tmp_path / "w.dzt", "dzt", channel=2)
+    (tmp_path / "none.dzt").write_bytes(kit.channel_header(data=1, channels=2) + bytes(4 * 80 * 6))
     with raises_fault(faults.INPUT, "rh_data"):
-        read(tmp_path / "none.dzt", "dzt", channel=2)
+        kit.read(tmp_path / "none.dzt", "dzt", channel=2)
 
 
 @each_case("zero", ["0", "missing"])
 def test_a_time_zero_that_nobody_set_is_not_recorded(tmp_path, zero):
-    write_dt1(tmp_path / "l.dt1", **{"TIMEZERO AT POINT": zero})
+    kit.write_dt1(tmp_path / "l.dt1", **{"TIMEZERO AT POINT": zero})
     if zero == "missing":
         header = tmp_path / "l.HD"
         lines = header.read_text().splitlines()
         header.write_text("\n".join(one for one in lines if "TIMEZERO" not in one))
-    found = read(tmp_path / "l.dt1", "dt1")
+    found = kit.read(tmp_path / "l.dt1", "dt1")
     assert "antenna_delay_s" not in found.attrs
     assert "does not record its time zero" in str(found.attrs["notes"])
 
 
 def test_a_name_in_other_capitals_is_that_of_another_line_if_that_has_its_own_file(tmp_path):
-    write_dt1(tmp_path / "line1.dt1")
+    kit.write_dt1(tmp_path / "line1.dt1")
     (tmp_path / "line1.HD").rename(tmp_path / "LINE1.HD")
-    assert read(tmp_path / "line1.dt1", "dt1").sizes["x"] == TRACES
+    assert kit.read(tmp_path / "line1.dt1", "dt1").sizes["x"] == kit.TRACES
     (tmp_path / "LINE1.DT1").write_bytes((tmp_path / "line1.dt1").read_bytes())
     with raises_fault(faults.INPUT, "line1.hd", "there are: -"):
-        read(tmp_path / "line1.dt1", "dt1")
-    write_dt1(tmp_path / "line1.dt1", **{"TIMEZERO AT POINT": "9"})  # exact name, other header
-    assert read(tmp_path / "line1.dt1", "dt1").attrs["antenna_delay_s"] == pytest.approx(1.6e-9)
-    assert read(tmp_path / "LINE1.DT1", "dt1").attrs["antenna_delay_s"] == pytest.approx(0.5e-9)
+        kit.read(tmp_path / "line1.dt1", "dt1")
+    kit.write_dt1(tmp_path / "line1.dt1", **{"TIMEZERO AT POINT": "9"})  # exact name, other header
+    assert kit.read(tmp_path / "line1.dt1", "dt1").attrs["antenna_delay_s"] == pytest.approx(1.6e-9)
+    assert kit.read(tmp_path / "LINE1.DT1", "dt1").attrs["antenna_delay_s"] == pytest.approx(0.5e-9)
     shutil.copy(tmp_path / "line1.HD", tmp_path / "line1.hd")
     with raises_fault(faults.INPUT, "line1.HD", "line1.hd"):
-        read(tmp_path / "line1.dt1", "dt1")
+        kit.read(tmp_path / "line1.dt1", "dt1")
 
 
 @each_case("form, key", [("dt1", "NUMBER OF TRACES"), ("rd3", "LAST TRACE")])
 def test_the_size_of_a_file_decides_how_many_traces_it_has(tmp_path, form, key):
-    write = {"dt1": write_dt1, "rd3": write_rd3}[form]
-    write(tmp_path / f"l.{form}", **{key: TRACES + 3})
-    found = read(tmp_path / f"l.{form}", form)
-    assert found.sizes["x"] == TRACES
-    assert f"says {TRACES + 3} traces ({key}), but {TRACES} are stored" in str(found.attrs["notes"])
+    write = {"dt1": kit.write_dt1, "rd3": kit.write_rd3}[form]
+    write(tmp_path / f"l.{form}", **{key: kit.TRACES + 3})
+    found = kit.read(tmp_path / f"l.{form}", form)
+    assert found.sizes["x"] == kit.TRACES
+    assert f"says {kit.TRACES + 3} traces ({key}), but {kit.TRACES} are stored" in str(
+        found.attrs["notes"]
+    )
 
 
 @each_case("order", "<>")
 def test_the_size_of_a_segy_file_decides_which_header_counts_its_samples(tmp_path, order):
-    write_segy(tmp_path / "l.sgy", order=order, b3221=39)
-    found = read(tmp_path / "l.sgy", "segy")
+    kit.write_segy(tmp_path / "l.sgy", order=order, b3221=39)
+    found = kit.read(tmp_path / "l.sgy", "segy")
     assert found.sizes["delay"] == 40 and "39 and 40 samples" in str(found.attrs["notes"])
 
 
 def test_a_trace_whose_time_zero_was_moved_is_refused(tmp_path):
-    write_dt1(tmp_path / "l.dt1", moved=[2])
+    kit.write_dt1(tmp_path / "l.dt1", moved=[2])
     with raises_fault(faults.INPUT, "TIMEZERO ADJUSTMENT"):
-        read(tmp_path / "l.dt1", "dt1")
+        kit.read(tmp_path / "l.dt1", "dt1")
 
 
 @each_case("code, shown", [(2, ""), (3, ""), (4, "trace identification code"), (-1, "")])
 def test_segy_traces_that_show_no_ground_are_missing_or_refused(tmp_path, code, shown):
-    write_segy(tmp_path / "l.sgy", b29=[1, 1, code, 1, 1, 1])
+    kit.write_segy(tmp_path / "l.sgy", b29=[1, 1, code, 1, 1, 1])
     if shown:
         with raises_fault(faults.INPUT, shown, str(code)):
-            read(tmp_path / "l.sgy", "segy")
+            kit.read(tmp_path / "l.sgy", "segy")
     else:
-        missing = read(tmp_path / "l.sgy", "segy").attrs["missing"]
+        missing = kit.read(tmp_path / "l.sgy", "segy").attrs["missing"]
         assert len(missing) == (code in (2, 3))
 
 
 @each_case("name, options", [("b1.h5", {}), ("b_merged.h5", {"source": "ricker:1.5e9"})])
 def test_the_field_of_a_flat_model_is_that_across_its_line_at_its_own_places(name, options):
-    found = read(DATA / name, "gprmax", band=SPECTRA["band"], **options)
+    found = kit.read(DATA / name, "gprmax", band=kit.SPECTRA["band"], **options)
     assert found.polarization.values.tolist() == [90.0] and found.y.values.tolist() == [0.0]
     count = 1 if name == "b1.h5" else 6
-    np.testing.assert_allclose(found.x, 0.06 + np.arange(count) * SPACING_M, atol=1e-9)
+    np.testing.assert_allclose(found.x, 0.06 + np.arange(count) * kit.SPACING_M, atol=1e-9)
     assert found.attrs["antenna_separation_m"] == 0.04 and found.attrs["simulated"] == 1
     with h5py.File(DATA / name) as file:
         field = file["rxs/rx1/Ez"][()].reshape(637, -1)
@@ -202,12 +192,12 @@ def test_a_file_of_another_kind_is_never_called_damaged(tmp_path, form):
     for one in (".hd", ".rad"):
         path.with_suffix(one).write_bytes(path.read_bytes())
     with raises_fault(faults.INPUT, "is not a", error=AnalysisError):
-        read(path, form)
+        kit.read(path, form)
 
 
 def test_names_that_are_no_utf_8_are_read_and_written(tmp_path):
     path = tmp_path / "l\udcff.dt1"
-    write_dt1(path)
+    kit.write_dt1(path)
     survey, image = tmp_path / "s\udcff.nc", tmp_path / "i\udcff.nc"
     assert main(["import", str(path), str(survey), "--format", "dt1", "--height", "0.1"]) == 0
     assert read_dataset(survey).attrs["source"] == "l\\xff.dt1"
@@ -233,10 +223,10 @@ def test_a_recording_of_somebody_else_is_refused_with_its_topics(name, topic):
 
 
 def test_numbers_of_options_may_have_decimal_commas(tmp_path):
-    write_rd3(tmp_path / "l.rd3")
+    kit.write_rd3(tmp_path / "l.rd3")
     output = tmp_path / "o.nc"
     given = ["--spacing", "5,5", "--time-zero", "0,5"]
     assert main(["import", str(tmp_path / "l.rd3"), str(output), "--format", "rd3", *given]) == 0
     found = read_dataset(output)
-    np.testing.assert_allclose(found.x, np.arange(TRACES) * 0.0055)
+    np.testing.assert_allclose(found.x, np.arange(kit.TRACES) * 0.0055)
     assert found.attrs["antenna_delay_s"] == pytest.approx(0.5e-9)

@@ -149,4 +149,4 @@ def test_each_addition_can_be_loaded(name):
     assert added().keys() == {IMPORTS.group} and name in IMPORTS.names()
     assert IMPORTS.wings[name] == PACKAGE.name
     found = [one for one in additions(IMPORTS.group) if one.name == name]
-    assert len(found) == 1 and IMPORTS.find(name) is found[0].load()
+    assert len(found) == 1 and IMPORTS.find(name) is found[0].entry.load()

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import h5py
+import instruments_kit as kit
 import numpy as np
 from case_kit import each_case
 from fault_kit import raises_fault
@@ -14,20 +15,6 @@ from group_kit import PLACES
 from group_kit import write_merged as write_merged_of_group
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from instruments_kit import (
-    KINDS,
-    SAMPLES,
-    TRACES,
-    channel_header,
-    counts,
-    read,
-    write_dt1,
-    write_dzt,
-    write_merged,
-    write_rd3,
-    write_segy,
-    write_touchstone,
-)
 from run_seed import draws
 from test_arrays_import import a_line, write_arrays
 
@@ -40,7 +27,7 @@ from gpr20_common.faults import NOT_ALLOWED
 MOST_BYTES = 64 << 20
 HEADERS = {"dzt": (0, 128), "segy": (3200, 3840), "dt1": (0, 128)}
 ALL = {
-    **KINDS,
+    **kit.KINDS,
     "arrays": ("d.h5", partial(write_arrays, arrays=a_line()), {}, ["d.h5"]),
     "merged-hdf5": ("g.h5", partial(write_merged_of_group, samples=PLACES), {}, ["g.h5"]),
 }
@@ -57,7 +44,7 @@ def survey_or_refusal(form, victim, change):
         path.write_bytes(change(path.read_bytes()))
         tracemalloc.start()
         try:
-            found = read(Path(folder) / name, form, **options)
+            found = kit.read(Path(folder) / name, form, **options)
             if "a_scan" in found:
                 to_frequency(found)
             return found
@@ -96,7 +83,7 @@ def test_damaged_files_are_refused_or_still_a_survey(form, victim, changes, in_h
 
     found = survey_or_refusal(form, victim, change)
     if found is not None:
-        assert found.sizes["x"] * found.sizes["y"] <= 16 * TRACES * SAMPLES
+        assert found.sizes["x"] * found.sizes["y"] <= 16 * kit.TRACES * kit.SAMPLES
         assert np.all(np.diff(found.x) > 0.0)
 
 
@@ -104,19 +91,19 @@ def touchstone(text):
     """Return a writer of a folder in which one file has another text."""
 
     def write(path):
-        write_touchstone(path, hz=np.array([1e9, 1.1e9]))
+        kit.write_touchstone(path, hz=np.array([1e9, 1.1e9]))
         (path / "X20_Y0.s2p").write_text(text)
 
     return write
 
 
 def sweep(*hz):
-    return lambda path: write_touchstone(path, ["X0.s1p", "X1.s1p"], hz=np.array(hz))
+    return lambda path: kit.write_touchstone(path, ["X0.s1p", "X1.s1p"], hz=np.array(hz))
 
 
 def merged(damage):
     def write(path):
-        write_merged(path)
+        kit.write_merged(path)
         with h5py.File(path, "r+") as file:
             damage(file)
 
@@ -124,26 +111,34 @@ def merged(damage):
 
 
 def dzt_counts(**header):
-    content = channel_header(**{"data": 1, **header}) + counts().tobytes()
+    content = kit.channel_header(**{"data": 1, **header}) + kit.counts().tobytes()
     return lambda path: path.write_bytes(content)
 
 
 LINE = "# MHz S RI R 50\n1000 0 0 1 0 0 0 0 0\n"
-ROW = [SAMPLES] * 6
+ROW = [kit.SAMPLES] * 6
 WRONG = [
-    ("l.dzt", partial(write_dzt, tag=0x1234), ["rh_tag"]),
-    ("l.dzt", partial(write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
-    ("l.dzt", partial(write_dzt, position=-9.0), ["time zero", "--time-zero"]),
+    ("l.dzt", partial(kit.write_dzt, tag=0x1234), ["rh_tag"]),
+    ("l.dzt", partial(kit.write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
+    ("l.dzt", partial(kit.write_dzt, position=-9.0), ["time zero", "--time-zero"]),
     ("l.dzt", dzt_counts(channels=60000), ["rh_nchan"]),
     ("l.dzt", dzt_counts(data=1000), ["cut off"]),
-    ("l.dt1", partial(write_dt1, x=[0, 1, 0.5, 2, 3, 4]), ["trace", "--spacing"]),
-    ("l.dt1", partial(write_dt1, **{"POSITION UNITS": "furlong"}), ["POSITION UNITS", "m or ft"]),
-    ("l.rd3", partial(write_rd3, **{"TIMEWINDOW": 16.0}), ["TIMEWINDOW"]),
-    ("l.sgy", partial(write_segy, b3501=0x0100, b3505=0xFFFF), ["extended headers", "-1"]),
-    ("l.sgy", partial(write_segy, b115=[*ROW[:2], 7, *ROW[3:]]), ["number of samples", "7"]),
-    ("l.sgy", partial(write_segy, b89=2), ["angles", "--spacing"]),
-    ("l.sgy", partial(write_segy, b117=[200, 200, 0, 300, 200, 200]), ["300", "200", "--interval"]),
-    ("l.sgy", partial(write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
+    ("l.dt1", partial(kit.write_dt1, x=[0, 1, 0.5, 2, 3, 4]), ["trace", "--spacing"]),
+    (
+        "l.dt1",
+        partial(kit.write_dt1, **{"POSITION UNITS": "furlong"}),
+        ["POSITION UNITS", "m or ft"],
+    ),
+    ("l.rd3", partial(kit.write_rd3, **{"TIMEWINDOW": 16.0}), ["TIMEWINDOW"]),
+    ("l.sgy", partial(kit.write_segy, b3501=0x0100, b3505=0xFFFF), ["extended headers", "-1"]),
+    ("l.sgy", partial(kit.write_segy, b115=[*ROW[:2], 7, *ROW[3:]]), ["number of samples", "7"]),
+    ("l.sgy", partial(kit.write_segy, b89=2), ["angles", "--spacing"]),
+    (
+        "l.sgy",
+        partial(kit.write_segy, b117=[200, 200, 0, 300, 200, 200]),
+        ["300", "200", "--interval"],
+    ),
+    ("l.sgy", partial(kit.write_segy, b73=[0, 0, 20, 20, 40, 40], b81=[0, 0, 20, 20, 40, 40]), []),
     (
         "t",
         touchstone("# Hz S RI R 50\n1 0 0 1 0 0 0 0 0\n2 0 0 1 0 0 0 0 0\n"),
@@ -153,7 +148,11 @@ WRONG = [
     ("t", touchstone("no Touchstone file"), ["X20_Y0.s2p", "kind Touchstone"]),
     ("t", sweep(3e9, 2e9, 1e9), ["sort the lines"]),
     ("t", sweep(1e9, 2e9, 4e9), ["not evenly spaced"]),
-    ("t", partial(write_touchstone, names=["X0.s1p", "X10.S2P"]), ["S11", "S21", "another folder"]),
+    (
+        "t",
+        partial(kit.write_touchstone, names=["X0.s1p", "X10.S2P"]),
+        ["S11", "S21", "another folder"],
+    ),
     ("m.h5", merged(lambda file: file.attrs.update(rxsteps=(np.nan, 0.0, 0.0))), ["m.h5"]),
     ("m.h5", merged(lambda f: f["rxs/rx1/Ey"].write_direct(np.full((400, 6), np.nan))), ["m.h5"]),
     ("m.h5", merged(lambda f: [f["rxs/rx1"].pop(f"E{one}") for one in "xyz"]), ["m.h5"]),
@@ -163,35 +162,35 @@ WRONG = [
 @each_case("name, write, shown", WRONG)
 def test_a_file_that_is_wrong_is_refused_with_the_value(tmp_path_factory, name, write, shown):
     tmp_path = tmp_path_factory.mktemp("wrong")
-    (form,) = (one for one, kind in KINDS.items() if kind[0] == name)
+    (form,) = (one for one, kind in kit.KINDS.items() if kind[0] == name)
     write(tmp_path / name)
     codes = (faults.INPUT, NOT_ALLOWED, faults.FILE_DAMAGED, faults.INPUT)
     with raises_fault(codes, *shown, error=AnalysisError):
-        read(tmp_path / name, form, **KINDS[form][2])
+        kit.read(tmp_path / name, form, **kit.KINDS[form][2])
 
 
 def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
-    write_dzt(tmp_path / "l.dzt", spm=0.0)
-    write_rd3(tmp_path / "l.rd3", **{"TIME FLAG": 1, "DISTANCE FLAG": 0})
-    write_segy(tmp_path / "l.sgy", b73=0, b81=0)
-    write_dt1(tmp_path / "l.dt1", x=[0, 1, 1, 2, 3, 4])
+    kit.write_dzt(tmp_path / "l.dzt", spm=0.0)
+    kit.write_rd3(tmp_path / "l.rd3", **{"TIME FLAG": 1, "DISTANCE FLAG": 0})
+    kit.write_segy(tmp_path / "l.sgy", b73=0, b81=0)
+    kit.write_dt1(tmp_path / "l.dt1", x=[0, 1, 1, 2, 3, 4])
     for form in ("dzt", "rd3", "segy", "dt1"):
-        path = tmp_path / KINDS[form][0]
+        path = tmp_path / kit.KINDS[form][0]
         with raises_fault(NOT_ALLOWED, path.name, "--spacing"):
-            read(path, form)
-        np.testing.assert_allclose(read(path, form, spacing_m=0.5).x, np.arange(6) / 2)
+            kit.read(path, form)
+        np.testing.assert_allclose(kit.read(path, form, spacing_m=0.5).x, np.arange(6) / 2)
         for spacing_m in (0.0, -0.1, np.nan, np.inf):
             with raises_fault(faults.INPUT, "--spacing"):
-                read(path, form, spacing_m=spacing_m)
+                kit.read(path, form, spacing_m=spacing_m)
 
 
-@each_case("form", sorted(KINDS))
+@each_case("form", sorted(kit.KINDS))
 def test_more_than_the_memory_holds_is_refused_before_it_is_read(tmp_path, monkeypatch, form):
-    name, write, options, _ = KINDS[form]
+    name, write, options, _ = kit.KINDS[form]
     write(tmp_path / name)
     monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 1000)
     with raises_fault(faults.TOO_LARGE):
-        read(tmp_path / name, form, **options)
+        kit.read(tmp_path / name, form, **options)
 
 
 def test_a_pipe_is_never_waited_for(tmp_path):

@@ -1,25 +1,10 @@
 """Lines of other instruments become surveys, with time zero, separation and spacing."""
 
+import instruments_kit as kit
 import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from instruments_kit import (
-    RICKER,
-    SAMPLES,
-    SPACING_M,
-    SPECTRA,
-    TRACES,
-    WINDOW_NS,
-    counts,
-    read,
-    write_dt1,
-    write_dzt,
-    write_merged,
-    write_rd3,
-    write_segy,
-    write_touchstone,
-)
 from obspy.io.segy.segy import _read_segy
 from random_surveys import random_survey
 
@@ -32,8 +17,8 @@ from gpr20_analysis.sample.real_line import REAL_LINE_FILE
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import delay_kernel
 
-X_M = np.arange(TRACES) * SPACING_M
-STEP_S = WINDOW_NS * 1e-9 / SAMPLES
+X_M = np.arange(kit.TRACES) * kit.SPACING_M
+STEP_S = kit.WINDOW_NS * 1e-9 / kit.SAMPLES
 
 
 def check_line(found, values, step_s=STEP_S):
@@ -46,13 +31,13 @@ def check_line(found, values, step_s=STEP_S):
 
 @each_case("bits", [8, 16, 32])
 def test_a_dzt_file_is_read_as_shares_of_its_full_scale(tmp_path, bits):
-    write_dzt(tmp_path / "later.dzt", position=0.8)
-    found = read(tmp_path / "later.dzt", "dzt")
+    kit.write_dzt(tmp_path / "later.dzt", position=0.8)
+    found = kit.read(tmp_path / "later.dzt", "dzt")
     assert float(found.delay[0]) == pytest.approx(0.8e-9) and found.attrs["antenna_delay_s"] == 0.0
-    write_dzt(tmp_path / "line.DZT", bits=bits, position=-1.2)
+    kit.write_dzt(tmp_path / "line.DZT", bits=bits, position=-1.2)
     (tmp_path / "LINE.dzx").write_text("<DZX/>")
-    found = read(tmp_path / "line.DZT", "dzt", separation_m=0.06, height_m=0.01)
-    check_line(found, counts(bits) / 2.0 ** (bits - 1))
+    found = kit.read(tmp_path / "line.DZT", "dzt", separation_m=0.06, height_m=0.01)
+    check_line(found, kit.counts(bits) / 2.0 ** (bits - 1))
     assert found.attrs["antenna_delay_s"] == pytest.approx(1.2e-9)
     assert found.attrs["antenna_separation_m"] == 0.06
     assert (found.height == 0.01).all()
@@ -61,10 +46,10 @@ def test_a_dzt_file_is_read_as_shares_of_its_full_scale(tmp_path, bits):
 
 @each_case("kind, unit, unit_m", [("<i2", "m", 1.0), ("<f4", "ft", 0.3048)])
 def test_a_dt1_file_is_read_with_its_header_beside_it(tmp_path, kind, unit, unit_m):
-    write_dt1(tmp_path / f"{unit}.DT1", kind, x=X_M / unit_m, unit=unit, dead=[2])
+    kit.write_dt1(tmp_path / f"{unit}.DT1", kind, x=X_M / unit_m, unit=unit, dead=[2])
     for name in (f"{unit}.DT1", f"{unit}.HD"):
-        found = read(tmp_path / name, "dt1")
-        own = counts().astype(float)
+        found = kit.read(tmp_path / name, "dt1")
+        own = kit.counts().astype(float)
         own[2] = np.nan
         check_line(found, own)
         assert len(found.attrs["missing"]) == 1
@@ -73,37 +58,37 @@ def test_a_dt1_file_is_read_with_its_header_beside_it(tmp_path, kind, unit, unit
 
 
 def test_a_line_that_was_driven_backwards_is_read_from_its_other_end(tmp_path):
-    write_dt1(tmp_path / "l.dt1", x=X_M[::-1])
-    check_line(read(tmp_path / "l.dt1", "dt1"), counts()[::-1])
-    check_line(read(tmp_path / "l.dt1", "dt1", spacing_m=SPACING_M), counts()[::-1])
-    write_dzt(tmp_path / "l.dzt", spm=-1.0 / SPACING_M)
-    found = read(tmp_path / "l.dzt", "dzt")
-    check_line(found.assign_coords(x=found.x - found.x[0]), counts()[::-1] / 2.0**15)
+    kit.write_dt1(tmp_path / "l.dt1", x=X_M[::-1])
+    check_line(kit.read(tmp_path / "l.dt1", "dt1"), kit.counts()[::-1])
+    check_line(kit.read(tmp_path / "l.dt1", "dt1", spacing_m=kit.SPACING_M), kit.counts()[::-1])
+    kit.write_dzt(tmp_path / "l.dzt", spm=-1.0 / kit.SPACING_M)
+    found = kit.read(tmp_path / "l.dzt", "dzt")
+    check_line(found.assign_coords(x=found.x - found.x[0]), kit.counts()[::-1] / 2.0**15)
 
 
 @each_case("ending", [".rd3", ".RD7"])
 def test_a_mala_file_is_read_with_its_header_beside_it(tmp_path, ending):
-    write_rd3(tmp_path / f"{ending[1:]}{ending}")
+    kit.write_rd3(tmp_path / f"{ending[1:]}{ending}")
     bits = 16 if ending == ".rd3" else 32
     for name in (f"{ending[1:]}{ending}", f"{ending[1:]}.rad"):
-        found = read(tmp_path / name, "rd3", time_zero_s=1e-9)
-        check_line(found, counts(bits) / 2.0 ** (bits - 1))
+        found = kit.read(tmp_path / name, "rd3", time_zero_s=1e-9)
+        check_line(found, kit.counts(bits) / 2.0 ** (bits - 1))
         assert found.attrs["antenna_separation_m"] == 0.06
         assert found.attrs["antenna_delay_s"] == 1e-9
 
 
 @each_case("code, order", [(code, order) for code in (1, 2, 3, 5, 8) for order in "<>"])
 def test_segy_of_others_is_read_as_obspy_reads_it(tmp_path, code, order):
-    values = counts(8) * (0.37 if code in (1, 5) else 1.0)
-    write_segy(tmp_path / "l.sgy", code, order, values, ebcdic=order == ">")
-    found = read(tmp_path / "l.sgy", "segy")
+    values = kit.counts(8) * (0.37 if code in (1, 5) else 1.0)
+    kit.write_segy(tmp_path / "l.sgy", code, order, values, ebcdic=order == ">")
+    found = kit.read(tmp_path / "l.sgy", "segy")
     check_line(found, values, 200e-12)
     assert "ps is assumed" in str(found.attrs["notes"])
     if code != 8:
         others = [one.data for one in _read_segy(str(tmp_path / "l.sgy")).traces]
         same = found.a_scan.values[0, 0].real.astype("f4")
         np.testing.assert_array_equal(same, np.array(others, "f4"))
-    given = read(tmp_path / "l.sgy", "segy", interval_s=50e-12)
+    given = kit.read(tmp_path / "l.sgy", "segy", interval_s=50e-12)
     assert float(given.delay[1]) == pytest.approx(50e-12)
     assert "assumed" not in str(given.attrs["notes"])
 
@@ -111,45 +96,45 @@ def test_segy_of_others_is_read_as_obspy_reads_it(tmp_path, code, order):
 def test_ibm_floats_with_a_leading_zero_digit_are_right(tmp_path):
     # Of a file that ARAM24 recorded; segyio 1.9.14 reads the first as -9.32e-12.
     stored = np.array([[0xB80480CC, 0x3809BD34]], "u4")
-    write_segy(
+    kit.write_segy(
         tmp_path / "l.sgy", 2, values=stored.astype("i8") - (stored >> 31).astype("i8") * 2**32
     )
     content = bytearray((tmp_path / "l.sgy").read_bytes())
     content[3225] = 1
     (tmp_path / "l.sgy").write_bytes(content)
-    found = read(tmp_path / "l.sgy", "segy").a_scan.values.ravel().real
+    found = kit.read(tmp_path / "l.sgy", "segy").a_scan.values.ravel().real
     np.testing.assert_allclose(found, [-4.095557226690971e-12, 8.857636846215655e-12], rtol=1e-15)
 
 
 def test_segy_says_where_source_and_receiver_are_and_what_is_dead(tmp_path):
-    apart = {"b73": 20 * np.arange(TRACES) - 30, "b81": 20 * np.arange(TRACES) + 30}
-    write_segy(tmp_path / "l.sgy", b29=[1, 1, 2, 1, 1, 1], **apart)
-    found = read(tmp_path / "l.sgy", "segy")
+    apart = {"b73": 20 * np.arange(kit.TRACES) - 30, "b81": 20 * np.arange(kit.TRACES) + 30}
+    kit.write_segy(tmp_path / "l.sgy", b29=[1, 1, 2, 1, 1, 1], **apart)
+    found = kit.read(tmp_path / "l.sgy", "segy")
     np.testing.assert_allclose(found.x, X_M, atol=1e-12)
     assert found.attrs["antenna_separation_m"] == pytest.approx(0.06)
     assert len(found.attrs["missing"]) == 1
     none = {"b73": 0, "b81": 0}
-    write_segy(tmp_path / "c.sgy", b181=20 * np.arange(TRACES), **none)
-    np.testing.assert_allclose(read(tmp_path / "c.sgy", "segy").x, X_M, atol=1e-12)
+    kit.write_segy(tmp_path / "c.sgy", b181=20 * np.arange(kit.TRACES), **none)
+    np.testing.assert_allclose(kit.read(tmp_path / "c.sgy", "segy").x, X_M, atol=1e-12)
     grid = {"b73": [0, 20, 0, 20, 0, 20], "b77": [0, 0, 40, 40, 80, 80]}
-    write_segy(tmp_path / "g.sgy", b81=grid["b73"], b85=grid["b77"], **grid)
-    assert read(tmp_path / "g.sgy", "segy").a_scan.shape[:3] == (1, 3, 2)
+    kit.write_segy(tmp_path / "g.sgy", b81=grid["b73"], b85=grid["b77"], **grid)
+    assert kit.read(tmp_path / "g.sgy", "segy").a_scan.shape[:3] == (1, 3, 2)
 
 
 def test_extended_headers_of_segy_are_skipped_and_garbage_of_old_files_is_not_one(tmp_path):
-    write_segy(tmp_path / "l.sgy", b3501=0x0100, b3505=1)
+    kit.write_segy(tmp_path / "l.sgy", b3501=0x0100, b3505=1)
     content = (tmp_path / "l.sgy").read_bytes()
     (tmp_path / "l.sgy").write_bytes(content[:3600] + bytes(3200) + content[3600:])
-    check_line(read(tmp_path / "l.sgy", "segy"), counts(8), 200e-12)
-    write_segy(tmp_path / "old.sgy", b3501=0x4020, b3505=0x4020)
-    check_line(read(tmp_path / "old.sgy", "segy"), counts(8), 200e-12)
+    check_line(kit.read(tmp_path / "l.sgy", "segy"), kit.counts(8), 200e-12)
+    kit.write_segy(tmp_path / "old.sgy", b3501=0x4020, b3505=0x4020)
+    check_line(kit.read(tmp_path / "old.sgy", "segy"), kit.counts(8), 200e-12)
 
 
 @each_case("form, unit", [("RI", "GHz"), ("MA", "MHz"), ("DB", "Hz")])
 def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, form, unit):
     names = ["p3_X0_Y10.5_Z90.s2p", "p1_X20.25_Y10.5_Z90.s2p"]
-    write_touchstone(tmp_path / "t", names, form, unit)
-    found = read(tmp_path / "t", "touchstone")
+    kit.write_touchstone(tmp_path / "t", names, form, unit)
+    found = kit.read(tmp_path / "t", "touchstone")
     assert found.polarization.values.tolist() == [90.0]
     np.testing.assert_allclose(found.x, [0.0, 0.02025])
     np.testing.assert_allclose(found.y, [0.0105])
@@ -158,42 +143,42 @@ def test_a_folder_of_touchstone_files_has_its_places_in_their_names(tmp_path, fo
 
 
 def test_places_and_files_of_touchstone_are_ordered_as_numbers(tmp_path):
-    write_touchstone(tmp_path / "t", ["X-20.s2p", "x-40_y0.s2p", "x20,5_y0.s2p", "X0.s2p"])
-    found = read(tmp_path / "t", "touchstone")
+    kit.write_touchstone(tmp_path / "t", ["X-20.s2p", "x-40_y0.s2p", "x20,5_y0.s2p", "X0.s2p"])
+    found = kit.read(tmp_path / "t", "touchstone")
     np.testing.assert_allclose(found.x, [-0.04, -0.02, 0.0, 0.0205])
     np.testing.assert_allclose(np.abs(found.s21.values[0, 0, :, 0]), [0.2, 0.1, 0.4, 0.3])
-    write_touchstone(tmp_path / "line", ["scan2.S1P", "scan10.S1P", "scan1.S1P"])
+    kit.write_touchstone(tmp_path / "line", ["scan2.S1P", "scan10.S1P", "scan1.S1P"])
     with raises_fault(NOT_ALLOWED, "scan1.S1P", "--spacing"):
-        read(tmp_path / "line", "touchstone")
-    found = read(tmp_path / "line", "touchstone", spacing_m=0.05, separation_m=0.0)
+        kit.read(tmp_path / "line", "touchstone")
+    found = kit.read(tmp_path / "line", "touchstone", spacing_m=0.05, separation_m=0.0)
     np.testing.assert_allclose(found.x, [0.0, 0.05, 0.1])
     np.testing.assert_allclose(np.abs(found.s21.values[0, 0, :, 0]), [0.3, 0.1, 0.2])
 
 
 @each_case("steps, y_m", [((10, 0, 0), 0.0), ((0, 5, 0), 0.01)])
 def test_a_merged_file_of_gprmax_has_the_steps_of_its_receiver(tmp_path, steps, y_m):
-    write_merged(tmp_path / "m.h5", steps=steps)
+    kit.write_merged(tmp_path / "m.h5", steps=steps)
     command = ["import", str(tmp_path / "m.h5"), str(tmp_path / f"{y_m}.nc"), "--format", "gprmax"]
-    assert main([*command, *RICKER, "--band", "1e9", "2e9", "11", "--separation", "0.04"]) == 0
+    assert main([*command, *kit.RICKER, "--band", "1e9", "2e9", "11", "--separation", "0.04"]) == 0
     found = load_survey(tmp_path / f"{y_m}.nc")
     assert found.polarization.values.tolist() == [90.0] and found.attrs["simulated"] == 1
     axis = found.x if steps[0] else found.y
-    np.testing.assert_allclose(axis, np.arange(TRACES) * (y_m or SPACING_M))
+    np.testing.assert_allclose(axis, np.arange(kit.TRACES) * (y_m or kit.SPACING_M))
     assert found.attrs["antenna_separation_m"] == 0.04
-    given = read(tmp_path / "m.h5", "gprmax", **SPECTRA, spacing_m=0.1)
-    np.testing.assert_allclose(given.x, np.arange(TRACES) * 0.1)
-    write_merged(tmp_path / "3.out", steps=None)
+    given = kit.read(tmp_path / "m.h5", "gprmax", **kit.SPECTRA, spacing_m=0.1)
+    np.testing.assert_allclose(given.x, np.arange(kit.TRACES) * 0.1)
+    kit.write_merged(tmp_path / "3.out", steps=None)
     with raises_fault(NOT_ALLOWED, "3.out", "--spacing"):
-        read(tmp_path / "3.out", "gprmax", **SPECTRA)
+        kit.read(tmp_path / "3.out", "gprmax", **kit.SPECTRA)
 
 
 def test_a_real_line_is_the_same_in_its_dzt_file(tmp_path):
     path = tmp_path / "Lab_specimen_data.DZT"
     with np.load(REAL_LINE_FILE) as stored:  # see benchmarks/worlds/data/README.md
         values = np.rint(stored["a_scans"].astype(np.float64) * 2**15)
-    write_dzt(path, [values.astype(int)], spm=118.110, epsr=7.0)
+    kit.write_dzt(path, [values.astype(int)], spm=118.110, epsr=7.0)
     assert path.stat().st_size == 340992
-    scans = read(path, "dzt").a_scan
+    scans = kit.read(path, "dzt").a_scan
     np.testing.assert_array_equal(scans.values[0, 0, :, 2:].real * 2**15, values[:, 2:])
     assert float(scans.delay[1]) == pytest.approx(8e-9 / 512)
     assert float(scans.x[-1]) == pytest.approx(2.802, abs=1e-3)

@@ -11,8 +11,8 @@ from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.faults import NOT_SIGNED
 
-EXTRAS = {"distributed": "batch", "matplotlib": "plots"}
-"""Optional libraries that whole commands need, and the extra of each."""
+EXTRAS = {"distributed": "batch", "matplotlib": "plots", "segyio": "segy", "skrf": "touchstone"}
+"""Optional libraries, and the extra of each."""
 EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
 """Errors whose message is sufficient; all others are program errors."""
 TRACEBACK = "GPR20_TRACEBACK"

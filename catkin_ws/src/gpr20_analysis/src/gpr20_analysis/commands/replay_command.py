@@ -10,7 +10,7 @@ from pathlib import Path
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError
-from gpr20_analysis.read.replay import Pace, Playback, describe, recorded
+from gpr20_analysis.read.replay import Playback, describe, recorded
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -35,7 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     """Publish the survey; return the exit status."""
-    pace = Pace(chosen.rate, chosen.start, chosen.paused)
+    playback = Playback(Clock(), chosen.rate, chosen.start, chosen.paused)
     namespace = _namespace(chosen.ns)
     replayed = describe(chosen.survey)
     try:
@@ -60,7 +60,6 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     replay_node.refuse_beside_others(f"{namespace}{name}" for name in replay_node.TOPICS_OF_A_ROBOT)
     # Two replays in different namespaces do not end each other.
     rospy.init_node("replay", anonymous=True)
-    playback = Playback(pace, Clock())
     rospy.on_shutdown(playback.stop)
     node = replay_node.ReplayNode(playback, replayed, namespace, chosen.wait)
     node.run(recorded(chosen.survey))

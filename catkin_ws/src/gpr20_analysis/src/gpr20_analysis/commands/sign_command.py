@@ -8,7 +8,7 @@ from pathlib import Path
 from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.read.checks import check_manifest
+from gpr20_analysis.read.checks import is_sealed, manifest_differences
 from gpr20_analysis.read.verification import check_survey_folder
 from gpr20_analysis.sentences import shown
 from gpr20_common.catalogue import Catalogue
@@ -44,24 +44,24 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
-        log = recovered.found
-        found = check_manifest(folder, recovered)
-        if found.manifest is None or not found.is_binding:
+        log, sealed = recovered.found, recovered.manifest
+        if sealed is None or not is_sealed(recovered):
             raise AnalysisError(
                 Message("the survey is not closed, or its manifest is damaged"),
                 fault=CAN_RESUME,
             )
-        if found.differences or not log.is_whole:
+        differences = manifest_differences(folder, recovered)
+        if differences or not log.is_whole:
             damaged = [
                 Message("{file} is damaged", file=one) for one in (*log.damaged, *log.behind)
             ]
             raise AnalysisError(
                 Message(
                     "what differs from the manifest is not signed: {differences}",
-                    differences=in_a_row([*found.differences, *damaged][:SHOWN]),
+                    differences=in_a_row([*differences, *damaged][:SHOWN]),
                 ).reporting_only(faults.NOT_INTACT)
             )
-        found.manifest.write_for(folder, log.records[-1])
+        sealed.write_for(folder, log.records[-1])
         signer.sign(folder)
     say(shown(Message("the survey is signed as it is now"), catalogue))
     return DONE

@@ -2,94 +2,86 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import Iterable, List, Optional, Sequence, Tuple, Union
+from types import MappingProxyType
+from typing import Any, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import ExportError, UnreadableFileError
-from gpr20_analysis.formats.facts import Facts, snapped
-from gpr20_analysis.read.survey_grid import grid_of
-from gpr20_analysis.sentences import with_decisions, with_sentences
+from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.formats.facts import GRID, with_facts
+from gpr20_analysis.read.survey_grid import SurveyGrid, grid_of
+from gpr20_analysis.sentences import with_sentences
 from gpr20_common.message import Message
 
 HIGHEST_M = 10.0
+ROUNDED = (1.0, 0.051, 0.051)  # [deg], [mm]: SEG-Y holds tenths of a millimetre
 
 
-@dataclass
-class Imported:
-    """The content of an imported file.
+def as_dataset(
+    values: np.ndarray,
+    polarization_deg: Sequence[float],
+    y_m: np.ndarray,
+    x_m: np.ndarray,
+    height_m: np.ndarray,
+    source: str,
+    frequency_hz: Optional[np.ndarray] = None,
+    delay_s: Optional[np.ndarray] = None,
+    simulated: Optional[bool] = None,
+    notes: Sequence[Message] = (),
+) -> xr.Dataset:
+    """Return the Dataset of imported data; missing samples are marked and named.
 
-    Attributes:
+    Names, times and remarks, which only the robot's own surveys have, are empty.
+
+    Args:
         values: (polarization, y, x, frequency or delay); NaN where there is no sample. Becomes
             part of the Dataset, where all values of a partly damaged sample become NaN.
         polarization_deg: Rotations [deg].
         y_m: Rows [m].
         x_m: Columns [m].
         height_m: Antenna heights (polarization, y, x); NaN where unknown [m].
+        source: Name of the file or folder.
         frequency_hz: Frequencies [Hz]; None if the values are over time.
         delay_s: Times [s]; None if the values are over frequency.
-        source: Name of the file or folder.
         simulated: Whether the data are simulated; None if unknown.
         notes: What a user should know.
-        decisions: What was decided where the source says nothing.
-    """
-
-    values: np.ndarray
-    polarization_deg: Sequence[float]
-    y_m: np.ndarray
-    x_m: np.ndarray
-    height_m: np.ndarray
-    source: str
-    frequency_hz: Optional[np.ndarray] = None
-    delay_s: Optional[np.ndarray] = None
-    simulated: Optional[bool] = None
-    notes: List[Message] = field(default_factory=list)
-    decisions: Sequence[Message] = ()
-
-
-def as_dataset(found: Imported) -> xr.Dataset:
-    """Return the Dataset of imported data; missing samples are marked and named.
-
-    Names, times and remarks, which only the robot's own surveys have, are empty.
 
     Raises:
         UnreadableFileError: A height is out of range.
     """
-    wrong = found.height_m[(found.height_m < 0.0) | (found.height_m > HIGHEST_M)]
+    wrong = height_m[(height_m < 0.0) | (height_m > HIGHEST_M)]
     if wrong.size:
         raise UnreadableFileError(
             Message(
                 "{source} has {count} antenna heights out of range, e.g. {height_m:g} m; use 0 to "
                 "{highest_m:g} m, or NaN if not measured",
-                source=found.source,
+                source=source,
                 count=wrong.size,
                 height_m=wrong[0],
                 highest_m=HIGHEST_M,
             ),
             fault=faults.INPUT,
         )
-    shape = found.values.shape[:3]
+    shape = values.shape[:3]
     # A sample of only NaN is missing; one with some NaN is damaged.
-    bad = ~np.isfinite(found.values)
+    bad = ~np.isfinite(values)
     missing, damaged = bad.all(axis=-1), bad.any(axis=-1)
     quality = np.zeros(shape, np.uint8)
     quality[damaged] = int(Quality.DAMAGED)
     quality[missing] = int(Quality.MISSING)
-    quality[~damaged & ~np.isfinite(found.height_m)] |= int(Quality.NO_HEIGHT)
-    values = found.values
+    quality[~damaged & ~np.isfinite(height_m)] |= int(Quality.NO_HEIGHT)
     values[damaged] = np.nan
-    name, last, axis = (dataset.S21, dataset.FREQUENCY, found.frequency_hz)
+    name, last, axis = (dataset.S21, dataset.FREQUENCY, frequency_hz)
     if axis is None:
-        name, last, axis = (dataset.A_SCAN, dataset.DELAY, found.delay_s)
+        name, last, axis = (dataset.A_SCAN, dataset.DELAY, delay_s)
     sample = dataset.SAMPLE_DIMS
     data = xr.Dataset(
         {
             name: ((*sample, last), values),
-            dataset.HEIGHT: (sample, found.height_m),
+            dataset.HEIGHT: (sample, height_m),
             dataset.TIMESTAMP: (sample, np.full(shape, "NaT", "datetime64[ns]")),
             dataset.QUALITY: (sample, quality),
             "remarks": (sample, np.full(shape, "", "<U1")),
@@ -97,23 +89,22 @@ def as_dataset(found: Imported) -> xr.Dataset:
             "index": (sample, np.where(missing, -1, np.arange(quality.size).reshape(shape))),
         },
         {
-            dataset.POLARIZATION: np.asarray(found.polarization_deg, np.float64),
-            dataset.Y: found.y_m,
-            dataset.X: found.x_m,
+            dataset.POLARIZATION: np.asarray(polarization_deg, np.float64),
+            dataset.Y: y_m,
+            dataset.X: x_m,
             last: axis,
         },
-        {"format": dataset.FORMAT, "source": found.source},
+        {"format": dataset.FORMAT, "source": source},
     )
-    if found.simulated is not None:
-        data.attrs["simulated"] = int(found.simulated)
+    if simulated is not None:
+        data.attrs["simulated"] = int(simulated)
     data = dataset.described(data)
     places = dataset.positions_of(data, damaged & ~missing)
     lists = {
         "missing": dataset.missing_samples(data),
         "faults": [Message("damaged: {position}", position=one) for one in places],
     }
-    data = data.assign_attrs(with_sentences(data.attrs, **lists, notes=found.notes))
-    return with_decisions(data, *found.decisions) if found.decisions else data
+    return data.assign_attrs(with_sentences(data.attrs, **lists, notes=notes))
 
 
 def on_grid(
@@ -124,7 +115,7 @@ def on_grid(
     frequency_hz: Optional[np.ndarray],
     notes: List[Message],
     simulated: Optional[bool] = None,
-    facts: Optional[Facts] = None,
+    facts: Mapping[str, Any] = MappingProxyType({}),
     delay_s: Optional[np.ndarray] = None,
     times: Optional[Sequence[np.datetime64]] = None,
 ) -> xr.Dataset:
@@ -138,7 +129,7 @@ def on_grid(
         frequency_hz: Frequencies [Hz]; None if the values are over time.
         notes: What a user should know.
         simulated: Whether the data are simulated; None if unknown.
-        facts: What is known of the survey besides.
+        facts: What is known of the survey besides, as `facts_beside` returns it.
         delay_s: Times [s]; None if the values are over frequency.
         times: When each sample was measured, NaT where unknown; None: all are unknown.
 
@@ -147,11 +138,8 @@ def on_grid(
         UnreadableFileError: Two samples have the same position.
     """
     notes = list(notes)
-    known = None if facts is None else snapped(positions, facts.grid)
-    if facts is None or facts.grid is None or known is None:
-        grid = grid_of(positions, notes)
-    else:
-        grid, positions = facts.grid, known
+    known = _on_known_grid(positions, facts)
+    grid, positions = known or (grid_of(positions, notes), positions)
     cells = grid.places(positions)
     if len(set(cells)) < len(cells):
         raise UnreadableFileError(
@@ -170,58 +158,38 @@ def on_grid(
     for cell, spectrum in zip(cells, spectra):
         values[cell] = spectrum
     data = as_dataset(
-        Imported(
-            values.reshape(*grid.shape, -1),
-            grid.polarization_deg,
-            np.array(grid.y_mm) / dataset.MM_PER_M,
-            np.array(grid.x_mm) / dataset.MM_PER_M,
-            height_m.reshape(grid.shape),
-            source,
-            frequency_hz=frequency_hz,
-            delay_s=delay_s,
-            simulated=simulated,
-            notes=notes,
-        )
+        values.reshape(*grid.shape, -1),
+        grid.polarization_deg,
+        np.array(grid.y_mm) / dataset.MM_PER_M,
+        np.array(grid.x_mm) / dataset.MM_PER_M,
+        height_m.reshape(grid.shape),
+        source,
+        frequency_hz,
+        delay_s,
+        simulated,
+        notes,
     )
     if times is not None:
         data[dataset.TIMESTAMP].values.reshape(-1)[cells] = times
-    return data if facts is None else facts.restored(data)
+    return with_facts(data, facts)
 
 
-def usable_samples(survey: xr.Dataset) -> List[Tuple[Tuple[int, int, int], float, float, float]]:
-    """Return array index, x [mm], y [mm] and rotation [deg] of each sample with data."""
-    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
-    turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
-    return [
-        (
-            (int(turn), int(row), int(column)),
-            float(x_m[column]) * dataset.MM_PER_M,
-            float(y_m[row]) * dataset.MM_PER_M,
-            float(turns_deg[turn]),
-        )
-        for turn, row, column in np.argwhere(usable)
-    ]
+def _on_known_grid(
+    positions: np.ndarray, facts: Mapping[str, Any]
+) -> Optional[Tuple[SurveyGrid, np.ndarray]]:
+    """Return the grid of the facts, and the positions on it; None if there is none or they differ.
 
-
-def even_step(values: np.ndarray, name: Union[str, Message], unit: str) -> float:
-    """Return the spacing of evenly spaced coordinates; 0 for a single one.
-
-    Raises:
-        ExportError: The spacing is uneven.
+    Args:
+        positions: (samples, 3), rotation [deg], y and x [mm], rounded as files do.
+        facts: What the file beside an export says.
     """
-    if len(values) < 2:
-        return 0.0
-    steps = np.diff(values)
-    if np.ptp(steps) > 0.01 * abs(steps.mean()):
-        raise ExportError(
-            Message(
-                "the spacing of {axis} is uneven, {smallest:g} to {largest:g} {unit}; choose a "
-                "format that supports that",
-                axis=name,
-                smallest=steps.min(),
-                largest=steps.max(),
-                unit=unit,
-            ),
-            fault=faults.INPUT,
-        )
-    return float((values[-1] - values[0]) / (len(values) - 1))
+    if not all(name in facts for name in GRID):
+        return None
+    axes = [np.array(facts[name]) for name in GRID]
+    nearest = [
+        axis[np.abs(axis - own[:, None]).argmin(axis=1)] for axis, own in zip(axes, positions.T)
+    ]
+    found = np.stack(nearest, axis=1)
+    if np.any(np.abs(found - positions) > ROUNDED):
+        return None
+    return SurveyGrid(*(tuple(axis.tolist()) for axis in axes)), found

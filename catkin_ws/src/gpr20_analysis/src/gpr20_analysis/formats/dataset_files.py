@@ -19,22 +19,19 @@ from xarray.backends import H5NetCDFStore
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import (
     AnalysisError,
     DamagedSurveyError,
     ExportError,
     UnreadableFileError,
+    WrongDatasetError,
     not_there,
     wrong_ending,
 )
 from gpr20_analysis.formats.facts import marked
-from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.sentences import (
     LIST_ATTRIBUTES,
-    first_of,
     sentences_of,
-    with_doubts,
     with_sentences,
 )
 from gpr20_common.message import Message
@@ -46,12 +43,8 @@ PART_OF = "complex_part_of"
 OVERHEAD_BYTES = 1 << 20
 CHECKED = {"driver_kwds": {"libver": ("v108", "v108")}}
 """The oldest structure of HDF5 files that has checksums."""
-CONVENTIONS = "CF-1.9"
-AXES = {dataset.X: "X", dataset.Y: "Y", dataset.DEPTH: "Z"}
-"""Of images alone: the conventions want these axes last, but spectra end with the frequency."""
-PLANE = {dataset.X: "projection_x_coordinate", dataset.Y: "projection_y_coordinate"}
-STANDARD_NAMES = {dataset.DEPTH: "depth", dataset.HEIGHT: "height", dataset.TIMESTAMP: "time"}
-ANCILLARY = (dataset.QUALITY, dataset.HEIGHT, dataset.TIMESTAMP)
+OF_FILE = ("Conventions", "title", "history")
+"""Attributes that a file has and a Dataset has not."""
 VALUES: Dict[str, Tuple[str, ...]] = {
     dataset.S21: dataset.S21_DIMS,
     dataset.A_SCAN: (*dataset.SAMPLE_DIMS, dataset.DELAY),
@@ -75,7 +68,14 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     path = Path(path).expanduser()
     if path.suffix != NETCDF:
         raise ExportError(wrong_ending(path, (NETCDF,)))
-    stored = _with_conventions(_as_real(data))
+    stored = _as_real(dataset.described(data.copy()))
+    title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
+    of_file = ("CF-1.9", marked(title, data), "written by gpr20_analysis")
+    stored.attrs.update(zip(OF_FILE, of_file))
+    # The conventions want these last where there is a depth; spectra end with the frequency.
+    for axis in (dataset.Y, dataset.X) if dataset.DEPTH in stored.dims else ():
+        as_plane = {"axis": axis.upper(), "standard_name": f"projection_{axis}_coordinate"}
+        stored[axis].attrs.update(as_plane)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, stored.nbytes + OVERHEAD_BYTES) as own:
         # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
@@ -96,9 +96,9 @@ def read_dataset(path: Path) -> xr.Dataset:
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.INPUT)
     try:
-        stored = xr.open_dataset(str(path), engine="h5netcdf")
+        stored = xr.open_dataset(str(path), engine="h5netcdf", decode_timedelta=False)
         with np.errstate(invalid="ignore"), stored:
-            return _without_conventions(_as_complex(stored.load()))
+            return dataset.described(_as_complex(stored.load()))
     # On damaged files the libraries raise exceptions of many kinds.
     except Exception as error:
         raise UnreadableFileError(
@@ -135,6 +135,11 @@ def _as_complex(stored: xr.Dataset) -> xr.Dataset:
         kept = {key: value for key, value in real.attrs.items() if key != PART_OF}
         data[whole] = (real.dims, values, kept)
         data = data.drop_vars([f"{whole}{REAL}", f"{whole}{IMAGINARY}"])
+    for key in OF_FILE:
+        data.attrs.pop(key, None)
+    for axis in {dataset.Y, dataset.X} & data.coords.keys():
+        for key in ("axis", "standard_name"):
+            data[axis].attrs.pop(key, None)
     for key in LIST_ATTRIBUTES:
         if isinstance(data.attrs.get(key), str):
             data.attrs[key] = json.loads(data.attrs[key])
@@ -155,59 +160,7 @@ def _encoding(data: xr.Dataset) -> Dict[str, Dict[str, Any]]:
     return found
 
 
-def _with_conventions(stored: xr.Dataset) -> xr.Dataset:
-    """Return a Dataset without complex numbers with the attributes of the conventions."""
-    data = stored.copy()
-    for name in data.variables:
-        own = {**_of_variable(data, str(name)), **data[name].attrs}
-        if "flag_masks" in own:
-            own["flag_masks"] = np.asarray(own["flag_masks"], data[name].dtype)
-        data[name].attrs = own
-    return data.assign_attrs({**_of_file(data), **data.attrs})
-
-
-def _without_conventions(data: xr.Dataset) -> xr.Dataset:
-    """Return a Dataset, complex again, without what `_with_conventions` has added."""
-    for name in data.variables:
-        own = data[name].attrs
-        for key, value in _of_variable(data, str(name)).items():
-            if str(own.get(key)) == value:
-                del own[key]
-        if "flag_masks" in own:
-            own["flag_masks"] = np.asarray(own["flag_masks"]).tolist()
-    for key, value in _of_file(data).items():
-        if data.attrs.get(key) == value:
-            del data.attrs[key]
-    return dataset.described(data)
-
-
-def _of_variable(data: xr.Dataset, name: str) -> Dict[str, str]:
-    is_image = dataset.DEPTH in data.dims
-    added = {"long_name": name.replace("_", " ")}
-    if name in AXES and is_image:
-        added["axis"] = AXES[name]
-    if name in PLANE and is_image:
-        added["standard_name"] = PLANE[name]
-    if name == dataset.HEIGHT:
-        added["positive"] = "up"
-    if name in STANDARD_NAMES:
-        added["standard_name"] = STANDARD_NAMES[name]
-    beside = [one for one in ANCILLARY if one in data]
-    if beside and set(dataset.SAMPLE_DIMS) < set(data[name].dims):
-        added["ancillary_variables"] = " ".join(beside)
-    return added
-
-
-def _of_file(data: xr.Dataset) -> Dict[str, str]:
-    title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
-    return {
-        "Conventions": CONVENTIONS,
-        "title": marked(title, data),
-        "history": "written by gpr20_analysis",
-    }
-
-
-def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dataset:
+def checked(data: xr.Dataset, name: str) -> xr.Dataset:
     """Return a Dataset as `gpr20_analysis.dataset` describes it, or refuse it.
 
     Attribute `missing` names every sample without data, even if the file did not.
@@ -215,7 +168,6 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
     Args:
         data: Content of a file.
         name: Name of the file, for messages.
-        accept_damaged: Mark usable samples that contain NaN as damaged instead of refusing.
 
     Raises:
         UnreadableFileError: It contains neither spectra nor A-scans nor an image.
@@ -233,39 +185,37 @@ def checked(data: xr.Dataset, name: str, accept_damaged: bool = False) -> xr.Dat
             fault=faults.INPUT,
         )
     for one in held:
-        _check_form(data, one, VALUES[one], name)
-        _check_axes(data, VALUES[one], name)
-        if one in (dataset.IMAGE, dataset.ANTENNA):
-            if not bool(np.isfinite(data[one]).all()):
-                raise DamagedSurveyError(
-                    Message("{file} is damaged: it contains NaN or infinite values", file=name),
-                    fault=faults.FILE_DAMAGED,
-                )
-        else:
-            data = _check_samples(data, one, name, accept_damaged)
-    return data
-
-
-def _check_form(data: xr.Dataset, one: str, dims: Tuple[str, ...], name: str) -> None:
-    if one not in data or set(data[one].dims) != set(dims) or 0 in data[one].shape:
-        found = data[one].sizes.items() if one in data else ()
-        raise UnreadableFileError(
-            Message(
-                "{file}: '{variable}' has the dimensions {found}; it must have {needed}, none of "
-                "them empty",
-                file=name,
-                variable=one,
-                found=", ".join(f"{dim} {size}" for dim, size in found) or "-",
-                needed=", ".join(dims),
-            ),
-            fault=faults.INPUT,
-        )
+        dims = VALUES[one]
+        beside = (dataset.QUALITY, dataset.HEIGHT) if one in (dataset.S21, dataset.A_SCAN) else ()
+        try:
+            values = dataset.require(data, one, dims)
+            for variable in beside:
+                dataset.require(data, variable, dataset.SAMPLE_DIMS)
+        except WrongDatasetError as error:
+            reason = Message("{file}: {reason}", file=name, reason=error.message)
+            raise UnreadableFileError(reason, fault=faults.INPUT) from error
+        _check_axes(data, dims, name)
+        whole = abs(values) < np.inf
+        if beside:
+            is_there = whole.all(dims[-1]) & ~np.isinf(data[dataset.HEIGHT])
+            whole = is_there | ~dataset.usable(data)
+        if not whole.all():
+            raise DamagedSurveyError(
+                Message("{file} is damaged: it contains NaN or infinite values", file=name),
+                fault=faults.FILE_DAMAGED,
+            )
+    if dataset.QUALITY not in data:
+        return data
+    missing = [*sentences_of(data, "missing"), *dataset.missing_samples(data)]
+    missing = list({str(one): one for one in missing}.values())
+    attributes = {"notes": [], "faults": [], **data.attrs}
+    return data.assign_attrs(with_sentences(attributes, missing=missing))
 
 
 def _check_axes(data: xr.Dataset, dims: Tuple[str, ...], name: str) -> None:
     for axis in dims:
         values = data[axis].values if axis in data.coords else np.array("")
-        if values.dtype.kind not in "fiu":
+        if values.dtype.kind not in "fiu" or not values.size:
             raise UnreadableFileError(
                 Message("{file} has no coordinate '{axis}'", file=name, axis=axis),
                 fault=faults.INPUT,
@@ -280,37 +230,3 @@ def _check_axes(data: xr.Dataset, dims: Tuple[str, ...], name: str) -> None:
                 ),
                 fault=faults.FILE_DAMAGED,
             )
-
-
-def _check_samples(data: xr.Dataset, one: str, name: str, accept_damaged: bool) -> xr.Dataset:
-    for variable in (dataset.QUALITY, dataset.HEIGHT):
-        _check_form(data, variable, dataset.SAMPLE_DIMS, name)
-    quality = data[dataset.QUALITY].transpose(*dataset.SAMPLE_DIMS)
-    whole = (abs(data[one]) < np.inf).all(VALUES[one][-1]) & ~np.isinf(data[dataset.HEIGHT])
-    spoilt = (dataset.usable(data) & ~whole).transpose(*dataset.SAMPLE_DIMS).values
-    damaged = sentences_of(data, "faults")
-    if spoilt.any():
-        marked_as = quality.copy(data=np.where(spoilt, int(Quality.DAMAGED), quality.values))
-        data = data.assign({dataset.QUALITY: marked_as.astype(quality.dtype)})
-        positions = dataset.positions_of(data, spoilt)
-        if not accept_damaged:
-            raise DamagedSurveyError(
-                Message(
-                    "{file} is damaged: {count} samples that are marked as good contain NaN or "
-                    "infinite values ({samples}); leave them out with --accept-damaged",
-                    file=name,
-                    count=len(positions),
-                    samples=first_of(positions, dataset.NAMED),
-                ),
-                fault=faults.FILE_DAMAGED,
-            )
-        data = data.assign({one: data[one].where(~quality.copy(data=spoilt))})
-        damaged += [
-            Message("{file}: {position}: NaN or infinite values", file=name, position=position)
-            for position in positions
-        ]
-        data = with_doubts(data, *survey_doubts({}, (), len(positions)))
-    missing = [*sentences_of(data, "missing"), *dataset.missing_samples(data)]
-    missing = list({str(one): one for one in missing}.values())
-    attributes = {"notes": [], **data.attrs}
-    return data.assign_attrs(with_sentences(attributes, missing=missing, faults=damaged))

@@ -16,7 +16,6 @@ from gpr20_analysis.formats.plain_csv import write_plain_csv
 from gpr20_analysis.formats.segy import file_of, write_segy
 from gpr20_analysis.formats.touchstone import write_touchstone
 from gpr20_analysis.work import Progress, no_progress
-from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 
 ENDINGS = {"netcdf": NETCDF, "csv": ".csv", "segy": ".sgy", "touchstone": "", "bag": ".bag",
@@ -52,7 +51,6 @@ def export_survey(
     Raises:
         ExportError: The format cannot hold the survey, the name does not have the format's
             ending, or the output cannot be written.
-        MissingLibraryError: A library is not installed.
     """
     path = Path(path).expanduser()
     check_ending(path, form)
@@ -72,17 +70,9 @@ def export_survey(
     written = {}
     for turn, own in enumerate(output_paths(survey, path, form)):
         part = survey.isel({dataset.POLARIZATION: [turn]}) if form == "segy" else survey
-        try:
-            # Those of another survey must not stand beside this one.
-            facts_path(own).unlink(missing_ok=True)
-        except OSError as error:
-            raise ExportError(
-                Message("{path} cannot be replaced: {reason}", path=own, reason=os_reason(error))
-            ) from error
-        with atomic_output(own, int(part.nbytes)) as place:
+        with atomic_output(own, int(part.nbytes)) as place, atomic_output(facts_path(own)) as facts:
             count = write(part, place, progress)
-        with atomic_output(facts_path(own)) as place:
-            write_facts(part, place)
+            write_facts(part, facts)
         written[own] = content.with_values({"count": count})
     return written
 

@@ -7,9 +7,8 @@ must never be lost, that data are simulated, is also in the names or contents of
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, Mapping
 
 import numpy as np
 import xarray as xr
@@ -17,7 +16,6 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.errors import UnreadableFileError
 from gpr20_analysis.read import survey_attributes
-from gpr20_analysis.read.survey_grid import SurveyGrid
 from gpr20_analysis.sentences import (
     DOUBTS,
     NOTES,
@@ -50,7 +48,8 @@ NUMBERS = (
     survey_attributes.ANTENNA_SEPARATION,
 )
 SIMULATED_KEY = "simulated"
-ROUNDED_MM = 0.051  # SEG-Y holds tenths of a millimetre
+GRID = ("polarization_deg", "y_mm", "x_mm")
+"""Coordinates of all samples, missing ones included."""
 
 
 def is_simulated(data: xr.Dataset) -> bool:
@@ -63,69 +62,42 @@ def marked(text: str, data: xr.Dataset) -> str:
     return f"{text} ({SIMULATED})" if is_simulated(data) and SIMULATED not in text else text
 
 
-def kept(data: xr.Dataset) -> Dict[str, Any]:
-    """Return the attributes that every format keeps, as values of JSON."""
+def facts_of(data: xr.Dataset) -> Dict[str, Any]:
+    """Return attributes, grid and notes, which every format keeps, as values of JSON."""
     found: Dict[str, Any] = {one: str(data.attrs[one]) for one in TEXTS if one in data.attrs}
     found.update({one: float(data.attrs[one]) for one in NUMBERS if one in data.attrs})
     if SIMULATED_KEY in data.attrs:
         found[SIMULATED_KEY] = is_simulated(data)
     doubts = kept_doubts(sentences_of(data, DOUBTS))
-    return {**found, DOUBTS: "\n".join(doubts)} if doubts else found
+    if doubts:
+        found[DOUBTS] = "\n".join(doubts)
+    for name, axis in zip(GRID, dataset.SAMPLE_DIMS):
+        scale = 1.0 if axis == dataset.POLARIZATION else dataset.MM_PER_M
+        found[name] = (data[axis].values.astype(float) * scale).tolist()
+    return {**found, NOTES: list(map(str, sentences_of(data, NOTES)))}
 
 
-def restored(data: xr.Dataset, values: Mapping[str, Any]) -> xr.Dataset:
-    """Return a Dataset with attributes that a file has kept; those of a wrong type are ignored."""
-    attributes = dict(data.attrs)
-    attributes.update({one: values[one] for one in TEXTS if isinstance(values.get(one), str)})
+def attributes_of(facts: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the attributes in facts, also of a hand-made file; those of a wrong type are none."""
+    found: Dict[str, Any] = {one: facts[one] for one in TEXTS if isinstance(facts.get(one), str)}
     for one in NUMBERS:
-        value = values.get(one)
+        value = facts.get(one)
         if isinstance(value, (int, float, np.integer, np.floating)) and np.isfinite(value):
-            attributes[one] = float(value)
-    if isinstance(values.get(SIMULATED_KEY), (bool, int, np.integer, np.bool_)):
-        # What says that it is simulated wins over what says that it is not.
-        attributes[SIMULATED_KEY] = int(bool(values[SIMULATED_KEY]) or is_simulated(data))
-    return with_doubts(data.assign_attrs(attributes), *carried_doubts(values))
+            found[one] = float(value)
+    if isinstance(facts.get(SIMULATED_KEY), (bool, int, np.integer, np.bool_)):
+        found[SIMULATED_KEY] = int(bool(facts[SIMULATED_KEY]))
+    return found
 
 
-@dataclass(frozen=True)
-class Facts:
-    """What the file beside an export says of it.
-
-    Attributes:
-        values: Attributes, see `kept`.
-        grid: Coordinates of all samples, missing ones included; None if unknown.
-        notes: Notes of the survey, in English.
-    """
-
-    values: Mapping[str, Any]
-    grid: Optional[SurveyGrid] = None
-    notes: Sequence[str] = ()
-
-    @classmethod
-    def of(cls, data: xr.Dataset) -> Facts:
-        """Return those of a survey."""
-        turns, ys, xs = (data[axis].values.astype(float) for axis in dataset.SAMPLE_DIMS)
-        ys, xs = ys * dataset.MM_PER_M, xs * dataset.MM_PER_M
-        grid = SurveyGrid(*(tuple(axis.tolist()) for axis in (turns, ys, xs)))
-        return cls(kept(data), grid, tuple(map(str, sentences_of(data, NOTES))))
-
-    def as_json(self) -> Dict[str, Any]:
-        """Return them as values of JSON."""
-        found = {**self.values, NOTES: list(self.notes)}
-        if self.grid is not None:
-            found.update(
-                polarization_deg=list(self.grid.polarization_deg),
-                y_mm=list(self.grid.y_mm),
-                x_mm=list(self.grid.x_mm),
-            )
-        return found
-
-    def restored(self, data: xr.Dataset) -> xr.Dataset:
-        """Return imported data with these facts."""
-        present = set(map(str, sentences_of(data, NOTES)))
-        more = [verbatim(one) for one in self.notes if one not in present]
-        data = restored(data, self.values)
-        return data.assign_attrs(with_notes(data, more)) if more else data
+def with_facts(data: xr.Dataset, facts: Mapping[str, Any]) -> xr.Dataset:
+    """Return imported data with what is known of the survey besides."""
+    found = attributes_of(facts)
+    if is_simulated(data):
+        found.pop(SIMULATED_KEY, None)  # what says that they are simulated wins
+    data = with_doubts(data.assign_attrs(found), *carried_doubts(facts))
+    present = set(map(str, sentences_of(data, NOTES)))
+    more = [verbatim(str(one)) for one in facts.get(NOTES, ()) if str(one) not in present]
+    return data.assign_attrs(with_notes(data, more)) if more else data
 
 
 def facts_path(export: Path) -> Path:
@@ -139,11 +111,11 @@ def write_facts(survey: xr.Dataset, path: Path) -> None:
     Raises:
         OSError: It cannot be written.
     """
-    path.write_text(json.dumps(Facts.of(survey).as_json(), indent=1), encoding="utf-8")
+    path.write_text(json.dumps(facts_of(survey), indent=1), encoding="utf-8")
 
 
-def facts_beside(export: Path) -> Optional[Facts]:
-    """Return what the file beside an export says of it; None if there is no such file.
+def facts_beside(export: Path) -> Dict[str, Any]:
+    """Return what the file beside an export says of it; nothing if there is no such file.
 
     Raises:
         UnreadableFileError: It is not as it was written.
@@ -151,34 +123,12 @@ def facts_beside(export: Path) -> Optional[Facts]:
     """
     path = facts_path(export)
     if not path.is_file():
-        return None
+        return {}
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-        axes = (found[name] for name in ("polarization_deg", "y_mm", "x_mm"))
-        grid = SurveyGrid(*(tuple(map(float, axis)) for axis in axes))
-        return Facts(found, grid, [str(one) for one in found[NOTES]])
+        axes = {name: list(map(float, found[name])) for name in GRID}
+        return {**found, **axes, NOTES: list(found[NOTES])}
     except (KeyError, TypeError, ValueError) as error:
         raise UnreadableFileError(
             Message("{file} is damaged; delete it, or export the survey again", file=path.name)
         ) from error
-
-
-def snapped(positions: np.ndarray, grid: Optional[SurveyGrid]) -> Optional[np.ndarray]:
-    """Return positions moved to the coordinates of a grid; None if they are not on it.
-
-    Args:
-        positions: (samples, 3), rotation [deg], y and x [mm], rounded as files do.
-        grid: The grid, or None.
-    """
-    if grid is None:
-        return None
-    columns: List[np.ndarray] = []
-    for column, (axis, tolerance) in enumerate(
-        ((grid.polarization_deg, 1.0), (grid.y_mm, ROUNDED_MM), (grid.x_mm, ROUNDED_MM))
-    ):
-        own = np.asarray(axis)
-        nearest = np.abs(positions[:, column, None] - own[None, :]).argmin(axis=1)
-        if np.any(np.abs(own[nearest] - positions[:, column]) > tolerance):
-            return None
-        columns.append(own[nearest])
-    return np.stack(columns, axis=1)

@@ -10,7 +10,7 @@ import time
 import uuid
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Dict, Iterator, Mapping
 
 import numpy as np
 import xarray as xr
@@ -19,7 +19,7 @@ from gpr20_analysis import __version__, dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.formats.facts import SIMULATED_KEY, Facts
+from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_of
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import DECISIONS, sentences_of
 from gpr20_analysis.work import Progress, no_progress
@@ -38,7 +38,6 @@ from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, i
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import trace_json, utc_time
-from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
@@ -71,12 +70,15 @@ class ImportSource:
     sums: Mapping[str, FileSum]
 
     @property
-    def content(self) -> FileSum:
-        """Checksum of the file, or of the list of several files, and their size."""
-        if len(self.sums) == 1:
-            return next(iter(self.sums.values()))
-        size = sum(one.size for one in self.sums.values())
-        return FileSum(manifest.content_sum(self.sums), size)
+    def size(self) -> int:
+        """Size of the files together [bytes]."""
+        return sum(one.size for one in self.sums.values())
+
+    @property
+    def sha256(self) -> str:
+        """Of the file, or of the list of several."""
+        first, *others = self.sums.values()
+        return sum_of(self.listed()).sha256 if others else first.sha256
 
     def listed(self) -> bytes:
         """Return the content of SOURCES_FILE."""
@@ -123,55 +125,61 @@ def write_imported_folder(
         ExportError: A survey's folder cannot hold the data, or it cannot be written.
     """
     try:
-        content = _Content(survey, source, time.time_ns() // utc_time.NS_PER_US)
-        folder = data / content.name
-        with atomic_output(folder, content.bytes_needed) as place:
+        content = _Content(survey, source)
+        folder = survey_folder.survey_folder(data, content.survey_id, content.started_us)
+        # Each trace as numbers in JSON, twice: its file and its messages.
+        with atomic_output(folder, 5 * int(survey[S21].nbytes)) as place:
             # That of a temporary folder would let nobody else read the survey.
             durable_files.make_new_folder(place, data.stat().st_mode & durable_files.FOLDER_MODES)
-            content.write(place, progress)
+            content.write(place, folder.name, progress)
         durable_files.sync_path(data)
     except (InvalidValueError, SurveyRefusedError, TraceRefusedError) as error:
-        raise _refused(error.message) from error
+        raise ExportError(
+            Message(
+                "a survey's folder cannot hold the data: {reason}; write a .nc",
+                reason=error.message,
+            ),
+            fault=faults.INPUT,
+        ) from error
     return folder
-
-
-def _refused(reason: Message) -> ExportError:
-    return ExportError(
-        Message("a survey's folder cannot hold the data: {reason}; write a .nc", reason=reason),
-        fault=faults.INPUT,
-    )
 
 
 class _Content:
     """What a survey's folder holds of imported data."""
 
-    def __init__(self, survey: xr.Dataset, source: ImportSource, now_us: int) -> None:
-        survey = survey.sortby(list(SAMPLE_DIMS)).transpose(*SAMPLE_DIMS, ...)
+    def __init__(self, survey: xr.Dataset, source: ImportSource) -> None:
         others = sorted(map(str, set(survey.data_vars) - VARIABLES))
         if others or S21 not in survey:
-            raise _refused(Message("they contain {names}", names=", ".join(others)))
-        self._survey = survey
+            raise InvalidValueError(Message("they contain {names}", names=", ".join(others)))
+        survey = survey.sortby(list(SAMPLE_DIMS)).transpose(*SAMPLE_DIMS, ...)
+        self._survey, self._source = survey, source
         self._usable = dataset.usable(survey).values
         if not self._usable.any():
-            raise _refused(Message("there is no sample with data"))
+            raise InvalidValueError(Message("there is no sample with data"))
         self._s21 = dataset.require(survey, S21, S21_DIMS).values
-        # Of each trace as numbers in JSON, twice: its file and its messages.
-        self.bytes_needed = 5 * self._s21.nbytes
-        self._survey_id, self._now_us = str(uuid.uuid4()), now_us
-        self._times_us = self._known_times_us()
-        known = np.array([now_us]) if self._times_us is None else self._times_us[self._usable]
-        self._started_us, self._ended_us = int(known.min()), int(known.max())
-        self._source = source
+        self.survey_id, self._now_us = str(uuid.uuid4()), time.time_ns() // utc_time.NS_PER_US
+        self._times_us = survey[TIMESTAMP].values.astype("datetime64[us]").astype(np.int64)
+        own_us = self._times_us[self._usable].tolist()
+        self._are_times_known = all(map(utc_time.is_plausible, own_us))
+        if not self._are_times_known:
+            self._times_us = np.full(self._usable.shape, self._now_us)
+            own_us = [self._now_us]
+        self.started_us, self._ended_us = min(own_us), max(own_us)
         self._description = self._described()
         self._grid = imported_grid(self._description)
-        self.name = survey_folder.survey_folder(Path(), self._survey_id, self._started_us).name
 
-    def write(self, folder: Path, progress: Progress) -> None:
-        """Write all files into a new folder; return when they are on the disk."""
+    def write(self, folder: Path, name: str, progress: Progress) -> None:
+        """Write all files into a new folder; return when they are on the disk.
+
+        Args:
+            folder: The folder.
+            name: Its name when it is complete.
+            progress: Shows the progress.
+        """
         log = SurveyLog(folder, [], whole=False)
         log.take(log.next(Kind.PLAN, self._description, self._description["started"]))
         reason, now = import_sentence(self._description), utc_time.iso_text(self._now_us)
-        sums = self._write_traces(folder, log, progress)
+        sums = self._write_traces(folder, name, log, progress)
         for one in sentences_of(self._survey, DECISIONS):
             message = survey_metadata.message_record(one)
             values = {"format": DECISION_FORMAT, "text": str(one), "message": message}
@@ -187,33 +195,31 @@ class _Content:
         }
         log.take(log.next(Kind.END, ending, now))
         log.write()
-        listed = self._source.listed()
-        durable_files.write_in_new_folder(folder / SOURCES_FILE, listed)
+        durable_files.write_in_new_folder(folder / SOURCES_FILE, self._source.listed())
         log.write_description()
-        manifest.write_manifest(
-            folder, self._survey_id, log.last, SOFTWARE, now, {**sums, SOURCES_FILE: sum_of(listed)}
-        )
+        manifest.write_manifest(folder, self.survey_id, log.last, SOFTWARE, now, sums)
 
-    def _write_traces(self, folder: Path, log: SurveyLog, progress: Progress) -> Dict[str, FileSum]:
+    def _write_traces(
+        self, folder: Path, name: str, log: SurveyLog, progress: Progress
+    ) -> Dict[str, FileSum]:
+        """Write the traces and their recording; return the checksums of the files."""
         sums: Dict[str, FileSum] = {}
         topics = SurveyTopics()
         text = survey_metadata.encode(self._description).decode("ascii")
-        time_ns = self._started_us * utc_time.NS_PER_US
+        time_ns = self.started_us * utc_time.NS_PER_US
         traces = folder / survey_folder.TRACES_FOLDER
         durable_files.ensure_folder(traces)
         recording = McapFile(folder / survey_folder.MCAP_FILE)
         try:
-            recording.write(topics.replay(self._description, Path(self.name), time_ns))
+            recording.write(topics.replay(self._description, Path(name), time_ns))
             recording.write(topics.metadata(text, time_ns))
             recording.write(topics.log(log.last, time_ns))
-            places = self._places()
-            for index, place in progress(places, len(places)):
-                trace = self._trace(index, place)
-                name, content = survey_folder.trace_file_name(trace), trace_json.encode(trace)
-                durable_files.write_in_new_folder(traces / name, content)
-                sums[manifest.trace_name(name)] = sum_of(content)
+            for trace in progress(self._traces(), int(self._usable.sum())):
+                file, content = survey_folder.trace_file_name(trace), trace_json.encode(trace)
+                durable_files.write_in_new_folder(traces / file, content)
+                sums[manifest.trace_name(file)] = sum_of(content)
                 own_ns = trace.timestamp_us * utc_time.NS_PER_US
-                time_ns = time_ns + INTERVAL_NS if self._times_us is None else own_ns
+                time_ns = own_ns if self._are_times_known else time_ns + INTERVAL_NS
                 recording.write_alone(topics.trace(trace, time_ns))
                 if recording.collected_bytes > COMMIT_BYTES:
                     recording.commit()
@@ -224,51 +230,35 @@ class _Content:
         sums[survey_folder.MCAP_FILE] = sum_of_file(folder / survey_folder.MCAP_FILE)
         return sums
 
-    def _places(self) -> List[Tuple[int, Tuple[int, ...]]]:
-        """Return index and place in the arrays of each trace, in order of time."""
+    def _traces(self) -> Iterator[Trace]:
+        """Yield the traces in order of time."""
         axes = (self._grid.polarization_deg, self._grid.y_mm, self._grid.x_mm)
         turns, rows, columns = ({one: place for place, one in enumerate(axis)} for axis in axes)
-        found: List[Tuple[int, Tuple[int, ...]]] = [
-            (one.index, (turns[one.z_deg], rows[one.y_mm], columns[one.x_mm]))
+        placed = [
+            ((turns[one.z_deg], rows[one.y_mm], columns[one.x_mm]), one)
             for one in self._grid.points()
         ]
-        found = [(index, place) for index, place in found if self._usable[place]]
-        times_us = self._times_us
-        if times_us is not None:
-            found.sort(key=lambda one: int(times_us[one[1]]))
-        return found
-
-    def _trace(self, index: int, place: Tuple[int, ...]) -> Trace:
-        time_us = self._started_us if self._times_us is None else int(self._times_us[place])
-        remarks = str(self._survey["remarks"].values[place]) if "remarks" in self._survey else ""
-        turn, row, column = place
-        return Trace(
-            frequency_hz=self._survey[dataset.FREQUENCY].values.astype(np.float64),
-            s21_real=self._s21[place].real.astype(np.float64),
-            s21_imag=self._s21[place].imag.astype(np.float64),
-            sweep_started_us=time_us,
-            sweep_ended_us=time_us,
-            quality=tuple(storable_remark(one) for one in remarks.split("; ") if one),
-            analyzer=AnalyzerSettings(),
-            survey_id=self._survey_id,
-            sample_id=f"{self._survey_id}-{index}",
-            index=index,
-            timestamp_us=time_us,
-            x_coord_mm=self._grid.x_mm[column],
-            y_coord_mm=self._grid.y_mm[row],
-            z_coord_deg=self._grid.polarization_deg[turn],
-            antennae_height_m=float(self._survey[HEIGHT].values[place]),
-        )
-
-    def _known_times_us(self) -> Optional[np.ndarray]:
-        """Return when each sample was measured [us since 1970]; None unless all may be right."""
-        if TIMESTAMP not in self._survey:
-            return None
-        stamps = self._survey[TIMESTAMP].values.astype("datetime64[us]")
-        times_us: np.ndarray = stamps.astype(np.int64)
-        own = times_us[self._usable]
-        known = all(map(utc_time.is_plausible, (int(own.min()), int(own.max()))))
-        return times_us if known else None
+        placed.sort(key=lambda one: int(self._times_us[one[0]]))
+        for place, point in placed:
+            if self._usable[place]:
+                time_us = int(self._times_us[place])
+                yield Trace(
+                    frequency_hz=self._survey[dataset.FREQUENCY].values.astype(np.float64),
+                    s21_real=self._s21[place].real.astype(np.float64),
+                    s21_imag=self._s21[place].imag.astype(np.float64),
+                    sweep_started_us=time_us,
+                    sweep_ended_us=time_us,
+                    quality=(),
+                    analyzer=AnalyzerSettings(),
+                    survey_id=self.survey_id,
+                    sample_id=f"{self.survey_id}-{point.index}",
+                    index=point.index,
+                    timestamp_us=time_us,
+                    x_coord_mm=point.x_mm,
+                    y_coord_mm=point.y_mm,
+                    z_coord_deg=point.z_deg,
+                    antennae_height_m=float(self._survey[HEIGHT].values[place]),
+                )
 
     def _described(self) -> Dict[str, Any]:
         """Return survey.json as it is before the end."""
@@ -277,18 +267,18 @@ class _Content:
             "source": source.name,
             "format": source.form,
             "files": len(source.sums),
-            "sha256": source.content.sha256,
-            "size": source.content.size,
+            "sha256": source.sha256,
+            "size": source.size,
             "time": utc_time.iso_text(self._now_us),
             "software": SOFTWARE,
-            TIMES_KNOWN: self._times_us is not None,
-            **Facts.of(self._survey).as_json(),
+            TIMES_KNOWN: self._are_times_known,
+            **facts_of(self._survey),
             DECISIONS: list(map(str, sentences_of(self._survey, DECISIONS))),
         }
         description: Dict[str, Any] = {
             "format": survey_metadata.FORMAT,
-            "survey_id": self._survey_id,
-            "started": utc_time.iso_text(self._started_us),
+            "survey_id": self.survey_id,
+            "started": utc_time.iso_text(self.started_us),
             **START,
             IMPORTED: entry,
             ANNOTATION: _annotation(attributes).values(),

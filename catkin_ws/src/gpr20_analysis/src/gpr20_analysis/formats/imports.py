@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -63,19 +64,6 @@ class ImportOptions:
     interval_s: Optional[float] = None
 
 
-ARGUMENTS = {
-    "band": "--band",
-    "height_m": "--height",
-    "source": "--source",
-    "time_zero_s": "--time-zero",
-    "separation_m": "--separation",
-    "spacing_m": "--spacing",
-    "channel": "--channel",
-    "interval_s": "--interval",
-}
-"""The options on the command line."""
-
-
 @dataclass(frozen=True)
 class ImportFormat:
     """A format of another program.
@@ -97,17 +85,22 @@ class ImportFormat:
         Raises:
             AnalysisError: There is one.
         """
-        given = (one.name for one in fields(options) if getattr(options, one.name) is not None)
-        unused = [ARGUMENTS[one] for one in given if one not in self.takes]
+        given = [one.name for one in fields(options) if getattr(options, one.name) is not None]
+        unused = [_argument(one) for one in given if one not in self.takes]
         if unused:
             raise AnalysisError(
                 Message(
                     "the format {format} cannot use {option}; leave it out. It uses {options}",
                     format=name,
                     option=unused[0],
-                    options=", ".join(ARGUMENTS[one] for one in self.takes) or "-",
+                    options=", ".join(map(_argument, self.takes)) or "-",
                 )
             )
+
+
+def _argument(option: str) -> str:
+    """Return the argument of the command line of an option, which has no unit in its name."""
+    return "--" + re.sub("_(m|s)$", "", option).replace("_", "-")
 
 
 IMPORTS = ExtensionPoint(

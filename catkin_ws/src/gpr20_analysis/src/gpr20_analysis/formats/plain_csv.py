@@ -53,41 +53,39 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
     Raises:
         OSError: The file exists or cannot be written.
     """
-    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS).values
     columns = [
         f"{part}_{frequency_hz!r}_hz"
         for frequency_hz in survey[dataset.FREQUENCY].values.tolist()
         for part in ("real", "imag")
     ]
-    facts = {
-        name: dataset.require(survey, name, dataset.SAMPLE_DIMS).values
+    index, height_m, timestamp, quality = (
+        dataset.require(survey, name, dataset.SAMPLE_DIMS).values
         for name in ("index", dataset.HEIGHT, dataset.TIMESTAMP, dataset.QUALITY)
-    }
+    )
     # Empty if it is not known.
     simulated = str(int(is_simulated(survey))) if SIMULATED_KEY in survey.attrs else ""
     codes = " ".join(one.fault_code for one in sentences_of(survey, DOUBTS))
-    aux = [survey[name] for name in aux_names(survey)]
-    aux_values = [one.transpose(*dataset.SAMPLE_DIMS).values for one in aux]
+    aux = [survey[name].transpose(*dataset.SAMPLE_DIMS) for name in aux_names(survey)]
+    turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
     usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
-    places = [tuple(int(one) for one in place) for place in np.argwhere(usable)]
+    places = [tuple(place) for place in np.argwhere(usable)]
     with path.open("x", encoding="utf-8", newline="") as stream:
         stream.write(",".join([FACTS, *map(_heading, aux), *columns]) + "\n")
-        for turn, row, column in progress(places, len(places)):
-            place = (turn, row, column)
+        for place in progress(places, len(places)):
+            position = (x_m[place[2]], y_m[place[1]], turns_deg[place[0]], height_m[place])
+            numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()
             words = [
-                str(facts["index"][place]),
-                repr(float(survey[dataset.X].values[column])),
-                repr(float(survey[dataset.Y].values[row])),
-                repr(float(survey[dataset.POLARIZATION].values[turn])),
-                repr(float(facts[dataset.HEIGHT][place])),
-                str(csv_cell(str(facts[dataset.TIMESTAMP][place]))),
-                str(facts[dataset.QUALITY][place]),
+                str(index[place]),
+                *(repr(float(one)) for one in position),
+                str(csv_cell(str(timestamp[place]))),
+                str(quality[place]),
                 simulated,
                 codes,
-                *(repr(float(one[place])) for one in aux_values),
+                *(repr(float(one.values[place])) for one in aux),
+                *map(repr, numbers),
             ]
-            numbers = np.ascontiguousarray(s21[place]).view(np.float64).tolist()
-            stream.write(",".join([*words, *map(repr, numbers)]) + "\n")
+            stream.write(",".join(words) + "\n")
     return len(places)
 
 

@@ -11,15 +11,14 @@ from __future__ import annotations
 
 import textwrap
 from pathlib import Path
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from gpr20_analysis import dataset, faults
-from gpr20_analysis.errors import ExportError, MissingLibraryError, library_missing
-from gpr20_analysis.formats.common import even_step
+from gpr20_analysis.errors import ExportError
 from gpr20_analysis.formats.facts import SIMULATED, is_simulated
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
@@ -32,7 +31,6 @@ INTERVAL_PS = 50
 PS_PER_S = 1e12
 MOST_SAMPLES = 32767  # a signed 16-bit field
 IEEE_FLOAT = 5
-INLINE_SORTING = 2  # the crosslines of the first inline, then those of the second
 SCALAR = 10_000  # per metre
 FURTHEST_M = 200_000  # a signed 32-bit field
 LENGTH_UNITS, METRES, UTC = 1, 1, 4
@@ -58,30 +56,23 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
     (identification code 2) of zeros.
 
     Raises:
-        MissingLibraryError: segyio is not installed.
         ExportError: The time step is not a whole number of picoseconds, there is more than one
             polarization, or a position does not fit.
         OSError: It cannot be written.
     """
-    segyio = _segyio()
+    import segyio  # an optional library
+
     if survey.sizes[dataset.POLARIZATION] != 1:
-        raise ExportError(
-            Message("a SEG-Y file holds one polarization; select it with the step polarization"),
-            fault=faults.INPUT,
+        raise _refusal(
+            Message("a SEG-Y file holds one polarization; select it with the step polarization")
         )
     survey = survey.isel({dataset.POLARIZATION: 0})
-    if dataset.S21 not in survey and dataset.A_SCAN not in survey:
-        raise ExportError(
-            Message("the data contain neither spectra nor A-scans; give data with one of them"),
-            fault=faults.INPUT,
-        )
-    if dataset.A_SCAN in survey:
-        delay_s = survey[dataset.DELAY].values
-    else:
-        delay_s = _delays_s(survey)
-    interval_ps = even_step(delay_s, Message("delay"), "s") * PS_PER_S
+    usable = dataset.usable(survey).transpose(dataset.Y, dataset.X).values
+    delay_s, traces = _a_scans(survey)
+    traces[~usable] = 0.0
+    interval_ps = _even_step(delay_s, "delay") * PS_PER_S
     if abs(interval_ps - round(interval_ps)) > 1e-3 or len(delay_s) > MOST_SAMPLES:
-        raise ExportError(
+        raise _refusal(
             Message(
                 "SEG-Y holds up to {most} samples in steps of whole picoseconds, not {count} in "
                 "steps of {step_ps:g} ps; export the survey over frequency, which is transformed "
@@ -89,145 +80,114 @@ def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress)
                 most=MOST_SAMPLES,
                 count=len(delay_s),
                 step_ps=interval_ps,
-            ),
-            fault=faults.INPUT,
+            )
         )
-    _check_places(survey)
+    headers = _headers(segyio.TraceField, survey, usable)
     if storable(path) != str(path):
         raise ExportError(
             Message("{folder} is no name in UTF-8; export to another folder", folder=path.parent)
         )
-    spec = segyio.spec()
-    spec.format, spec.sorting = IEEE_FLOAT, INLINE_SORTING
-    spec.samples = np.arange(len(delay_s)) * round(interval_ps) / 1000.0
-    spec.ilines = np.arange(1, survey.sizes[dataset.Y] + 1)
-    spec.xlines = np.arange(1, survey.sizes[dataset.X] + 1)
-    traces = _a_scans(survey, delay_s)
-    with segyio.create(str(path), spec) as file:
+    segyio.tools.from_array(str(path), traces, format=IEEE_FLOAT, dt=round(interval_ps))
+    with segyio.open(str(path), "r+") as file:
         file.text[0] = _text(survey, delay_s)
-        file.bin.update(_binary_header(segyio, len(delay_s), round(interval_ps)))
-        _write_traces(segyio, file, survey, traces, round(interval_ps), progress)
+        field = segyio.BinField
+        ones = (field.JobID, field.LineNumber, field.ReelNumber, field.Traces, field.EnsembleFold,
+                field.SortingCode, field.TraceFlag)  # fmt: skip
+        file.bin.update({**dict.fromkeys(ones, 1), field.MeasurementSystem: METRES})
+        for number, header in enumerate(progress(headers, len(headers))):
+            file.header[number].update(header)
     # Not by segyio, whose versions name this field differently.
     with path.open("r+b") as stream:
         stream.seek(REVISION_BYTES[0])
         stream.write(REVISION_BYTES[1])
-    return survey.sizes[dataset.Y] * survey.sizes[dataset.X]
+    return len(headers)
 
 
-def _check_places(survey: xr.Dataset) -> None:
+def _refusal(message: Message) -> ExportError:
+    return ExportError(message, fault=faults.INPUT)
+
+
+def _even_step(values: np.ndarray, axis: str) -> float:
+    """Return the spacing of evenly spaced coordinates; 0 for a single one."""
+    steps = np.diff(values)
+    if len(steps) and np.ptp(steps) > 0.01 * abs(steps.mean()):
+        raise _refusal(
+            Message(
+                "the spacing of {axis} is uneven, {smallest:g} to {largest:g}; choose a format "
+                "that supports that",
+                axis=axis,
+                smallest=steps.min(),
+                largest=steps.max(),
+            )
+        )
+    return float(steps.mean()) if len(steps) else 0.0
+
+
+def _a_scans(survey: xr.Dataset) -> Tuple[np.ndarray, np.ndarray]:
+    """Return delays [s] and real A-scans, float32 (y, x, delay)."""
+    if dataset.A_SCAN in survey:
+        values = survey[dataset.A_SCAN].transpose(dataset.Y, dataset.X, dataset.DELAY).values
+        return survey[dataset.DELAY].values, values.real.astype(np.float32)
+    if dataset.S21 not in survey:
+        raise _refusal(
+            Message("the data contain neither spectra nor A-scans; give data with one of them")
+        )
+    s21 = survey[dataset.S21].transpose(dataset.Y, dataset.X, dataset.FREQUENCY).values
+    frequency_hz = survey[dataset.FREQUENCY].values
+    count = int(PS_PER_S / _even_step(frequency_hz, "frequency") / INTERVAL_PS)
+    delay_s = np.arange(min(count, MOST_SAMPLES)) * (INTERVAL_PS / PS_PER_S)
+    # Evaluated at these delays, since the steps of an inverse FFT do not fit SEG-Y.
+    kernel = delay_kernel(frequency_hz, delay_s)
+    return delay_s, np.stack([(row @ kernel).real.astype(np.float32) for row in s21])
+
+
+def _headers(field: Any, survey: xr.Dataset, usable: np.ndarray) -> List[Dict[int, int]]:
+    """Return the header of each trace, in the order of the file."""
     for axis in (dataset.X, dataset.Y):
         furthest_m = float(np.abs(survey[axis].values).max())
         if not furthest_m <= FURTHEST_M:
-            raise ExportError(
+            raise _refusal(
                 Message(
                     "{axis} reaches {furthest_m:.10g} m, but SEG-Y holds positions up to {most_m} "
                     "m; use positions from a corner of the area",
                     axis=axis,
                     furthest_m=furthest_m,
                     most_m=FURTHEST_M,
-                ),
-                fault=faults.INPUT,
+                )
             )
-
-
-def _segyio() -> Any:
-    try:
-        import segyio
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("segyio", "segy")) from error
-    return segyio
-
-
-def _delays_s(survey: xr.Dataset) -> np.ndarray:
-    step_hz = even_step(survey[dataset.FREQUENCY].values, Message("frequency"), "Hz")
-    count = int(PS_PER_S / step_hz / INTERVAL_PS)
-    return np.arange(min(count, MOST_SAMPLES)) * (INTERVAL_PS / PS_PER_S)
-
-
-def _a_scans(survey: xr.Dataset, delay_s: np.ndarray) -> np.ndarray:
-    """Return real A-scans, float32 (y, x, delay)."""
-    if dataset.A_SCAN in survey:
-        values = survey[dataset.A_SCAN].transpose(dataset.Y, dataset.X, dataset.DELAY).values
-        return values.real.astype(np.float32)
-    s21 = survey[dataset.S21].transpose(dataset.Y, dataset.X, dataset.FREQUENCY)
-    # Evaluated at these delays, since the steps of an inverse FFT do not fit SEG-Y.
-    kernel = delay_kernel(survey[dataset.FREQUENCY].values, delay_s)
-    rows = [(np.asarray(s21[row]) @ kernel).real.astype(np.float32) for row in range(len(s21))]
-    return np.stack(rows)
-
-
-def _binary_header(segyio: Any, samples: int, interval_ps: int) -> Dict[Any, int]:
-    field = segyio.BinField
-    return {
-        field.JobID: 1,
-        field.LineNumber: 1,
-        field.ReelNumber: 1,
-        field.Traces: 1,
-        field.AuxTraces: 0,
-        field.Interval: interval_ps,
-        field.IntervalOriginal: interval_ps,
-        field.Samples: samples,
-        field.SamplesOriginal: samples,
-        field.Format: IEEE_FLOAT,
-        field.EnsembleFold: 1,
-        field.SortingCode: 1,  # as recorded
-        field.MeasurementSystem: METRES,
-        field.TraceFlag: 1,  # all traces have the same length
-    }
-
-
-def _write_traces(
-    segyio: Any,
-    file: Any,
-    survey: xr.Dataset,
-    traces: np.ndarray,
-    interval_ps: int,
-    progress: Progress,
-) -> None:
-    field = segyio.TraceField
-    usable = dataset.usable(survey).transpose(dataset.Y, dataset.X).values
-    heights = np.nan_to_num(survey[dataset.HEIGHT].transpose(dataset.Y, dataset.X).values)
-    times = np.full(usable.shape, "NaT", "datetime64[ns]")
+    shape = (dataset.Y, dataset.X)
+    heights = np.nan_to_num(survey[dataset.HEIGHT].transpose(*shape).values)
+    times = np.full(heights.shape, "NaT", "datetime64[ns]")
     if dataset.TIMESTAMP in survey:
-        times = survey[dataset.TIMESTAMP].transpose(dataset.Y, dataset.X).values
-    shared = {
-        field.ElevationScalar: -SCALAR,
-        field.SourceGroupScalar: -SCALAR,
-        field.CoordinateUnits: LENGTH_UNITS,
-        field.TRACE_SAMPLE_COUNT: traces.shape[-1],
-        field.TRACE_SAMPLE_INTERVAL: interval_ps,
-        field.DataUse: 1,  # production
-        field.TimeBaseCode: UTC,
-    }
-    places = list(np.ndindex(*usable.shape))
-    for number, (row, column) in enumerate(progress(places, len(places))):
+        times = survey[dataset.TIMESTAMP].transpose(*shape).values
+    headers = []
+    for number, (row, column) in enumerate(np.ndindex(*usable.shape), 1):
         x, y, height = (
             round(float(one) * SCALAR)
-            for one in (
-                survey[dataset.X].values[column],
-                survey[dataset.Y].values[row],
-                heights[row, column],
-            )
+            for one in (survey[dataset.X][column], survey[dataset.Y][row], heights[row, column])
         )
-        file.header[number] = {
-            **shared,
-            **dict.fromkeys(
-                (field.TRACE_SEQUENCE_LINE, field.TRACE_SEQUENCE_FILE, field.CDP), number + 1
-            ),
+        headers.append({
+            field.ElevationScalar: -SCALAR,
+            field.SourceGroupScalar: -SCALAR,
+            field.CoordinateUnits: LENGTH_UNITS,
+            field.DataUse: 1,  # production
+            field.TimeBaseCode: UTC,
+            field.TRACE_SEQUENCE_LINE: number,
+            field.TRACE_SEQUENCE_FILE: number,
+            field.CDP: number,
+            field.CDP_TRACE: 1,
             field.FieldRecord: row + 1,
             field.TraceNumber: column + 1,
-            field.CDP_TRACE: 1,
             field.TraceIdentificationCode: LIVE if usable[row, column] else DEAD,
             field.NStackedTraces: 1,
+            field.offset: 0,
             field.ReceiverGroupElevation: height,
             field.SourceDepth: -height,
-            field.INLINE_3D: row + 1,
-            field.CROSSLINE_3D: column + 1,
             **dict.fromkeys((field.SourceX, field.GroupX, field.CDP_X), x),
             **dict.fromkeys((field.SourceY, field.GroupY, field.CDP_Y), y),
             **_time(field, times[row, column]),
-        }
-        file.trace[number] = np.where(usable[row, column], traces[row, column], np.float32(0.0))
+        })  # fmt: skip
+    return headers
 
 
 def _time(field: Any, moment: np.datetime64) -> Dict[Any, int]:

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Mapping
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
-from gpr20_analysis.errors import MissingLibraryError, library_missing
-from gpr20_analysis.formats.common import usable_samples
 from gpr20_analysis.formats.facts import marked
 from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.read.survey_attributes import OF_ANALYZER
@@ -29,53 +26,42 @@ def write_touchstone(survey: xr.Dataset, folder: Path, progress: Progress = no_p
     in each file says.
 
     Raises:
-        MissingLibraryError: scikit-rf is not installed.
         OSError: It cannot be written.
     """
-    skrf = _skrf()
+    import skrf  # an optional library
+
     s21 = dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    index, height_m = (
-        dataset.require(survey, one, dataset.SAMPLE_DIMS).values
-        for one in ("index", dataset.HEIGHT)
-    )
+    own = {
+        one: dataset.require(survey, one, dataset.SAMPLE_DIMS).values
+        for one in ("index", dataset.HEIGHT, *OF_ANALYZER)
+        if one in survey or one not in OF_ANALYZER
+    }
     frequency = skrf.Frequency.from_f(survey[dataset.FREQUENCY].values, unit="hz")
     folder.mkdir(parents=True, exist_ok=True)
-    samples = usable_samples(survey)
     said = [MOVED] if ADVANCE in survey else []
     said += [f"DOUBTED: {one}" for one in kept_doubts(sentences_of(survey, DOUBTS))]
-    shared = "".join(f"\n{one}" for one in said)
-    settings = {
-        one: dataset.require(survey, one, dataset.SAMPLE_DIMS).values
-        for one in OF_ANALYZER
-        if one in survey
-    }
-    for place, x_mm, y_mm, z_deg in progress(samples, len(samples)):
+    turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)
+    usable = dataset.usable(survey).transpose(*dataset.SAMPLE_DIMS).values
+    places = [tuple(place) for place in np.argwhere(usable)]
+    for place in progress(places, len(places)):
         scattering = np.zeros((len(frequency), 2, 2), np.complex128)
         scattering[:, 1, 0] = s21[place]
-        number = int(index[place])
-        own = {**survey.attrs, **{one: values[place] for one, values in settings.items()}}
+        here = {**survey.attrs, **{name: values[place] for name, values in own.items()}}
+        number = int(here["index"])
+        known = [one for one in OF_ANALYZER if here.get(one) and here[one] == here[one]]
+        settings = ", ".join(f"{one} {here[one]}" for one in known)
         network = skrf.Network(frequency=frequency, s=scattering, z0=IMPEDANCE_OHM)
-        network.comments = (
-            f"{marked('GPR-20', survey)} survey {survey.attrs.get('survey_id', '')} "
-            f"sample {number}\n"
-            "only S21 was measured; S11, S12 and S22 are 0 in place of numbers"
-            f"{_settings(own)}{shared}\n"
-            f"{HEIGHT_WORDS} {float(height_m[place])!r}"
+        network.comments = "\n".join(
+            [
+                f"{marked('GPR-20', survey)} survey {here.get('survey_id', '')} sample {number}",
+                "only S21 was measured; S11, S12 and S22 are 0 in place of numbers",
+                *([settings] if settings else []),
+                *said,
+                f"{HEIGHT_WORDS} {float(here[dataset.HEIGHT])!r}",
+            ]
         )
+        x_mm, y_mm = x_m[place[2]] * dataset.MM_PER_M, y_m[place[1]] * dataset.MM_PER_M
+        z_deg = turns_deg[place[0]]
         name = f"{number:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{z_deg:+07.2f}.s2p"
         network.write_touchstone(name, dir=str(folder), form="ri")
-    return len(samples)
-
-
-def _settings(own: Mapping[str, Any]) -> str:
-    """Return those of the VNA at a sample as one more line of the comment."""
-    known = [f"{one} {own[one]}" for one in OF_ANALYZER if own.get(one) and own[one] == own[one]]
-    return ("\n" + ", ".join(known)) if known else ""
-
-
-def _skrf() -> Any:
-    try:
-        import skrf
-    except ImportError as error:
-        raise MissingLibraryError(library_missing("scikit-rf", "touchstone")) from error
-    return skrf
+    return len(places)

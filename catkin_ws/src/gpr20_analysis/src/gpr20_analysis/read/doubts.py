@@ -71,8 +71,8 @@ def recording_doubts(path: Path) -> List[Message]:
 def unproven_count(description: Described, samples: Sequence[Sample]) -> int:
     """Return of how many traces nothing proves that their zeros are those of the others."""
     in_order = sorted(samples, key=lambda one: one.index)
-    unproven = unproven_zeros(description.get("report"), (one.zeros for one in in_order))
-    return sum(one.zeros in unproven or str(UNPROVEN) in one["quality"] for one in samples)
+    unproven = unproven_zeros(description.get("report"), (one["zeros"] for one in in_order))
+    return sum(one["zeros"] in unproven or str(UNPROVEN) in one["quality"] for one in samples)
 
 
 def _positions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
@@ -169,42 +169,39 @@ def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
 
 
 def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
-    reasons = [*_noted_of_clock(description), *_contradictions(description, samples)]
+    # What the robot noted of its clock, or an import of the times of its source.
+    reasons = [
+        received_message(str(values.get("text")), values.get("message"))
+        for values in log_values(description, Kind.CLOCK)
+    ]
+    if is_imported(description) and import_of(description).get(TIMES_KNOWN) is not True:
+        reasons.append(
+            Message("the source names no times since 2020: the traces have that of the import")
+        )
+    started, ended = (_time_us(description.get(name)) for name in ("started", "ended"))
+    if ended < started:
+        reasons.append(Message("the end of the survey is before its start"))
+    # Where a trace was measured again, or imported, later ones may have lower indices.
+    ordered = not (description.get("resumed") or is_imported(description))
+    wrong, before_us = [], 0
+    for one in samples:
+        begun_us, done_us = one["sweep_started_us"], one["timestamp_us"]
+        if done_us < max(before_us, begun_us) or begun_us < started or done_us > ended:
+            wrong.append(str(one.index))
+        before_us = done_us if ordered else 0
+    if wrong:
+        listed = [*wrong[:LISTED], *(["..."] if len(wrong) > LISTED else [])]
+        reasons.append(
+            Message(
+                "traces {indices} are older than what was before them, or not between start and "
+                "end of the survey",
+                indices=", ".join(listed),
+            )
+        )
     if reasons:
         yield Message(
             "times may be wrong: {reasons}", reasons=first_of(reasons, REASONS)
         ).reporting_only(faults.CLOCK)
-
-
-def _noted_of_clock(description: Described) -> Iterator[Message]:
-    """Yield what the robot noted of its clock, or an import of the times of its source."""
-    for values in log_values(description, Kind.CLOCK):
-        yield received_message(str(values.get("text")), values.get("message"))
-    if is_imported(description) and import_of(description).get(TIMES_KNOWN) is not True:
-        yield Message("the source names no times since 2020: the traces have that of the import")
-
-
-def _contradictions(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
-    """Yield where the times contradict each other: what is measured later has later times."""
-    started, ended = (_time_us(description.get(name)) for name in ("started", "ended"))
-    if ended < started:
-        yield Message("the end of the survey is before its start")
-    # Where a trace was measured again, or imported, later ones may have lower indices.
-    ordered = not (description.get("resumed") or is_imported(description))
-    times_us = [one["timestamp_us"] if ordered else 0 for one in samples]
-    pairs = zip(samples, [0, *times_us])
-    early = [
-        one for one, before in pairs if one["timestamp_us"] < max(before, one["sweep_started_us"])
-    ]
-    if early:
-        yield Message(
-            "traces {indices} are older than what was before them", indices=_listed(early)
-        )
-    outside = [
-        one for one in samples if one["sweep_started_us"] < started or one["timestamp_us"] > ended
-    ]
-    if outside:
-        yield Message("traces {indices} are not between start and end", indices=_listed(outside))
 
 
 def _import(description: Described) -> Iterator[Message]:
@@ -214,11 +211,6 @@ def _import(description: Described) -> Iterator[Message]:
             imported=import_sentence(description),
         ).with_fault(faults.IMPORTED)
         yield from carried_doubts(import_of(description))
-
-
-def _listed(samples: Sequence[Sample]) -> str:
-    shown = ", ".join(str(one.index) for one in samples[:LISTED])
-    return shown if len(samples) <= LISTED else f"{shown}, ..."
 
 
 def _time_us(text: object) -> float:

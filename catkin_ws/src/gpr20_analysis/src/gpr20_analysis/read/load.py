@@ -4,35 +4,37 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Set, Tuple, Union
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
+from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.formats.dataset_files import NETCDF, checked, read_dataset
-from gpr20_analysis.formats.facts import restored
+from gpr20_analysis.formats.facts import attributes_of
 from gpr20_analysis.formats.imports import refuse_device, refuse_importable
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.recordings import is_recording
-from gpr20_analysis.read.sources import Damage, Position, SurveySource, open_source, read_trace
+from gpr20_analysis.read.sources import Damage, Source, open_source
 from gpr20_analysis.read.survey_attributes import OF_PEOPLE, aux_variables, survey_attributes
-from gpr20_analysis.read.survey_grid import Plan, grid_of, planned_grid
-from gpr20_analysis.read.traces import EMPTY, Sample, TraceTable, empty_rows, trace_variables
+from gpr20_analysis.read.survey_grid import unknown_plan
+from gpr20_analysis.read.traces import Sample, TraceTable, trace_variables
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_analysis.work import Progress, no_progress
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.folder.survey_folder import LOG_FILE
+from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
-from gpr20_survey.plan.recorded_plan import REFINES
+from gpr20_survey.plan.recorded_plan import REFINES, PlanFit
 from gpr20_survey.trace.trace import Trace
 
 FAULTS_LISTED = 8
-RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)
 MOST_KEPT_BYTES = 256 << 20
 """Of a survey that grows; further traces are read again each time."""
+RECORDED = ("started", "ended", "outcome", "reason", "software_revision", REFINES)
 
 
 def load_survey(
@@ -44,8 +46,8 @@ def load_survey(
         path: Folder of a survey, folder of its trace files, bag, MCAP, or a Dataset written by
             `gpr20` as .nc.
         accept_damaged: Leave damaged samples out, marked in `quality` and named in attribute
-            `faults`, instead of refusing the survey. Samples that are merely missing are never
-            refused: they are NaN, marked, and named in attribute `missing`.
+            `faults`, instead of refusing the survey; a damaged .nc is always refused. Samples that
+            are merely missing never are: they are NaN, marked, and named in attribute `missing`.
         progress: Shows the progress.
 
     Returns:
@@ -60,7 +62,7 @@ def load_survey(
     found = Path(path).expanduser()
     refuse_device(found)
     if found.suffix == NETCDF:
-        return checked(read_dataset(found), found.name, accept_damaged)
+        return checked(read_dataset(found), found.name)
     # What is ours is not shown to the formats of other packages.
     if not (is_recording(found) or (found / LOG_FILE).exists()):
         refuse_importable(found)
@@ -73,7 +75,6 @@ class GrowingSurvey:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._kept: Dict[str, Tuple[Tuple[int, int], Trace]] = {}
-        self._kept_bytes = 0
 
     def load(self) -> xr.Dataset:
         """Return what is stored now; damaged samples are left out and marked.
@@ -94,16 +95,13 @@ class GrowingSurvey:
         if kept is not None and kept[0] == version:
             return kept[1]
         trace = read_trace(path)
-        if kept is not None or self._kept_bytes < MOST_KEPT_BYTES:
-            self._kept_bytes += 0 if kept else 3 * trace.frequency_hz.nbytes
+        if kept is not None or 3 * len(self._kept) * trace.frequency_hz.nbytes < MOST_KEPT_BYTES:
             self._kept[path.name] = version, trace
         return trace
 
 
 def assemble(
-    source: SurveySource,
-    accept_damaged: bool = False,
-    progress: Progress = no_progress,
+    source: Source, accept_damaged: bool = False, progress: Progress = no_progress
 ) -> xr.Dataset:
     """Return the Dataset of a source, as `gpr20_analysis.dataset` describes it.
 
@@ -117,21 +115,52 @@ def assemble(
         AnalysisError: The source cannot be read at all.
     """
     plan = _plan(source)
-    table = TraceTable(source.count, plan)
-    for trace in progress(source.traces(), source.count or None):
-        misplaced = plan.misplaced(trace) if plan else []
-        if misplaced:
-            table.faults += [Damage(message, trace.index) for message in misplaced]
-        else:
-            table.add(trace)
+    table = TraceTable(plan)
+    for trace in progress(source.traces(), source.count):
+        table.add(trace)
     _check_readable(source, table)
-    assembly = _Assembly(source, plan, table)
-    if assembly.faults and not accept_damaged:
-        raise DamagedSurveyError(_refusal(source.name, assembly.faults))
-    return assembly.dataset()
+    notes = list(source.notes)
+    if table.repeated:
+        notes.append(
+            Message(
+                "{count} traces are stored more than once, with the same content",
+                count=table.repeated,
+            )
+        )
+    grid, placed = table.placed(notes)
+    faults = source.faults + table.faults
+    if faults and not accept_damaged:
+        raise DamagedSurveyError(_refusal(source.name, faults))
+    cells, samples = list(placed), list(placed.values())
+    quality = _quality(table, grid.cells, faults, placed)
+    unknown = _unknown_times(import_of(source.description or {}))
+    variables: Dict[str, Any] = {
+        dataset.S21: (dataset.S21_DIMS, table.ordered(placed, grid.cells).reshape(*grid.shape, -1)),
+        **trace_variables(samples, cells, grid.shape, unknown),
+        dataset.QUALITY: (dataset.SAMPLE_DIMS, quality.reshape(grid.shape)),
+    }
+    aux = [one["aux"] for one in samples]
+    for name, (values, own) in aux_variables(aux, cells, grid.cells, notes).items():
+        variables[name] = (dataset.SAMPLE_DIMS, values.reshape(grid.shape), own)
+    coordinates: Dict[str, Any] = {
+        dataset.POLARIZATION: np.array(grid.polarization_deg),
+        dataset.Y: np.array(grid.y_mm) / dataset.MM_PER_M,
+        dataset.X: np.array(grid.x_mm) / dataset.MM_PER_M,
+        dataset.FREQUENCY: table.frequency_hz,
+    }
+    if any(dataset.AXIS in one[0] for one in variables.values()):
+        coordinates[dataset.AXIS] = list(dataset.AXES)
+    found = dataset.described(xr.Dataset(variables, coordinates))
+    missing = dataset.missing_samples(found)
+    if plan is None:
+        missing += _missing_by_index(samples, len(missing))
+    attributes = _attributes(source, table, samples, notes, faults)
+    if plan is not None and not is_imported(source.description or {}):
+        attributes["planned"] = len(plan.points)
+    return found.assign_attrs(with_sentences(attributes, missing=missing))
 
 
-def _plan(source: SurveySource) -> Optional[Plan]:
+def _plan(source: Source) -> Optional[PlanFit]:
     if source.description is None:
         source.notes.append(
             Message(
@@ -141,13 +170,13 @@ def _plan(source: SurveySource) -> Optional[Plan]:
         )
         return None
     try:
-        return Plan(source.description)
-    except AnalysisError as error:
-        source.faults.append(Damage(error.message))
+        return PlanFit(source.description)
+    except InvalidValueError as error:
+        source.faults.append(Damage(unknown_plan(error.message)))
         return None
 
 
-def _check_readable(source: SurveySource, table: TraceTable) -> None:
+def _check_readable(source: Source, table: TraceTable) -> None:
     faults = source.faults + table.faults
     if not table.samples:
         message = Message("{source} contains no readable trace", source=source.name)
@@ -175,165 +204,89 @@ def _refusal(name: str, faults: List[Damage]) -> Message:
     ).reporting_only(DamagedSurveyError.fault)
 
 
-class _Assembly:
-    """The samples of a table, placed on their grid."""
+def _unknown_times(imported: Mapping[str, Any]) -> Set[str]:
+    """Return the times that the traces of an import have because they must have some."""
+    if not imported:
+        return set()
+    # Of a sample one time at most is known, and none of its sweep.
+    of_sweep = {"sweep_started", "sweep_ended"}
+    return of_sweep if imported.get(TIMES_KNOWN) is True else {*of_sweep, dataset.TIMESTAMP}
 
-    def __init__(self, source: SurveySource, plan: Optional[Plan], table: TraceTable) -> None:
-        self._source = source
-        self._plan = plan
-        imported = import_of(source.description or {})
-        # Of an import: of a sample one time at most, and none of its sweep.
-        self._unknown_times = {"sweep_started", "sweep_ended"} if imported else set()
-        if imported and imported.get(TIMES_KNOWN) is not True:
-            self._unknown_times.add(dataset.TIMESTAMP)
-        self._table = table
-        self._notes = source.notes + table.notes()
-        self.faults = source.faults + table.faults
-        samples = list(table.samples.values())
-        positions = np.array([one.position for one in samples], np.float64)
-        self._grid = planned_grid(plan) if plan else grid_of(positions, self._notes)
-        self._used = self._usable(samples, self._grid.places(positions) if plan is None else None)
-        self._cells = np.array([cell for cell, _ in self._used], np.int64)
-        self._quality = np.full(self._grid.cells, int(Quality.MISSING), np.uint8)
-        self._mark()
 
-    def dataset(self) -> xr.Dataset:
-        """Return the Dataset; see `assemble`."""
-        shape, table = self._grid.shape, self._table
-        variables: Dict[str, Any] = {
-            dataset.S21: (dataset.S21_DIMS, self._ordered().reshape(*shape, -1))
-        }
-        samples = [sample for _, sample in self._used]
-        variables.update(trace_variables(samples, self._cells, shape, self._unknown_times))
-        variables[dataset.QUALITY] = (dataset.SAMPLE_DIMS, self._quality.reshape(shape))
-        for name, (values, attributes) in self._aux().items():
-            variables[name] = (dataset.SAMPLE_DIMS, values.reshape(shape), attributes)
-        coordinates: Dict[str, Any] = {
-            dataset.POLARIZATION: np.array(self._grid.polarization_deg),
-            dataset.Y: np.array(self._grid.y_mm) / dataset.MM_PER_M,
-            dataset.X: np.array(self._grid.x_mm) / dataset.MM_PER_M,
-            dataset.FREQUENCY: table.frequency_hz,
-        }
-        if any(dataset.AXIS in one[0] for one in variables.values()):
-            coordinates[dataset.AXIS] = list(dataset.AXES)
-        found = dataset.described(xr.Dataset(variables, coordinates, self._attributes()))
-        missing = dataset.missing_samples(found) + self._missing_by_index()
-        return found.assign_attrs(with_sentences(found.attrs, missing=missing))
+def _quality(
+    table: TraceTable, cells: int, faults: List[Damage], placed: Mapping[int, Sample]
+) -> np.ndarray:
+    """Return the flags of each cell of the grid."""
+    found = np.full(cells, int(Quality.MISSING), np.uint8)
+    for fault in faults:
+        cell = None if fault.index is None else table.cell_of(fault.index)
+        if cell is not None:
+            found[cell] = int(Quality.DAMAGED)
+    for cell, sample in placed.items():
+        flags = Quality.REMARKED if sample["quality"] else Quality.GOOD
+        if not np.isfinite(sample["antennae_height_m"]):
+            flags |= Quality.NO_HEIGHT
+        found[cell] = int(flags)
+    return found
 
-    def _usable(
-        self, samples: List[Sample], cells: Optional[np.ndarray]
-    ) -> List[Tuple[int, Sample]]:
-        """Return the usable cells and samples; two samples in one cell become a fault."""
-        by_cell: Dict[int, List[Sample]] = {}
-        for number, sample in enumerate(samples):
-            cell = sample.row if cells is None else int(cells[number])
-            by_cell.setdefault(cell, []).append(sample)
-        for same in by_cell.values():
-            if len(same) > 1:
-                message = Message(
-                    "traces {indices} were measured at the same position and rotation; none of "
-                    "them is used",
-                    indices=", ".join(str(one.index) for one in same),
-                )
-                self.faults.append(Damage(message, position=same[0].position))
-        return [
-            (cell, same[0])
-            for cell, same in by_cell.items()
-            if len(same) == 1 and same[0].index not in self._table.void
-        ]
 
-    def _mark(self) -> None:
-        for cell, sample in self._used:
-            flags = Quality.REMARKED if sample["quality"] else Quality.GOOD
-            if not np.isfinite(sample["antennae_height_m"]):
-                flags |= Quality.NO_HEIGHT
-            self._quality[cell] = int(flags)
-        for fault in self.faults:
-            position = self._damaged_position(fault)
-            if position is not None:
-                cell = self._grid.places(np.array([position]))[0]
-                if self._quality[cell] & int(Quality.MISSING):
-                    self._quality[cell] = int(Quality.DAMAGED)
+def _missing_by_index(samples: List[Sample], placed: int) -> List[Message]:
+    """Return the samples that are missing by their index but have no place in the grid.
 
-    def _damaged_position(self, fault: Damage) -> Optional[Position]:
-        if self._plan and fault.index is not None and fault.index < len(self._plan.points):
-            z_deg, y_mm, x_mm = self._plan.positions[fault.index]
-            return z_deg, y_mm, x_mm
-        if fault.position is None:
-            return None
-        axes = (self._grid.polarization_deg, self._grid.y_mm, self._grid.x_mm)
-        on_grid = all(value in axis for value, axis in zip(fault.position, axes))
-        return fault.position if on_grid else None
-
-    def _ordered(self) -> np.ndarray:
-        """Return the data of each cell, NaN where there are none."""
-        rows = self._table.rows
-        if self._plan:
-            taken = np.array([one.row for one in self._table.samples.values()])
-            rows[np.setdiff1d(taken, self._cells)] = EMPTY
-            return rows
-        ordered = empty_rows(self._grid.cells, rows.shape[1])
-        for cell, sample in self._used:
-            ordered[cell] = rows[sample.row]
-        return ordered
-
-    def _aux(self) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
-        values = [sample["aux"] for _, sample in self._used]
-        return aux_variables(values, self._cells, self._grid.cells, self._notes)
-
-    def _missing_by_index(self) -> List[Message]:
-        """Return the samples that are missing by their index but have no place in the grid."""
-        if self._plan:
-            return []
-        indices = {sample.index for _, sample in self._used}
-        absent = sorted(set(range(max(indices, default=-1) + 1)) - indices)
-        unplaced = len(absent) - int(np.count_nonzero(self._quality & int(dataset.UNUSABLE)))
-        if unplaced <= 0:
-            return []
-        return [
-            Message(
-                "missing: {count} samples at unknown positions, because indices {first} to {last} "
-                "of the plan have gaps and the log of the survey is not here",
-                count=unplaced,
-                first=absent[0],
-                last=absent[-1],
-            )
-        ]
-
-    def _attributes(self) -> Dict[str, Any]:
-        description = self._source.description or {}
-        imported = import_of(description)
-        kept = restored(xr.Dataset(), imported).attrs
-        notes, decisions = (_texts(imported.get(name)) for name in (NOTES, DECISIONS))
-        self._notes += notes
-        attributes: Dict[str, Any] = {
-            # What people add to a survey may have been changed since.
-            **{name: value for name, value in kept.items() if name not in OF_PEOPLE},
-            "format": dataset.FORMAT,
-            "source": self._source.name,
-            "survey_id": self._table.survey_id,
-            **{word: str(description[word]) for word in RECORDED if description.get(word)},
-            "stored": len(self._used),
-            **survey_attributes(description, [one for _cell, one in self._used], self._notes),
-        }
-        faults = [fault.message for fault in self.faults]
-        samples = list(self._table.samples.values())
-        attributes = with_sentences(
-            attributes,
-            missing=[],
-            faults=faults,
-            doubts=survey_doubts(description, samples, len(faults)),
-            notes=self._notes,
+    Args:
+        samples: Those of a survey without a plan.
+        placed: Number of missing samples that have one.
+    """
+    indices = {sample.index for sample in samples}
+    absent = sorted(set(range(max(indices, default=-1) + 1)) - indices)
+    if len(absent) <= placed:
+        return []
+    return [
+        Message(
+            "missing: {count} samples at unknown positions, because indices {first} to {last} "
+            "of the plan have gaps and the log of the survey is not here",
+            count=len(absent) - placed,
+            first=absent[0],
+            last=absent[-1],
         )
-        if decisions:
-            attributes = with_sentences(attributes, decisions=decisions)
-        if description:
-            if "simulated" in description or not is_imported(description):
-                attributes["simulated"] = int(bool(description.get("simulated")))
-            attributes["survey_json"] = json.dumps(description)
-        if self._plan and not is_imported(description):
-            attributes["planned"] = len(self._plan.points)
-        return attributes
+    ]
+
+
+def _attributes(
+    source: Source,
+    table: TraceTable,
+    samples: List[Sample],
+    notes: List[Message],
+    faults: List[Damage],
+) -> Dict[str, Any]:
+    described = source.description or {}
+    imported = import_of(described)
+    notes += _texts(imported.get(NOTES))
+    attributes: Dict[str, Any] = {
+        # What people add to a survey may have been changed since.
+        **{name: one for name, one in attributes_of(imported).items() if name not in OF_PEOPLE},
+        "format": dataset.FORMAT,
+        "source": source.name,
+        "survey_id": table.survey_id,
+        **{word: str(described[word]) for word in RECORDED if described.get(word)},
+        "stored": len(samples),
+        **survey_attributes(described, samples, notes),
+    }
+    attributes = with_sentences(
+        attributes,
+        missing=[],
+        faults=[fault.message for fault in faults],
+        doubts=survey_doubts(described, list(table.samples.values()), len(faults)),
+        notes=notes,
+    )
+    decisions = _texts(imported.get(DECISIONS))
+    if decisions:
+        attributes = with_sentences(attributes, decisions=decisions)
+    if described:
+        if "simulated" in described or not is_imported(described):
+            attributes["simulated"] = int(bool(described.get("simulated")))
+        attributes["survey_json"] = json.dumps(described)
+    return attributes
 
 
 def _texts(found: Any) -> List[Message]:

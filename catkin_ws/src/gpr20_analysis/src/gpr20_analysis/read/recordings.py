@@ -7,16 +7,13 @@ others have written by the standard libraries.
 from __future__ import annotations
 
 import contextlib
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, BinaryIO, Iterator, List, Optional
+from typing import Any, Iterator, List
 
 from mcap.reader import make_reader
-from mcap.records import Header
 from mcap.well_known import Profile
 from rosbags.rosbag1 import Reader
-from rosbags.rosbag1.reader import ReaderError
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
@@ -57,14 +54,15 @@ def is_metadata_topic(topic: str) -> bool:
 
 def is_recording(path: Path) -> bool:
     """Return whether a name is that of a bag or an MCAP file."""
-    return _is_bag(path) or path.suffix == MCAP
+    # `rosbag record` names a bag that it writes .active.
+    return path.name.endswith((BAG, f"{BAG}.active", MCAP))
 
 
 def recording_of(survey: Path) -> Path:
     """Return the recording of a survey: of a folder survey.mcap, or survey.bag if there is none.
 
     Args:
-        survey: Folder of a survey, bag or MCAP file.
+        survey: Folder of a survey, bag or MCAP file; a link to a file is followed.
 
     Raises:
         AnalysisError: There is none.
@@ -72,7 +70,7 @@ def recording_of(survey: Path) -> Path:
     if not survey.exists():
         raise AnalysisError(not_there(survey), fault=faults.INPUT)
     names = (survey_folder.MCAP_FILE, survey_folder.BAG_FILE)
-    found = [survey / name for name in names] if survey.is_dir() else [survey]
+    found = [survey / name for name in names] if survey.is_dir() else [survey.resolve()]
     for path in found:
         if is_recording(path) and path.is_file():
             return path
@@ -103,29 +101,38 @@ def without_traces(path: Path) -> UnreadableFileError:
     )
 
 
-def all_messages(
-    path: Path, lost: Lost, datatype: str = "", follow_link: bool = True
-) -> Iterator[RecordedMessage]:
+def all_messages(path: Path, lost: Lost, datatype: str = "") -> Iterator[RecordedMessage]:
     """Yield the messages of a recording as far as they are whole, in the order of the file.
 
     Args:
-        path: Bag or MCAP file.
+        path: Bag or MCAP file, no link.
         lost: What could not be read is added here, at the latest when the messages have ended.
         datatype: Type of the messages; empty: of all types.
-        follow_link: Whether the path may be a symbolic link.
 
     Raises:
         UnreadableFileError: It is neither, a bag without its index, or its messages are not those
             of ROS 1.
         OSError: It cannot be opened.
     """
-    with contextlib.ExitStack() as stack:
-        if _is_bag(path):
-            messages = _of_bag(stack.enter_context(_open_bag(path, follow_link)), datatype)
-        else:
-            messages = _of_mcap(path, lost, datatype, follow_link)
+    with open(open_regular(path), "rb") as stream:
+        is_mcap = path.suffix == MCAP
+        magic = MCAP_MAGIC if is_mcap else BAG_MAGIC
+        start = stream.read(len(magic))
+        if start != magic:
+            raise UnreadableFileError(
+                Message(
+                    "{file} is not a {kind} file: it begins differently",
+                    file=path.name,
+                    kind="MCAP" if is_mcap else "bag",
+                ),
+                fault=faults.FILE_DAMAGED if magic.startswith(start) else faults.INPUT,
+            )
+        stream.seek(0)
+        messages = (_of_mcap if is_mcap else _of_bag)(path, stream, lost, datatype)
         try:
             yield from messages
+        except UnreadableFileError:
+            raise
         except OSError as error:
             reason = os_reason(error)
             lost.faults.append(Message("{file}: {reason}", file=path.name, reason=reason))
@@ -140,29 +147,24 @@ def all_messages(
             )
 
 
-def mcap_length_s(path: Path, follow_link: bool) -> float:
+def mcap_length_s(path: Path) -> float:
     """Return the time between the first and the last message of an MCAP file [s]; 0 if unknown.
-
-    Args:
-        path: The file, whose messages have been read without a fault.
-        follow_link: Whether it may be a symbolic link.
 
     Raises:
         OSError: It cannot be opened.
     """
-    with _opened(path, MCAP_MAGIC, follow_link) as stream:
-        summary = make_reader(stream).get_summary() if _is_finished(stream) else None
-    if summary is None or summary.statistics is None:
+    if not StoredMcap(path).is_finished():
         return 0.0
-    statistics = summary.statistics
-    length_ns = max(0, statistics.message_end_time - statistics.message_start_time)
-    return length_ns / utc_time.NS_PER_S
+    with open(open_regular(path), "rb") as stream:
+        summary = make_reader(stream).get_summary()
+    found = summary and summary.statistics
+    return (found.message_end_time - found.message_start_time) / utc_time.NS_PER_S if found else 0.0
 
 
-def _of_mcap(path: Path, lost: Lost, datatype: str, follow_link: bool) -> Iterator[RecordedMessage]:
-    with _opened(path, MCAP_MAGIC, follow_link) as stream:
-        is_finished = _is_finished(stream)
-        header = _header(stream)
+def _of_mcap(path: Path, stream: Any, lost: Lost, datatype: str) -> Iterator[RecordedMessage]:
+    stored, reader, header = StoredMcap(path), make_reader(stream, validate_crcs=True), None
+    with contextlib.suppress(*TORN):
+        header = reader.get_header()
     if header is not None and header.profile not in ("", Profile.ROS1):
         raise UnreadableFileError(
             Message(
@@ -172,108 +174,46 @@ def _of_mcap(path: Path, lost: Lost, datatype: str, follow_link: bool) -> Iterat
             ),
             fault=faults.INPUT,
         )
-    if is_finished and header is not None and header.library != LIBRARY:
-        return _of_others(path, datatype, follow_link)
+    is_finished = stored.is_finished()
     if not is_finished:
         lost.missing.append(CUT_OFF)
-    return _of_storage(path.resolve() if follow_link else path, lost, datatype)
-
-
-def _of_storage(path: Path, lost: Lost, datatype: str) -> Iterator[RecordedMessage]:
-    stored = StoredMcap(path)
+    if is_finished and header is not None and header.library != LIBRARY:
+        for schema, channel, one in reader.iter_messages():
+            if schema is not None and datatype in ("", schema.name):
+                own, latching = type_of(schema, channel)
+                yield RecordedMessage(*own, one.data, one.log_time, latching)
+        return
     yield from stored.messages(datatype)
     lost.faults += stored.faults
 
 
-def _of_others(path: Path, datatype: str, follow_link: bool) -> Iterator[RecordedMessage]:
-    with _opened(path, MCAP_MAGIC, follow_link) as stream:
-        for schema, channel, message in make_reader(stream, validate_crcs=True).iter_messages():
-            if schema is not None and datatype in ("", schema.name):
-                own, latching = type_of(schema, channel)
-                yield RecordedMessage(*own, message.data, message.log_time, latching)
-
-
-def _of_bag(bag: Reader, datatype: str) -> Iterator[RecordedMessage]:
-    wanted = [one for one in bag.connections if datatype in ("", _type_of(one))]
-    for one, time_ns, data in bag.messages(wanted) if wanted else ():
-        definition: Any = one.msgdef  # by version 0.9 it is the text itself
-        yield RecordedMessage(
-            one.topic,
-            _type_of(one),
-            one.digest,
-            getattr(definition, "data", definition),
-            bytes(data),
-            time_ns,
-            getattr(one.ext, "latching", None) == 1,
-        )
-
-
-def _type_of(connection: Any) -> str:
-    return str(connection.msgtype).replace("/msg/", "/")
-
-
-def _is_bag(path: Path) -> bool:
-    # `rosbag record` names one that it writes .active.
-    return path.name.endswith((BAG, f"{BAG}.active"))
-
-
-def _opened(path: Path, magic: bytes, follow_link: bool) -> BinaryIO:
-    """Return an open file that begins as it must."""
-    stream = os.fdopen(open_regular(path, follow_link), "rb")
-    start = stream.read(len(magic))
-    if start != magic:
-        stream.close()
+def _of_bag(path: Path, stream: Any, _: Lost, datatype: str) -> Iterator[RecordedMessage]:
+    # The library opens a name: that of the descriptor is the file that was checked.
+    bag = Reader(f"/dev/fd/{stream.fileno()}")
+    try:
+        bag.open()
+    except Exception as error:  # of damaged bytes, of any kind
         raise UnreadableFileError(
             Message(
-                "{file} is not a {kind} file: it begins differently",
+                "{file} has no complete index; use the survey's folder, or write the index with "
+                "`rosbag reindex {file}`",
                 file=path.name,
-                kind="bag" if magic == BAG_MAGIC else "MCAP",
-            ),
-            fault=faults.FILE_DAMAGED if magic.startswith(start) else faults.INPUT,
-        )
-    stream.seek(0)
-    return stream
-
-
-def _is_finished(stream: BinaryIO) -> bool:
-    """Return whether an MCAP file has its end."""
-    stream.seek(max(len(MCAP_MAGIC), stream.seek(0, os.SEEK_END) - len(MCAP_MAGIC)))
-    ending = stream.read()
-    stream.seek(0)
-    return ending == MCAP_MAGIC
-
-
-def _header(stream: BinaryIO) -> Optional[Header]:
-    """Return the header of an MCAP file; None if it is damaged."""
+                details=repr(error),
+            )
+        ) from error
     try:
-        return make_reader(stream).get_header()
-    except TORN:
-        return None
-
-
-@contextlib.contextmanager
-def _open_bag(path: Path, follow_link: bool) -> Iterator[Reader]:
-    with _opened(path, BAG_MAGIC, follow_link) as stream:
-        # The library opens a name: that of the descriptor is the file that was checked.
-        reader = Reader(f"/dev/fd/{stream.fileno()}")
-        try:
-            reader.open()
-        except ReaderError as error:
-            raise UnreadableFileError(
-                Message(
-                    "{file} has no complete index; use the survey's folder, or write the index "
-                    "with `rosbag reindex {file}`",
-                    file=path.name,
-                    details=error,
-                ),
-                fault=faults.FILE_DAMAGED,
-            ) from error
-        except Exception as error:  # of damaged bytes, of any kind
-            raise UnreadableFileError(
-                Message("{file} is damaged", file=path.name, details=repr(error)),
-                fault=faults.FILE_DAMAGED,
-            ) from error
-        try:
-            yield reader
-        finally:
-            reader.close()
+        kinds = {one.id: str(one.msgtype).replace("/msg/", "/") for one in bag.connections}
+        wanted = [one for one in bag.connections if datatype in ("", kinds[one.id])]
+        for one, time_ns, data in bag.messages(wanted) if wanted else ():
+            definition: Any = one.msgdef  # by version 0.9 it is the text itself
+            yield RecordedMessage(
+                one.topic,
+                kinds[one.id],
+                one.digest,
+                getattr(definition, "data", definition),
+                bytes(data),
+                time_ns,
+                getattr(one.ext, "latching", None) == 1,
+            )
+    finally:
+        bag.close()

@@ -62,54 +62,55 @@ def repair_survey(folder: Path, progress: Progress = no_progress) -> List[Messag
     with locked(folder, SHORT_WAIT_S):
         survey_folder.check_no_links(folder)
         recovered = recover(folder, asking_manifest=True)
-        found = checks.check_manifest(folder, recovered)
-        is_valid = found.is_binding and not found.differences
+        is_valid = _is_manifest_valid(folder, recovered)
         if is_valid and recovered.found.is_whole and not recovered.unconfirmed:
             return [NOT_NEEDED]
-        if not is_valid:
-            _refuse(found, recovered.description.get("ended") is not None)
-        verified = verify_survey(folder, progress, use_manifest=is_valid, repairing=True)
+        verified = verify_survey(folder, progress, repairing=True)
         if verified.faults:
             return [IMPOSSIBLE]
         notes = [*verified.notes, *repairs_of(recovered)]
         now = utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
-        if is_valid:
-            _write_log(folder, recovered, found, now)
-            return notes
-        return [*notes, *_write_manifest(folder, recovered, found, now)]
+        if not is_valid:
+            return [*notes, *_write_manifest(folder, recovered, now)]
+        log = open_log(folder, recovered, now)
+        log.write()
+        sealed = recovered.manifest
+        if sealed is not None and not sealed.covers(log.records):
+            # The entry that it names is lost, which the log says now.
+            sealed.write_for(folder, log.last)
+        return notes
 
 
-def _refuse(found: checks.ManifestCheck, has_ended: bool) -> None:
-    if found.is_binding:
+def _is_manifest_valid(folder: Path, recovered: RecoveredSurvey) -> bool:
+    """Return whether the manifest holds; False: it is missing or damaged.
+
+    Raises:
+        AnalysisError: It holds no more, or the survey has not ended.
+    """
+    differences = checks.manifest_differences(folder, recovered)
+    if differences:
         raise AnalysisError(
             Message(
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
-                differences=in_a_row(found.differences[:SHOWN]),
+                differences=in_a_row(differences[:SHOWN]),
             ).reporting_only(faults.NOT_INTACT)
         )
-    if found.manifest is not None or not has_ended:
+    if checks.is_sealed(recovered):
+        return True
+    if recovered.manifest is not None or recovered.description.get("ended") is None:
         raise AnalysisError(
             Message("the survey is not closed; resume it and stop it, which writes the manifest"),
             fault=CAN_RESUME,
         )
+    return False
 
 
-def _write_log(
-    folder: Path, recovered: RecoveredSurvey, found: checks.ManifestCheck, now: str
-) -> None:
-    repaired = open_log(folder, recovered, now)
-    repaired.write()
-    if found.manifest is not None and not found.manifest.covers(repaired.records):
-        # The entry that it names is lost, which the log says now.
-        found.manifest.write_for(folder, repaired.last)
-
-
-def _write_manifest(
-    folder: Path, recovered: RecoveredSurvey, found: checks.ManifestCheck, now: str
-) -> List[Message]:
-    notes = []
-    if found.damage is not None:
+def _write_manifest(folder: Path, recovered: RecoveredSurvey, now: str) -> List[Message]:
+    """Write the manifest for what is there, and into the log why, and whether it is as it was."""
+    notes, reason = [], Message("it was missing")
+    if recovered.manifest_damage is not None:
+        reason = recovered.manifest_damage
         # It keeps its name until the new one replaces it in one step.
         damaged = folder / survey_folder.DAMAGED_FOLDER
         kept = durable_files.keep_aside(folder / manifest.MANIFEST_FILE, damaged)
@@ -120,14 +121,9 @@ def _write_manifest(
     is_other = checks.has_other_data(recovered.description, sums)
     if is_other:
         recovered = replace(recovered, unconfirmed={**recovered.unconfirmed, **OTHER_DATA})
-    reason = Message("it was missing") if found.damage is None else found.damage
     log = open_log(folder, recovered, now)
     log.add(log.next(Kind.SEAL, {"reason": reason.sentence()}, now))
     log.write_description()
     ended = str(recovered.description.get("ended"))
     manifest.write_manifest(folder, recovered.survey_id, log.last, SOFTWARE, ended, sums)
-    return [
-        *notes,
-        Message("manifest.json was written again"),
-        OTHERS if is_other else VOUCHED,
-    ]
+    return [*notes, Message("manifest.json was written again"), OTHERS if is_other else VOUCHED]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Dict, Iterable, Iterator, Optional
+from typing import Any, Dict, Iterable, Iterator, Optional
 
 from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
 from gpr20_analysis.read.recordings import (
@@ -74,22 +74,22 @@ def describe(survey: Path) -> ReplayedSurvey:
         AnalysisError: It is no recording of a survey; the message names its topics.
         OSError: It cannot be read.
     """
-    path, is_link = recording_of(survey), not survey.is_dir()
-    messages = all_messages(path, Lost(), follow_link=is_link)
+    path = recording_of(survey)
+    messages = all_messages(path, Lost())
     one = next((one for one in messages if is_metadata_topic(one.topic) or _is_trace(one)), None)
     if one is None:
         raise without_traces(path)
-    found = ReplayedSurvey(
+    described: Dict[str, Any] = {}
+    if not _is_trace(one):
+        text = one.data[4:].decode("utf-8", "replace")
+        described = survey_metadata.parse_object(text, METADATA_TOPIC)
+    return ReplayedSurvey(
+        survey_id=str(described.get("survey_id", "")),
+        started=str(described.get("started", "")),
         folder=storable(survey.resolve().name) if survey.is_dir() else "",
         namespace=one.topic[: one.topic.rindex("/") + 1],
-        length_s=mcap_length_s(path, is_link) if path.suffix == MCAP else 0.0,
+        length_s=mcap_length_s(path) if path.suffix == MCAP else 0.0,
     )
-    if _is_trace(one):
-        return found
-    text = one.data[4:].decode("utf-8", "replace")
-    description = survey_metadata.parse_object(text, METADATA_TOPIC)
-    survey_id, started = (str(description.get(key, "")) for key in ("survey_id", "started"))
-    return replace(found, survey_id=survey_id, started=started)
 
 
 def recorded(survey: Path) -> Iterator[RecordedMessage]:
@@ -100,7 +100,7 @@ def recorded(survey: Path) -> Iterator[RecordedMessage]:
         OSError: It cannot be read.
     """
     lost = Lost()
-    for message in all_messages(recording_of(survey), lost, follow_link=not survey.is_dir()):
+    for message in all_messages(recording_of(survey), lost):
         if message.datatype != REPLAY_TYPE:
             yield message
     if lost.faults:
@@ -139,45 +139,6 @@ def _is_trace(message: RecordedMessage) -> bool:
     return message.datatype == trace_message.DATATYPE
 
 
-def checked_rate(rate: float) -> float:
-    """Return the rate of a replay.
-
-    Raises:
-        AnalysisError: No replay can have it.
-    """
-    if not 0.0 < rate <= 1e6:
-        raise AnalysisError(
-            Message("the rate is {rate:g}; it must be more than 0, at most 1e6", rate=rate)
-        )
-    return rate
-
-
-@dataclass(frozen=True)
-class Pace:
-    """The speed of a replay.
-
-    Attributes:
-        rate: How many times faster than it was recorded.
-        start_s: Where it begins, from the start of the recording [s].
-        paused: Whether it begins paused, behind the messages of its first moment.
-    """
-
-    rate: float = 1.0
-    start_s: float = 0.0
-    paused: bool = False
-
-    def __post_init__(self) -> None:
-        checked_rate(self.rate)
-        if not 0.0 <= self.start_s <= LONGEST_START_S:
-            raise AnalysisError(
-                Message(
-                    "the start is {start_s:g} s; it must be between 0 and {most_s:g}",
-                    start_s=self.start_s,
-                    most_s=LONGEST_START_S,
-                )
-            )
-
-
 class Playback:
     """Gives out messages when they are due. Any thread may pause it and change its rate.
 
@@ -188,18 +149,38 @@ class Playback:
         position_s: Place of the last message, from the start of the recording [s].
     """
 
-    def __init__(self, pace: Pace, clock: Clock) -> None:
+    def __init__(
+        self, clock: Clock, rate: float = 1.0, start_s: float = 0.0, paused: bool = False
+    ) -> None:
+        """Prepare a playback.
+
+        Args:
+            clock: Measures the time.
+            rate: How many times faster than it was recorded.
+            start_s: Where it begins, from the start of the recording [s].
+            paused: Whether it begins paused, behind the messages of its first moment.
+
+        Raises:
+            AnalysisError: Rate or start is not allowed.
+        """
         self._clock = clock
-        self._start_s = pace.start_s
         self._changed = threading.Event()
         self.ended = threading.Event()
-        self.rate = pace.rate
-        self.paused = pace.paused
-        self.position_s = pace.start_s
+        self.set_rate(rate)
+        if not 0.0 <= start_s <= LONGEST_START_S:
+            raise AnalysisError(
+                Message(
+                    "the start is {start_s:g} s; it must be between 0 and {most_s:g}",
+                    start_s=start_s,
+                    most_s=LONGEST_START_S,
+                )
+            )
+        self._start_s = self.position_s = start_s
+        self.paused = paused
         # Time of the recording by which the next message is overdue [s].
         self._lead_s = 0.0
         # The rate of the time that has passed since the clock was read last.
-        self._waiting_rate = pace.rate
+        self._waiting_rate = rate
         self._looked_s = 0.0
 
     @property
@@ -218,7 +199,11 @@ class Playback:
         Raises:
             AnalysisError: It is not allowed; the former one remains.
         """
-        self.rate = checked_rate(rate)
+        if not 0.0 < rate <= 1e6:
+            raise AnalysisError(
+                Message("the rate is {rate:g}; it must be more than 0, at most 1e6", rate=rate)
+            )
+        self.rate = rate
         self._changed.set()
 
     def stop(self) -> None:
@@ -237,12 +222,11 @@ class Playback:
         for one in from_start(messages, self._start_s):
             # Recorders may swap messages of the same instant: for messages out of order the
             # latest time counts, so that no gap is waited for twice.
-            if now_ns is None:
-                now_ns = one.time_ns
-            gap_s = max(0, one.time_ns - now_ns) / utc_time.NS_PER_S
+            before_ns = one.time_ns if now_ns is None else now_ns
+            now_ns = max(before_ns, one.time_ns)
+            gap_s = (now_ns - before_ns) / utc_time.NS_PER_S
             if not self._wait(gap_s):
                 return
-            now_ns = max(now_ns, one.time_ns)
             self.position_s += gap_s
             yield one
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Iterator, Mapping, Optional
+from typing import Any, Dict, Iterator, Optional
 
 from gpr20_analysis import faults
 from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
@@ -41,17 +41,6 @@ class Signature(enum.Enum):
     """As VALID, and facts were added to the log since, for which nobody vouches."""
 
 
-STATUS: Mapping[Optional[Signature], int] = {
-    None: COMPLETE,
-    Signature.VALID: COMPLETE,
-    Signature.UNSIGNED: INCOMPLETE,
-    Signature.CHANGED: INCOMPLETE,
-    Signature.UNKNOWN_KEY: DAMAGED,
-    Signature.WRONG: DAMAGED,
-}
-"""The exit status that each state gives at least, if a signature is asked for."""
-
-
 @dataclass(frozen=True)
 class Signed:
     """The signature of a survey."""
@@ -67,8 +56,11 @@ class Signed:
 
     @property
     def status(self) -> int:
-        """The exit status that it gives at least."""
-        return STATUS[self.state]
+        """The exit status that it gives at least, if a signature is asked for."""
+        if self.state in (None, Signature.VALID):
+            return COMPLETE
+        is_open = self.state in (Signature.UNSIGNED, Signature.CHANGED)
+        return INCOMPLETE if is_open else DAMAGED
 
     def record(self) -> Dict[str, Any]:
         """Return everything as JSON holds it."""
@@ -92,9 +84,9 @@ def look_at_signature(folder: Path, signers: Optional[Path]) -> Signed:
     """
     if signers is not None:
         return check_signature(folder.expanduser(), signers.expanduser())
-    if is_signed(folder.expanduser()):
-        return Signed(Message("signed; by whom was not checked (give --signers)"))
-    return Signed(Message("not signed"))
+    is_there = is_signed(folder.expanduser())
+    text = Message("signed; by whom was not checked (give --signers)")
+    return Signed(text if is_there else Message("not signed"))
 
 
 def check_signature(folder: Path, signers: Path) -> Signed:

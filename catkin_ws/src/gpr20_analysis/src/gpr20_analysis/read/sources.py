@@ -1,12 +1,12 @@
-"""The sources of a survey: its folder, its JSON files, its bag or its MCAP file."""
+"""The sources of a survey: its folder, the folder of its JSON files, its bag or its MCAP file."""
 
 from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, not_there
@@ -35,140 +35,43 @@ FACTS = (Kind.DECISION, Kind.CLOCK, Kind.DRIFT)
 """Kinds of the log's facts that no other entry of survey.json holds, but a reader needs."""
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
-Position = Tuple[float, float, float]
-"""Rotation [deg], y and x [mm]."""
 ReadTrace = Callable[[Path], Trace]
 
 
 @dataclass(frozen=True)
 class Damage:
-    """Something that is damaged, and the sample that is lost by it, if that is known."""
+    """Something that is damaged, and the index of the trace that is lost by it, if known."""
 
     message: Message
     index: Optional[int] = None
-    position: Optional[Position] = None
 
 
-class SurveySource:
+@dataclass
+class Source:
     """What holds a survey.
 
     Attributes:
         name: Its name in messages.
+        traces: Yields every intact trace; damaged ones are left out and named in `faults`.
         description: What its log says of the survey, if it is there.
-        count: Expected number of traces; 0 if unknown.
-        faults: What is damaged in the part that `traces` has read.
+        count: Expected number of traces; None if unknown.
+        faults: What is damaged in the part that was read.
         notes: What else a user should know.
     """
 
-    def __init__(
-        self, name: str, description: Optional[Dict[str, Any]] = None, count: int = 0
-    ) -> None:
-        self.name, self.description, self.count = name, description, count
-        self.faults: List[Damage] = []
-        self.notes: List[Message] = []
-
-    def traces(self) -> Iterator[Trace]:
-        """Yield every intact trace; damaged ones are left out and named in `faults`."""
-        raise NotImplementedError
+    name: str
+    traces: Callable[[], Iterator[Trace]]
+    description: Optional[Dict[str, Any]] = None
+    count: Optional[int] = None
+    faults: List[Damage] = field(default_factory=list)
+    notes: List[Message] = field(default_factory=list)
 
 
-class JsonSource(SurveySource):
-    """The JSON files of a survey, each read by a function."""
-
-    def __init__(
-        self,
-        name: str,
-        files: List[Path],
-        read: ReadTrace,
-        description: Optional[Dict[str, Any]] = None,
-    ) -> None:
-        super().__init__(name, description, len(files))
-        self._files, self._read = files, read
-
-    def traces(self) -> Iterator[Trace]:
-        for path in self._files:
-            try:
-                yield self._read(path)
-            except (TraceRefusedError, OSError) as error:
-                found = INDEX_IN_NAME.match(path.name)
-                index = int(found.group(1)) if found else None
-                reason = os_reason(error) if isinstance(error, OSError) else error.message
-                message = Message("{file}: {reason}", file=path.name, reason=reason)
-                self.faults.append(Damage(message, index))
-
-
-class RecordingSource(SurveySource):
-    """A bag or an MCAP file."""
-
-    def __init__(self, path: Path) -> None:
-        """Read what the recording says of the survey.
-
-        Raises:
-            UnreadableFileError: It is neither.
-            OSError: It cannot be read.
-        """
-        super().__init__(storable(path.name))
-        self._path = path
-        lost, texts, records = Lost(), [], []
-        for one in all_messages(path, lost, TEXT_TYPE):
-            record = recorded_log(one)
-            if is_metadata_topic(one.topic):
-                texts.append(one.data[4:].decode("utf-8", "replace"))
-            elif record is not None:
-                records.append(record)
-        self.notes += lost.missing
-        if texts:
-            self._describe(texts[0], records)
-
-    def traces(self) -> Iterator[Trace]:
-        lost, number = Lost(), -1
-        recorded = all_messages(self._path, lost, trace_message.DATATYPE)
-        for number, one in enumerate(recorded):
-            try:
-                yield trace_message.decode(one.data, one.md5sum)
-            except TraceRefusedError as error:
-                message = Message(
-                    "{file}: recorded trace {number}: {reason}",
-                    file=self.name,
-                    number=number,
-                    reason=error.message,
-                )
-                self.faults.append(Damage(message))
-        if lost.faults:
-            reason = in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED)
-            message = Message(
-                "{file} cannot be read to its end: {reason}", file=self.name, reason=reason
-            )
-            self.faults.append(Damage(message))
-        if number < 0 and not self.faults:
-            raise without_traces(self._path)
-
-    def _describe(self, text: str, records: Sequence[LogRecord]) -> None:
-        file = f"survey.json in {self.name}"
-        try:
-            found = survey_metadata.parse_object(text, file)
-            if found.get("format") != survey_metadata.FORMAT:
-                raise SurveyRefusedError(
-                    Message(
-                        "the format of {file} is {found}; this software reads {expected}",
-                        file=file,
-                        found=repr(found.get("format"))[:64],
-                        expected=repr(survey_metadata.FORMAT),
-                    ),
-                    fault=OTHER_VERSION,
-                )
-            for record in records:
-                add_to(found, record)
-            self.description = whole_description(found, records)
-        except SurveyRefusedError as error:
-            self.faults.append(Damage(error.message))
-
-
-def open_source(path: Path, read: ReadTrace = read_trace) -> SurveySource:
+def open_source(path: Path, read: ReadTrace = read_trace) -> Source:
     """Return the source at a path.
 
     Args:
-        path: Folder of a survey, folder of its trace files, one trace file, bag or MCAP file.
+        path: Folder of a survey, folder of its trace files, bag or MCAP file.
         read: Reads a trace file.
 
     Raises:
@@ -180,9 +83,7 @@ def open_source(path: Path, read: ReadTrace = read_trace) -> SurveySource:
     if not path.exists():
         raise AnalysisError(not_there(path), fault=faults.INPUT)
     if is_recording(path):
-        return RecordingSource(path)
-    if path.suffix == ".json":
-        return JsonSource(storable(path.name), [path], read)
+        return _recording_source(path)
     raise AnalysisError(
         Message(
             "{path} is not a survey; give its folder, the folder of its JSON files, its .bag or "
@@ -198,7 +99,7 @@ def whole_description(described: Dict[str, Any], records: Sequence[LogRecord]) -
     return {**described, LOG: [one.as_json() for one in records if one.kind in FACTS]}
 
 
-def _folder_source(folder: Path, read: ReadTrace) -> JsonSource:
+def _folder_source(folder: Path, read: ReadTrace) -> Source:
     traces = folder / survey_folder.TRACES_FOLDER
     logs = [folder / name for name in survey_folder.LOG_FILES]
     for one in (traces, *logs):
@@ -208,25 +109,91 @@ def _folder_source(folder: Path, read: ReadTrace) -> JsonSource:
     files = sorted(one for one in files if one.name != survey_folder.SURVEY_FILE)
     is_described = any(one.exists() for one in logs)
     if not files:
-        message = (
+        raise AnalysisError(
             Message(
-                "{folder} holds a survey without traces; resume it, or choose another",
-                folder=folder,
-            )
-            if is_described
-            else Message(
-                "{folder} contains no survey: there are no JSON files of traces in it or in its "
-                "folder {traces}/",
+                "{folder} holds no traces of a survey: there are no JSON files in it or in its "
+                "folder {traces}/; choose another, or resume the survey",
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
-            )
+            ),
+            fault=faults.INPUT,
         )
-        raise AnalysisError(message, fault=faults.INPUT)
-    source = JsonSource(storable(folder.name), files, read)
+    found = Source(storable(folder.name), lambda: _of_files(files, read, found), count=len(files))
     if is_described:
         try:
             recovered = recover(folder)
-            source.description = whole_description(recovered.description, recovered.found.records)
+            found.description = whole_description(recovered.description, recovered.found.records)
         except SurveyRefusedError as error:
-            source.faults.append(Damage(error.message))
-    return source
+            found.faults.append(Damage(error.message))
+    return found
+
+
+def _of_files(files: Sequence[Path], read: ReadTrace, source: Source) -> Iterator[Trace]:
+    for path in files:
+        try:
+            yield read(path)
+        except (TraceRefusedError, OSError) as error:
+            number = INDEX_IN_NAME.match(path.name)
+            reason = os_reason(error) if isinstance(error, OSError) else error.message
+            message = Message("{file}: {reason}", file=path.name, reason=reason)
+            source.faults.append(Damage(message, int(number[1]) if number else None))
+
+
+def _recording_source(path: Path) -> Source:
+    recording = path.resolve()  # a link that is named is followed
+    found = Source(storable(path.name), lambda: _of_recording(recording, found))
+    lost, texts, records = Lost(), [], []
+    for one in all_messages(recording, lost, TEXT_TYPE):
+        record = recorded_log(one)
+        if is_metadata_topic(one.topic):
+            texts.append(one.data[4:].decode("utf-8", "replace"))
+        elif record is not None:
+            records.append(record)
+    found.notes += lost.missing
+    if texts:
+        try:
+            found.description = _recorded_description(texts[0], records, found.name)
+        except SurveyRefusedError as error:
+            found.faults.append(Damage(error.message))
+    return found
+
+
+def _recorded_description(text: str, records: Sequence[LogRecord], name: str) -> Dict[str, Any]:
+    file = f"survey.json in {name}"
+    described = survey_metadata.parse_object(text, file)
+    if described.get("format") != survey_metadata.FORMAT:
+        raise SurveyRefusedError(
+            Message(
+                "the format of {file} is {found}; this software reads {expected}",
+                file=file,
+                found=repr(described.get("format"))[:64],
+                expected=repr(survey_metadata.FORMAT),
+            ),
+            fault=OTHER_VERSION,
+        )
+    for record in records:
+        add_to(described, record)
+    return whole_description(described, records)
+
+
+def _of_recording(path: Path, source: Source) -> Iterator[Trace]:
+    lost, number = Lost(), -1
+    for number, one in enumerate(all_messages(path, lost, trace_message.DATATYPE)):
+        try:
+            yield trace_message.decode(one.data, one.md5sum)
+        except TraceRefusedError as error:
+            message = Message(
+                "{file}: recorded trace {number}: {reason}",
+                file=source.name,
+                number=number,
+                reason=error.message,
+            )
+            source.faults.append(Damage(message))
+    if lost.faults:
+        reason = in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED)
+        message = Message(
+            "{file} cannot be read to its end: {reason}", file=source.name, reason=reason
+        )
+        source.faults.append(Damage(message))
+    if number < 0 and not source.faults:
+        raise without_traces(path)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from collections import Counter
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -34,12 +35,7 @@ ANTENNA_SEPARATION = "antenna_separation_m"
 """Distance between the antennas [m]; images use it unless another one is given."""
 WIDEST_SEPARATION_M = 2.0
 S_PER_NS = 1e-9
-DELAY_SECTION, DELAY_KEY = "analyzer", "antenna_delay_ns"
-# xarray reads numbers of these units as times.
-TIME_UNITS = {
-    **{"days": "d", "hours": "h", "minutes": "min", "seconds": "s"},
-    **{"milliseconds": "ms", "microseconds": "us", "nanoseconds": "ns"},
-}
+DELAY_KEY = "antenna_delay_ns"
 
 
 def survey_attributes(
@@ -54,11 +50,12 @@ def survey_attributes(
         notes: A remark on an entry that is not allowed is added here.
     """
     found: Dict[str, Any] = {}
-    for read, refused in _ENTRIES:
+    for read in (_of_people, _markers, _delay):
         try:
             found.update(read(description))
         except InvalidValueError as error:
-            notes.append(refused.with_values({"reason": error.message}))
+            reason = error.message
+            notes.append(Message("an entry of the log is left out: {reason}", reason=reason))
     settings = [asdict(one) for one, _count in known_settings(samples)]
     for name in OF_ANALYZER if settings else ():
         first, *others = {one[name] for one in settings}
@@ -69,7 +66,7 @@ def survey_attributes(
 
 def known_settings(samples: Sequence[Sample]) -> List[Tuple[AnalyzerSettings, int]]:
     """Return the settings that are known, and of how many samples, those of most first."""
-    known = (one.analyzer for one in samples if one.analyzer != AnalyzerSettings())
+    known = (one["analyzer"] for one in samples if one["analyzer"] != AnalyzerSettings())
     return Counter(known).most_common()
 
 
@@ -89,7 +86,7 @@ def position_text(attributes: Mapping[str, Any]) -> str:
 
 
 def aux_variables(
-    values: Sequence[Tuple[AuxValue, ...]], cells: np.ndarray, size: int, notes: List[Message]
+    values: Sequence[Tuple[AuxValue, ...]], cells: Sequence[int], size: int, notes: List[Message]
 ) -> Dict[str, Tuple[np.ndarray, Dict[str, Any]]]:
     """Return the values and the attributes of each variable `aux_<name>`.
 
@@ -106,36 +103,30 @@ def aux_variables(
         for one in own:
             key = one.name, one.unit
             if key not in names:
-                names[key] = _free_name(one.name, found)
+                free = (f"{AUX_PREFIX}{one.name}_{number}" for number in itertools.count(2))
+                every = itertools.chain([f"{AUX_PREFIX}{one.name}"], free)
+                names[key] = next(name for name in every if name not in found)
                 found[names[key]] = np.full(size, np.nan), _attributes(one)
             found[names[key]][0][cell] = one.value
-    for name in sorted({name for name, _unit in names}):
-        units = [unit for own, unit in names if own == name]
-        if len(units) > 1:
+    for name, count in Counter(name for name, _unit in names).items():
+        if count > 1:
             notes.append(
                 Message(
                     "the sensor {sensor} was recorded with different units: {units}",
                     sensor=name,
-                    units=", ".join(map(repr, units)),
+                    units=", ".join(repr(unit) for own, unit in names if own == name),
                 )
             )
     return found
 
 
-def _free_name(name: str, taken: Dict[str, Any]) -> str:
-    free, number = f"{AUX_PREFIX}{name}", 1
-    while free in taken:
-        number += 1
-        free = f"{AUX_PREFIX}{name}_{number}"
-    return free
-
-
 def _attributes(one: AuxValue) -> Dict[str, Any]:
     attributes = {"long_name": f"sensor {one.name}"}
+    # As a unit xarray would read it as that of moments.
     if " since " in one.unit:
         attributes["long_name"] += f" [{one.unit}]"
     elif one.unit:
-        attributes["units"] = TIME_UNITS.get(one.unit.lower(), one.unit)
+        attributes["units"] = one.unit
     return attributes
 
 
@@ -162,19 +153,6 @@ class _Analyzer:
 
 
 def _delay(description: Mapping[str, Any]) -> Dict[str, Any]:
-    section = description.get(DELAY_SECTION, {})
-    delay_ns = record_from(_Analyzer, section, DELAY_SECTION, others=True).antenna_delay_ns
+    section = description.get("analyzer", {})
+    delay_ns = record_from(_Analyzer, section, "analyzer", others=True).antenna_delay_ns
     return {ANTENNA_DELAY: delay_ns * S_PER_NS} if delay_ns else {}
-
-
-_ENTRIES: Tuple[Tuple[Callable[[Mapping[str, Any]], Dict[str, Any]], Message], ...] = (
-    (_of_people, Message("the annotation in the log is not valid: {reason}", reason="")),
-    (_markers, Message("the markers in the log are not valid: {reason}", reason="")),
-    (
-        _delay,
-        Message(
-            "the delay of cables and antennas in the log is not valid ({reason}); 0 is used",
-            reason="",
-        ),
-    ),
-)

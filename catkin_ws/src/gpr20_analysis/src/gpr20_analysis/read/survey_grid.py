@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Sequence, Tuple
+from typing import Dict, List, Sequence, Tuple
 
 import numpy as np
 
 from gpr20_analysis import faults
-from gpr20_analysis.errors import AnalysisError, DamagedSurveyError
-from gpr20_common.errors import InvalidValueError
+from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_common.message import Message
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.plan.imported import ImportedGrid
@@ -48,10 +47,19 @@ class SurveyGrid(ImportedGrid):
         return flat
 
 
-def planned_grid(plan: Plan) -> SurveyGrid:
-    """Return the grid of a plan."""
-    turns, ys, xs = (_ascending(axis) for axis in plan.positions.T.tolist())
-    return SurveyGrid(turns, ys, xs)
+def planned_positions(plan: PlanFit) -> np.ndarray:
+    """Return rotation [deg], y and x [mm] of each planned sample, (samples, 3)."""
+    return np.array([(one.z_deg, one.y_mm, one.x_mm) for one in plan.points])
+
+
+def unknown_plan(reason: Message) -> Message:
+    """Return the fault of a description whose plan is missing or invalid."""
+    return Message("the plan is unknown: {reason}", reason=reason).reporting_only(DAMAGED)
+
+
+def exact_grid(positions: np.ndarray) -> SurveyGrid:
+    """Return the grid of positions that are those of all samples."""
+    return SurveyGrid(*(_ascending(axis) for axis in positions.T.tolist()))
 
 
 def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
@@ -66,8 +74,9 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
     Raises:
         DamagedSurveyError: The positions do not form a grid.
     """
-    turns, ys, xs = (_ascending(positions[:, column].tolist()) for column in range(3))
-    grid = SurveyGrid(turns, _filled(ys, "y", notes), _filled(xs, "x", notes))
+    found = exact_grid(positions)
+    ys, xs = _filled(found.y_mm, "y", notes), _filled(found.x_mm, "x", notes)
+    grid = SurveyGrid(found.polarization_deg, ys, xs)
     if grid.cells > MAX_CELLS_PER_TRACE * len(positions):
         raise DamagedSurveyError(
             Message(
@@ -120,23 +129,3 @@ def _filled(values: Tuple[float, ...], name: str, notes: List[Message]) -> Tuple
         )
     )
     return tuple(filled)
-
-
-class Plan(PlanFit):
-    """The planned samples of a survey, or the places of the grid of an imported one."""
-
-    def __init__(self, description: Dict[str, Any]) -> None:
-        """Compute the plan.
-
-        Raises:
-            AnalysisError: Parameters or axes are missing or invalid.
-        """
-        try:
-            super().__init__(description)
-        except InvalidValueError as error:
-            raise AnalysisError(
-                Message("the plan is unknown: {reason}", reason=error.message),
-                fault=DAMAGED,
-            ) from error
-        self.positions = np.array([(one.z_deg, one.y_mm, one.x_mm) for one in self.points])
-        """Rotation [deg], y and x [mm] of each, (samples, 3)."""

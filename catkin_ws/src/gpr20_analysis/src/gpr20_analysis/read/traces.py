@@ -4,31 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Collection, Dict, List, Optional, Sequence, Set, Tuple
+from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set, Tuple
 
 import numpy as np
 
 from gpr20_analysis.dataset import AXIS, HEIGHT, SAMPLE_DIMS
-from gpr20_analysis.read.sources import Damage, Position
+from gpr20_analysis.read.sources import Damage
 from gpr20_analysis.read.survey_attributes import OF_ANALYZER
-from gpr20_analysis.read.survey_grid import Plan, planned_grid
+from gpr20_analysis.read.survey_grid import SurveyGrid, exact_grid, grid_of, planned_positions
 from gpr20_analysis.work import require_bytes
 from gpr20_common.message import Message
-from gpr20_survey.axes.axis_id import Zeros
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.plan.recorded_plan import PlanFit
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import FLOATS, TraceField
 from gpr20_survey.trace.utc_time import NS_PER_US
 
 EMPTY = complex(math.nan, math.nan)
-_SINGLE = [one.attribute for one in TRACE_FIELDS if one.form is not FLOATS]
-COLUMNS = {attribute: place for place, attribute in enumerate(_SINGLE)}
-"""The places in a sample of what is not an array of the sweep, by their attributes."""
+ARRAYS = {one.attribute for one in TRACE_FIELDS if one.form is FLOATS}
 # They are coordinates, attributes, or the variables `aux_<name>`.
-ELSEWHERE = ("format", "survey_id", "x_coord_mm", "y_coord_mm", "z_coord_deg", "aux")
+ELSEWHERE = {"format", "survey_id", "x_coord_mm", "y_coord_mm", "z_coord_deg", "aux", *ARRAYS}
 NAMES = {"antennae_height_m": HEIGHT, "quality": "remarks"}
 NEVER = np.datetime64("NaT", "ns")
-COMPLEX_BYTES = 16
 
 
 def empty_rows(samples: int, frequencies: int) -> np.ndarray:
@@ -37,7 +33,7 @@ def empty_rows(samples: int, frequencies: int) -> np.ndarray:
     Raises:
         TooLargeError: They do not fit into the memory.
     """
-    require_bytes(samples * frequencies * COMPLEX_BYTES, Message("the survey"))
+    require_bytes(samples * frequencies * np.dtype(np.complex128).itemsize, Message("the survey"))
     return np.full((samples, frequencies), EMPTY, np.complex128)
 
 
@@ -46,112 +42,142 @@ class Sample:
     """A trace without its arrays, and the row of the table that has them."""
 
     row: int
-    index: int
-    position: Position
-    columns: Tuple[Any, ...]
-    """The values of COLUMNS."""
-    analyzer: AnalyzerSettings
-    zeros: Zeros
+    values: Mapping[str, Any]
+    """Of each attribute of a trace that is no array."""
     content: int
-    """The same for samples with the same values."""
+    """The same for samples with the same values of S21."""
 
     @classmethod
     def of(cls, trace: Trace, row: int) -> Sample:
         """Return the sample of a trace whose arrays are in a row."""
-        values = trace.values()
-        columns = tuple(values[attribute] for attribute in COLUMNS)
-        content = hash((trace.s21_real.tobytes(), trace.s21_imag.tobytes()))
-        return cls(
-            row, trace.index, _position(trace), columns, trace.analyzer, trace.zeros, content
-        )
+        values = {name: one for name, one in trace.values().items() if name not in ARRAYS}
+        return cls(row, values, hash((trace.s21_real.tobytes(), trace.s21_imag.tobytes())))
 
     def __getitem__(self, attribute: str) -> Any:
-        return self.columns[COLUMNS[attribute]]
+        return self.values[attribute]
+
+    @property
+    def index(self) -> int:
+        """Index of the trace in the survey's plan."""
+        return int(self["index"])
+
+    @property
+    def position(self) -> Tuple[float, float, float]:
+        """Rotation [deg], y and x [mm]."""
+        return self["z_coord_deg"], self["y_coord_mm"], self["x_coord_mm"]
 
 
 class TraceTable:
     """Collects the traces of one Dataset; a trace that does not fit becomes a fault."""
 
-    def __init__(self, count: int, plan: Optional[Plan]) -> None:
+    def __init__(self, plan: Optional[PlanFit]) -> None:
         self.faults: List[Damage] = []
         self.samples: Dict[int, Sample] = {}
         """The samples by index."""
-        self.void: Set[int] = set()
-        """Indices of samples that a later trace contradicts."""
         self.frequency_hz: Optional[np.ndarray] = None
         self.survey_id: Optional[str] = None
-        self.other_frequencies = 0
-        self.rows = np.empty((0, 0), np.complex128)
-        """The values: in the order of the grid with a plan, else in the order of reading."""
+        self.other_frequencies = self.repeated = 0
+        self._plan = plan
+        self._void: Set[int] = set()
+        """Indices of samples that a later trace contradicts."""
         # With a plan the values are written to their place at once, which saves a copy.
-        self._cells = planned_grid(plan).places(plan.positions) if plan else None
-        self._capacity = max(count, 1) if plan is None else planned_grid(plan).cells
-        self._repeated = 0
+        self._grid: Optional[SurveyGrid] = None
+        self._cells: Optional[np.ndarray] = None
+        if plan:
+            positions = planned_positions(plan)
+            self._grid = exact_grid(positions)
+            self._cells = self._grid.places(positions)
+        self._rows: Any = {}
 
     def add(self, trace: Trace) -> None:
         """Add a trace, or add a fault that says why it does not fit."""
+        misplaced = self._plan.misplaced(trace) if self._plan else []
+        if misplaced:
+            self.faults += [Damage(message, trace.index) for message in misplaced]
+            return
         if self.frequency_hz is None:
             self.frequency_hz = trace.frequency_hz
             self.survey_id = trace.survey_id
-            self.rows = empty_rows(self._capacity, len(trace.frequency_hz))
+            if self._grid:
+                self._rows = empty_rows(self._grid.cells, len(trace.frequency_hz))
         if trace.survey_id != self.survey_id:
             self.faults.append(Damage(of_other_survey(trace)))
         elif not np.array_equal(trace.frequency_hz, self.frequency_hz):
             self.other_frequencies += 1
             message = Message(
-                "trace {index} has other frequencies ({own}) than the first trace ({first})",
+                "trace {index} has other frequencies than the first trace: {count} from "
+                "{first_hz:g} to {last_hz:g} Hz",
                 index=trace.index,
-                own=_span(trace.frequency_hz),
-                first=_span(self.frequency_hz),
+                count=len(trace.frequency_hz),
+                first_hz=trace.frequency_hz[0],
+                last_hz=trace.frequency_hz[-1],
                 details=trace.sample_id,
             )
-            self._refuse(trace, message)
+            self.faults.append(Damage(message, trace.index))
         elif trace.index in self.samples:
             self._repeat(trace, self.samples[trace.index])
         else:
-            self._take(trace)
-
-    def notes(self) -> List[Message]:
-        """Return notes on the survey as a whole."""
-        if not self._repeated:
-            return []
-        return [
-            Message(
-                "{count} traces are stored more than once, with the same content",
-                count=self._repeated,
-            )
-        ]
-
-    def _take(self, trace: Trace) -> None:
-        row = len(self.samples) if self._cells is None else int(self._cells[trace.index])
-        if row >= len(self.rows):
-            grown = empty_rows(2 * row, self.rows.shape[1])
-            grown[:row] = self.rows
-            self.rows = grown
-        values = self.rows[row]
-        values.real, values.imag = trace.s21_real, trace.s21_imag
-        self.samples[trace.index] = Sample.of(trace, row)
+            row = len(self.samples) if self._cells is None else int(self._cells[trace.index])
+            values = np.empty(len(trace.frequency_hz), np.complex128)
+            values.real, values.imag = trace.s21_real, trace.s21_imag
+            self._rows[row] = values
+            self.samples[trace.index] = Sample.of(trace, row)
 
     def _repeat(self, trace: Trace, taken: Sample) -> None:
-        values = self.rows[taken.row]
         # As text, because NaN (a height that was not measured) is unequal to itself.
-        if (
-            repr(Sample.of(trace, taken.row)) == repr(taken)
-            and np.array_equal(values.real, trace.s21_real)
-            and np.array_equal(values.imag, trace.s21_imag)
-        ):
-            self._repeated += 1
+        if repr(Sample.of(trace, taken.row)) == repr(taken):
+            self.repeated += 1
             return
-        self.void.add(trace.index)
+        self._void.add(trace.index)
         message = Message(
             "trace {index} is stored twice with different content; neither is used",
             index=trace.index,
             details=trace.sample_id,
         )
-        self._refuse(trace, message)
+        self.faults.append(Damage(message, trace.index))
 
-    def _refuse(self, trace: Trace, message: Message) -> None:
-        self.faults.append(Damage(message, trace.index, _position(trace)))
+    def placed(self, notes: List[Message]) -> Tuple[SurveyGrid, Dict[int, Sample]]:
+        """Return the grid, and the usable sample of each cell; two in one cell become a fault.
+
+        Args:
+            notes: What is concluded of the grid is added here.
+        """
+        samples = list(self.samples.values())
+        grid, cells = self._grid, [one.row for one in samples]
+        if grid is None:
+            positions = np.array([one.position for one in samples], np.float64)
+            grid = grid_of(positions, notes)
+            cells = grid.places(positions).tolist()
+        by_cell: Dict[int, List[Sample]] = {}
+        for cell, sample in zip(cells, samples):
+            by_cell.setdefault(cell, []).append(sample)
+        for same in by_cell.values():
+            if len(same) > 1:
+                message = Message(
+                    "traces {indices} were measured at the same position and rotation; none of "
+                    "them is used",
+                    indices=", ".join(str(one.index) for one in same),
+                )
+                self.faults.append(Damage(message))
+        alone = {cell: same[0] for cell, same in by_cell.items() if len(same) == 1}
+        return grid, {cell: one for cell, one in alone.items() if one.index not in self._void}
+
+    def ordered(self, placed: Mapping[int, Sample], cells: int) -> np.ndarray:
+        """Return the values (cell, frequency) of these samples, NaN where there is none."""
+        if self._grid:
+            for sample in self.samples.values():
+                if sample.row not in placed:
+                    self._rows[sample.row] = EMPTY
+            return np.asarray(self._rows)
+        rows = empty_rows(cells, 0 if self.frequency_hz is None else len(self.frequency_hz))
+        for cell, sample in placed.items():
+            rows[cell] = self._rows[sample.row]
+        return rows
+
+    def cell_of(self, index: int) -> Optional[int]:
+        """Return the cell of a planned trace; None: without a plan it is not known."""
+        cells = self._cells
+        return int(cells[index]) if cells is not None and index < len(cells) else None
 
 
 def of_other_survey(trace: Trace) -> Message:
@@ -164,22 +190,9 @@ def of_other_survey(trace: Trace) -> Message:
     )
 
 
-def _position(trace: Trace) -> Position:
-    return trace.z_coord_deg, trace.y_coord_mm, trace.x_coord_mm
-
-
-def _span(frequency_hz: np.ndarray) -> Message:
-    return Message(
-        "{count} from {first_hz:g} to {last_hz:g} Hz",
-        count=len(frequency_hz),
-        first_hz=frequency_hz[0],
-        last_hz=frequency_hz[-1],
-    )
-
-
 def trace_variables(
     samples: Sequence[Sample],
-    cells: np.ndarray,
+    cells: Sequence[int],
     shape: Tuple[int, ...],
     unknown_times: Collection[str],
 ) -> Dict[str, Tuple[Tuple[str, ...], np.ndarray]]:
@@ -196,7 +209,7 @@ def trace_variables(
     """
     found = {}
     for one in TRACE_FIELDS:
-        if one.attribute not in COLUMNS or one.name in ELSEWHERE:
+        if one.attribute in ELSEWHERE:
             continue
         values = [sample[one.attribute] for sample in samples]
         name = NAMES.get(one.name, one.name)

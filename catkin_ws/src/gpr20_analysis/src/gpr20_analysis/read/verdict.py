@@ -6,14 +6,12 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
 from gpr20_analysis import faults
-from gpr20_analysis.read.checks import Checked
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.message import Message
 from gpr20_survey.faults import LOCKED, UNCONFIRMED
 
 COMPLETE, INCOMPLETE, DAMAGED = 0, 1, 2
 SHOWN = 5  # entries that are named in the verdict
-UNCOVERED = Message("messages other than traces at the end of survey.mcap")
 
 
 @dataclass
@@ -37,17 +35,11 @@ class Verification:
     closed: bool = False
     """Whether the survey was closed, not cut off or interrupted."""
     unconfirmed: Tuple[str, ...] = ()
-    """Names of the entries of the log that nothing vouches for."""
+    """Names of what nothing vouches for."""
     writer: str = ""
     """Number of the process that writes the survey; empty: nobody does."""
     imported: Optional[Message] = None
     """From what an imported survey was made, which has no plan; None: a survey of the robot."""
-
-    def take(self, found: Checked) -> None:
-        """Add what a check found."""
-        self.faults += found.faults
-        self.notes += found.notes
-        self.unconfirmed += tuple(found.unconfirmed)
 
     def record(self) -> Dict[str, Any]:
         """Return everything as JSON holds it, each sentence with the code of its fault."""
@@ -138,9 +130,8 @@ class Verification:
         if not self.sealed:
             return Message(
                 "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
-                "manifest, changes to {uncovered} cannot be detected",
+                "manifest, messages other than traces may have changed unseen",
                 counted=self._counted,
-                uncovered=UNCOVERED,
             )
         if self.closed:
             return Message("INCOMPLETE, but intact: {counted}", counted=self._counted)
@@ -151,13 +142,8 @@ class Verification:
 
     @property
     def _counted(self) -> Message:
-        if self.imported is not None:
-            return Message("{stored} traces are stored and readable", stored=self.stored)
         if self.planned is None:
-            return Message(
-                "{stored} of an unknown number of planned traces are stored and readable",
-                stored=self.stored,
-            )
+            return Message("{stored} traces are stored and readable", stored=self.stored)
         return Message(
             "{stored} of {planned} planned traces are stored and readable",
             stored=self.stored,

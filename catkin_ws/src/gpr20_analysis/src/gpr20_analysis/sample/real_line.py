@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.common import as_dataset
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read import survey_attributes
 from gpr20_common.message import Message
@@ -43,25 +43,23 @@ def real_line() -> xr.Dataset:
             file[name].astype(np.float64) for name in ("a_scans", "time_s", "x_m")
         )
     line = as_dataset(
-        Imported(
-            a_scans[None, None],
-            [0.0],
-            np.zeros(1),
-            np.linspace(x_m[0], x_m[-1], len(x_m)),
-            np.full((1, 1, len(x_m)), HEIGHT_M),
-            REAL_LINE_FILE.name,
-            delay_s=time_s,
-            simulated=False,
-            notes=[
-                Message(
-                    "not recorded, and assumed: antennas {height_mm:g} mm above the concrete, time "
-                    "zero {time_zero_ns:g} ns after the first sample; places along the line as "
-                    "recorded",
-                    height_mm=HEIGHT_M * 1e3,
-                    time_zero_ns=TIME_ZERO_S * 1e9,
-                )
-            ],
-        )
+        a_scans[None, None],
+        [0.0],
+        np.zeros(1),
+        np.linspace(x_m[0], x_m[-1], len(x_m)),
+        np.full((1, 1, len(x_m)), HEIGHT_M),
+        REAL_LINE_FILE.name,
+        delay_s=time_s,
+        simulated=False,
+        notes=[
+            Message(
+                "not recorded, and assumed: antennas {height_mm:g} mm above the concrete, time "
+                "zero {time_zero_ns:g} ns after the first sample; places along the line as "
+                "recorded",
+                height_mm=HEIGHT_M * 1e3,
+                time_zero_ns=TIME_ZERO_S * 1e9,
+            )
+        ],
     )
     facts = {
         survey_attributes.NAME: "Real line: CHARISMA laboratory specimen (CC0)",

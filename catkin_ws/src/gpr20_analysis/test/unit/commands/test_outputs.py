@@ -15,7 +15,7 @@ from gpr20_analysis.atomic_output import BESIDE, atomic_output
 from gpr20_analysis.commands import process_command
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.common import Imported, as_dataset
+from gpr20_analysis.formats.common import as_dataset
 from gpr20_analysis.formats.dataset_files import read_dataset, write_dataset
 from gpr20_analysis.read.load import load_survey
 from gpr20_common.faults import NOT_ALLOWED
@@ -124,7 +124,7 @@ def survey_file(tmp_path_factory):
     place_m, shape = np.arange(count) / 100.0, (2, count, count)
     s21, frequency_hz = np.ones((*shape, 51), complex), np.linspace(6e8, 6e9, 51)
     data = (s21, [0.0, 90.0], place_m, place_m, np.full(shape, 0.2), "slow")
-    write_dataset(as_dataset(Imported(*data, frequency_hz=frequency_hz)), path)
+    write_dataset(as_dataset(*data, frequency_hz), path)
     return path
 
 

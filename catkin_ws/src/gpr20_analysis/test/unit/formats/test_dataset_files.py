@@ -73,7 +73,6 @@ def test_xarray_reads_numbers_flags_and_times(tmp_path):
         np.testing.assert_array_equal(own, survey.s21.values)
         np.testing.assert_array_equal(found.timestamp.values, survey.timestamp.values)
         assert found.x.attrs["units"] == found.height.attrs["units"] == "m"
-        assert found.s21_real.attrs["ancillary_variables"] == "quality height timestamp"
         flags = found.quality.attrs
         masks = dict(zip(flags["flag_meanings"].split(), flags["flag_masks"].tolist()))
         assert masks["missing"] == int(Quality.MISSING)

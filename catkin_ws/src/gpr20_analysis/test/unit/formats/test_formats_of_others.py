@@ -17,9 +17,11 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import usable
 from gpr20_analysis.formats.exports import export_survey
-from gpr20_analysis.formats.facts import facts_beside
+from gpr20_analysis.formats.facts import facts_beside, with_facts
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.sentences import with_doubts
+from gpr20_common.message import Message
 from gpr20_survey.radar.frequency_to_delay import Window
 
 ALL = len(POINTS)
@@ -63,12 +65,14 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
 def test_what_a_format_has_no_place_for_is_beside_it_as_json(tmp_path):
     survey = random_survey(1, one_polarization=True)
     survey = survey.assign_attrs(operator="Ana", notes=["measured twice"])
+    survey = with_doubts(survey, Message("levels may be wrong").with_fault(faults.CALIBRATION))
+    bare = survey.assign_attrs(operator="", notes=[], doubts=[])
     for form, name in (("touchstone", "out"), ("csv", "out.csv"), ("segy", "out.sgy")):
         for path in export_survey(survey, tmp_path / name, form):
             facts = json.loads((tmp_path / f"{path.name}.json").read_text())
             assert (facts["survey_id"], facts["operator"]) == ("survey-1", "Ana"), form
-            assert facts["x_mm"] == (survey.x.values * 1000.0).tolist(), form
-            found = facts_beside(path).restored(survey.assign_attrs(operator="", notes=[]))
+            found = with_facts(bare, facts_beside(path))
+            assert found.attrs["doubts"] == ["levels may be wrong"]
             assert found.attrs["operator"] == "Ana"
             assert "measured twice" in found.attrs["notes"]
 

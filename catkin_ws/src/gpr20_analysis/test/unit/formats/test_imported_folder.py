@@ -29,6 +29,7 @@ from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 TIME_LIMIT_S = 60.0
@@ -71,7 +72,7 @@ def test_what_is_not_known_is_absent_and_the_source_is_named(tmp_path):
     assert not names & description.keys()
     entry = description["imported"]
     assert (entry["source"], entry["format"], entry["files"]) == ("line 7.dzt", "dzt", 1)
-    assert (entry["sha256"], entry["times_known"]) == (SOURCE.content.sha256, False)
+    assert (entry["sha256"], entry["times_known"]) == (SOURCE.sha256, False)
     found = verify_survey(folder)
     assert str(found.verdict).startswith("IMPORTED, files intact: 5 traces")
     assert "complete" not in str(found.verdict).lower()
@@ -156,13 +157,14 @@ def test_sha256sum_checks_files_of_any_name(tmp_path):
         (tmp_path / "scans" / os.fsdecode(name)).write_bytes(name)
     source = ImportSource.of(tmp_path / "scans", "csv")
     (tmp_path / "list").write_bytes(source.listed())
+    assert source.sha256 == sum_of_file(tmp_path / "list").sha256
     command = ["sha256sum", "--strict", "--quiet", "-c", "../list"]
     assert subprocess.run(command, cwd=str(tmp_path / "scans")).returncode == 0
-    assert (source.name, len(source.sums), source.content.size) == ("scans", 3, 5 + 11 + 6)
+    assert (source.name, len(source.sums), source.size) == ("scans", 3, 5 + 11 + 6)
     for name in ("LINE.DT1", "LINE.hd", "line2.hd", "LINE.nc"):
         (tmp_path / "scans" / name).write_text(name)
     both = ImportSource.of(tmp_path / "scans" / "LINE.DT1", "dt1")
-    assert sorted(both.sums) == ["LINE.DT1", "LINE.hd"] and both.content.size == 15
+    assert sorted(both.sums) == ["LINE.DT1", "LINE.hd"] and both.size == 15
 
 
 def test_the_name_of_the_folder_is_that_of_a_survey_at_the_time_of_its_first_sample(tmp_path):

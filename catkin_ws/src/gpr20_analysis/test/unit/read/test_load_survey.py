@@ -2,7 +2,9 @@
 
 import csv
 import json
+import shutil
 from dataclasses import astuple
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -96,6 +98,14 @@ def test_missing_samples_are_nan_marked_and_listed(tmp_path):
     assert str(missing) == "damaged: x 20 mm, y 15 mm, 0 deg"
 
 
+def test_a_row_that_only_the_indices_miss_is_named(folder, tmp_path):
+    traces = Path(shutil.copytree(str(folder / "traces"), str(tmp_path / "traces")))
+    for path in sorted(traces.iterdir())[:6]:
+        path.unlink()
+    (missing,) = load_survey(traces).attrs["missing"]
+    assert missing.startswith("missing: 6 samples at unknown positions")
+
+
 def test_a_row_that_is_missing_between_others_is_put_in():
     rows_mm = [0.0, 10.0, 30.0, 40.0]
     positions = np.array([(0.0, y_mm, x_mm) for y_mm in rows_mm for x_mm in (5.0, 6.0)])
@@ -157,7 +167,7 @@ def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
     with (tmp_path / "survey.csv").open(encoding="utf-8", newline="") as stream:
         rows = {int(row["index"]): row for row in csv.DictReader(stream)}
     assert rows[CELSIUS]["aux_soil_2 [K]"] == "6.0"
-    assert rows[KELVIN]["aux_period [s]"] == "nan"
+    assert rows[KELVIN]["aux_period [seconds]"] == "nan"
     section = _sensors(survey, ENGLISH)
     assert section.rows[1] == ("soil", "\N{DEGREE SIGN}C", "12/18", "0", "2.75", "5.5")
 

@@ -3,7 +3,7 @@
 import pytest
 from fault_kit import raises_fault
 
-from gpr20_analysis.read.replay import Pace, Playback, from_start
+from gpr20_analysis.read.replay import Playback, from_start
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 
@@ -28,13 +28,10 @@ class JumpingClock:
 
 def test_messages_are_due_at_their_recorded_times():
     items = [message("/it", time_s) for time_s in (50.0, 52.0, 51.0, 62.0)]
-    for pace, expected_s in (
-        (Pace(1.0), [0.0, 2.0, 2.0, 12.0]),
-        (Pace(4.0), [0.0, 0.5, 0.5, 3.0]),
-    ):
+    for rate, expected_s in ((1.0, [0.0, 2.0, 2.0, 12.0]), (4.0, [0.0, 0.5, 0.5, 3.0])):
         clock = JumpingClock()
-        found = [clock.now - 100.0 for _ in Playback(pace, clock).play(items)]
-        assert found == pytest.approx(expected_s), pace
+        found = [clock.now - 100.0 for _ in Playback(clock, rate).play(items)]
+        assert found == pytest.approx(expected_s), rate
 
 
 def test_a_rate_or_a_start_that_is_none_is_refused():
@@ -42,12 +39,12 @@ def test_a_rate_or_a_start_that_is_none_is_refused():
     wrong = [{"rate": one} for one in (0.0, -1.0, nan, infinite)]
     for one in [*wrong, *({"start_s": start_s} for start_s in (-1.0, nan, infinite))]:
         with raises_fault(NOT_ALLOWED):
-            Pace(**one)
+            Playback(JumpingClock(), **one)
 
 
 def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
     clock = JumpingClock()
-    playback = Playback(Pace(1.0), clock)
+    playback = Playback(clock)
     happens = [lambda: playback.set_paused(True), lambda: playback.set_paused(False)]
     happens += [lambda: playback.set_rate(10.0)]
 
@@ -67,7 +64,7 @@ def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
 
 def test_a_replay_that_starts_paused_shows_its_first_moment():
     clock = JumpingClock()
-    playback = Playback(Pace(paused=True), clock)
+    playback = Playback(clock, paused=True)
     contents = playback.play([message(f"/{one}", at) for one, at in (("a", 5), ("b", 5), ("c", 9))])
     assert (next(contents).topic, next(contents).topic) == ("/a", "/b")
     clock.on_wait = lambda _timeout_s: playback.stop() or 0.0

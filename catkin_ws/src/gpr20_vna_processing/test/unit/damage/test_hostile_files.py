@@ -21,7 +21,7 @@ from run_seed import draws
 from storage_kit import Kit, with_bag
 from trace_examples import SURVEY
 
-from gpr20_analysis.read.checks import check_manifest
+from gpr20_analysis.read.checks import is_sealed, manifest_differences
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -91,8 +91,10 @@ def put_file(path):
     path.write_text(FOREIGN)
 
 
-def checked(folder):
-    return check_manifest(folder, recover(folder, asking_manifest=True))
+def differences(folder):
+    recovered = recover(folder, asking_manifest=True)
+    assert is_sealed(recovered)
+    return manifest_differences(folder, recovered)
 
 
 @pytest.mark.parametrize(
@@ -202,7 +204,7 @@ def test_what_is_named_like_a_trace_file_is_put_aside_and_the_survey_ends(kit, f
     aside = sorted(one.name for one in (folder / "damaged").iterdir())
     assert aside == [trace.name, more]
     assert len(list((folder / "traces").iterdir())) == len(TRACES)
-    assert checked(folder).is_binding and not checked(folder).differences
+    assert not differences(folder)
 
 
 def test_a_folder_put_aside_takes_the_place_of_nothing(tmp_path):
@@ -237,7 +239,7 @@ def test_foreign_things_that_are_no_obstacle_are_left_alone_or_told(kit, folder)
     put_pipe(folder / "pipe.txt")
     assert (r"\xff\xfe.json", "survey.damaged") in go_on_and_close(kit)
     assert all((path / "inside").is_file() for path in never_finished)
-    assert sorted(one.values["file"] for one in checked(folder).differences) == [
+    assert sorted(one.values["file"] for one in differences(folder)) == [
         "link.txt",
         "pipe.txt",
     ]
