@@ -17,7 +17,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "candidates.markers": ("MarkerList", "survey_markers", "write_markers"),
     "candidates.search": ("Candidate", "CandidateList", "find_candidates"),
     "candidates.table": ("candidate_lines",),
-    "commands.failure": ("message_of",),
+    "commands.command": ("message_of",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
     "formats.dataset_files": ("write_dataset",),

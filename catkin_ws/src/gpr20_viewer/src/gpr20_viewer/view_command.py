@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gpr20_analysis.candidates.answer import site_false_alarms_per_m2
 from gpr20_analysis.candidates.search import find_candidates
-from gpr20_analysis.commands import hiding_command, image_options, inputs
+from gpr20_analysis.commands import image_options, inputs, report_commands, steps
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.faults import NO_SCREEN
@@ -33,7 +33,7 @@ SCREEN_LIMIT_S = 15.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     image_options.add_options(parser)
-    hiding_command.add_hiding(parser)
+    report_commands.add_hiding(parser)
     add = parser.add_argument
     add("--picks", type=Path, metavar="FILE",
         help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
@@ -45,12 +45,12 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check_libraries()
     _check_screen()
     options = image_options.options_of(chosen)
-    steps = inputs.steps_of(chosen)
+    wanted = steps.steps_of(chosen)
     survey = inputs.load(chosen, catalogue)
-    processed, status = inputs.process(survey, steps, catalogue)
+    processed, status = steps.process(survey, wanted, catalogue)
 
     rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
-    hiding = hiding_command.hiding_of(chosen, survey)
+    hiding = report_commands.hiding_of(chosen, survey)
     session = ViewSession(processed, options, lambda image: find_candidates(image, rate), hiding)
     from gpr20_viewer.views.application import show
 

@@ -57,8 +57,17 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
         own_name: Name of this node; empty before it has joined the graph.
 
     Raises:
-        AnalysisError: A robot or another replay publishes one of them.
+        AnalysisError: A robot or another replay publishes one of them, or there is no master.
     """
+    if not rosgraph.is_master_online():
+        raise AnalysisError(
+            Message(
+                "no ROS master answers at {address}; start roscore, or use roslaunch gpr20 "
+                "replay.launch",
+                address=rosgraph.get_master_uri(),
+            ),
+            fault=faults.NO_ROS,
+        )
     published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
     publishers_of = dict(published)
     for topic in topics:
@@ -82,10 +91,8 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
 def _is_gone(node: str) -> bool:
     try:
         NodeProbe(rosgraph.get_master_uri(), CALLER, node, ANSWER_LIMIT_S).process()
-    except NodeGoneError:
-        return True
-    except NodeSilentError:
-        return False
+    except (NodeGoneError, NodeSilentError) as error:
+        return isinstance(error, NodeGoneError)
     return False
 
 
@@ -215,10 +222,8 @@ class ReplayNode:
     def _set_paused(self, paused: bool) -> CommandResponse:
         self._playback.set_paused(paused)
         self._say_state()
-        if paused:
-            message = Message("The replay is paused.")
-        else:
-            message = Message("The replay continues.")
+        paused_now = Message("The replay is paused.")
+        message = paused_now if paused else Message("The replay continues.")
         return CommandResponse(success=True, **message_fields(message))
 
     def _set_rate(self, request: Any) -> SetReplayRateResponse:

@@ -57,7 +57,7 @@ def test_what_is_given_is_set_and_the_rest_stays(folder, capsys):
         ((*OPTIONS, *POSITION), EXAMPLE),
         (("--site", ""), replace(EXAMPLE, site="")),
         (("--heading", "37.5"), replace(EXAMPLE, site="", heading_deg=37.5)),
-        (("--no-position", "--no-heading"), replace(EXAMPLE, site="", position=None)),
+        (("--position", "", "--heading", ""), replace(EXAMPLE, site="", position=None)),
         (("--site", "here"), replace(EXAMPLE, site="here", position=None)),
     ):
         assert annotate(folder, *options) == 0
@@ -80,7 +80,6 @@ def test_a_wrong_value_is_refused_and_nothing_changes(folder, capsys):
         (["--position", "4.6,nan"], ["'4.6,nan'", "latitude and longitude"]),
         (["--heading", "400"], ["400 deg", "360 deg"]),
         (["--site", "a\x07"], ["U+0007 at character 2"]),
-        ([*POSITION, "--no-position"], ["not allowed with"]),
     ):
         assert annotate(folder, *options) == 3, options
         error = capsys.readouterr().err

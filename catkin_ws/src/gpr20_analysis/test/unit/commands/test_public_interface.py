@@ -70,7 +70,7 @@ def test_the_list_of_commands_loads_no_library_and_a_command_none_that_takes_lon
     program = (
         "import sys, gpr20_analysis; from gpr20_analysis.commands.main import main; "
         f"main(['--help']); print('LOADED', [one for one in {HEAVY} if one in sys.modules])\n"
-        "from gpr20_analysis.commands import image_options, import_command\n"
+        "from gpr20_analysis.commands import file_commands, image_commands\n"
         f"print('SLOW', [one for one in {SLOW} if one in sys.modules])"
     )
     printed = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=True)
