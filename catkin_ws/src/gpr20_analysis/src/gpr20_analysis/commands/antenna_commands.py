@@ -46,8 +46,12 @@ def _delay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = inputs.load(chosen, catalogue)
     steps = [one["step"] for one in recorded_steps(survey)]
     if steps:
-        text = "the data were changed by {steps}; fit the delay to the survey as measured"
-        raise WrongDatasetError(Message(text, steps=", ".join(steps)))
+        raise WrongDatasetError(
+            Message(
+                "the data were changed by {steps}; fit the delay to the survey as measured",
+                steps=", ".join(steps),
+            )
+        )
     fit = fit_delay(survey, chosen.separation, chosen.height, chosen.plate)
     delay_ns = fit.delay_s * NS_PER_S
     spread_ns = fit.residual_s * NS_PER_S

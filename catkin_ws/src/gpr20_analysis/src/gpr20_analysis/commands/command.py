@@ -1,21 +1,17 @@
-"""The subcommands of gpr20: their table, what each is made of, and what it says when it fails."""
+"""The subcommands of gpr20: their table, and what each is made of."""
 
 from __future__ import annotations
 
 import argparse
 import importlib
 from dataclasses import dataclass
-from typing import Callable, Dict, Iterable, List, Tuple
+from typing import Callable, Dict, Iterable, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint, additions
-from gpr20_analysis.errors import library_missing
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.faults import NOT_SIGNED
 
 DONE, NOT_COMPLETE, DAMAGED, REFUSED = 0, 1, 2, 3
 EXIT_STATUS = (
@@ -23,20 +19,6 @@ EXIT_STATUS = (
     "failed; the message gives the reason"
 )
 TITLE_WIDTH = 24
-EXTRAS = {"distributed": "batch", "matplotlib": "plots"}
-"""Optional libraries that whole commands need, and the extra of each."""
-EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
-"""Errors whose message is sufficient; all others are program errors."""
-TRACEBACK = "GPR20_TRACEBACK"
-"""Environment variable: if set, a program error prints its traceback."""
-STEP_IS_SAID = frozenset(
-    one.code
-    for one in (
-        *(NOT_ALLOWED, ASKED_FOR, faults.INPUT, faults.STEPS, faults.TOO_LARGE),
-        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM, NOT_SIGNED),
-    )
-)
-"""Codes whose remedy says in general what each of their sentences says exactly."""
 
 
 @dataclass(frozen=True)
@@ -137,45 +119,6 @@ def number(text: str) -> float:
 def per(units: float) -> Callable[[str], float]:
     """Return the type of an option that is given in another unit, of which so many are one."""
     return lambda text: number(text) / units
-
-
-def message_of(error: BaseException, command: str) -> Message:
-    """Return what went wrong.
-
-    Args:
-        error: Ended the command.
-        command: What was called, such as "gpr20 info x".
-    """
-    file = error.filename if isinstance(error, OSError) else None
-    if isinstance(error, Gpr20Error):
-        reason = error.message
-    elif isinstance(error, KeyboardInterrupt):
-        return Message("interrupted; no partial output is left").with_fault(ASKED_FOR)
-    elif isinstance(error, ModuleNotFoundError):
-        name = error.name or ""
-        missing = library_missing(name, EXTRAS.get(name.split(".")[0], ""))
-        return missing.with_fault(faults.STEPS)
-    elif isinstance(error, MemoryError):
-        message = Message("not enough memory; use fewer samples", details=error)
-        return message.with_fault(faults.TOO_LARGE)
-    elif isinstance(error, OSError):
-        reason = os_reason(error)
-        reason = reason if reason.cause else reason.with_fault(DISK_REFUSES)
-    else:
-        return Message(
-            "program error {error}; please report it with the output of {command}",
-            error=f"{type(error).__name__}: {error}",
-            command=f"{TRACEBACK}=1 {command}",
-        ).with_fault(faults.PROGRAM)
-    return Message("{file}: {reason}", file=file, reason=reason) if file else reason
-
-
-def first_steps(message: Message) -> List[Message]:
-    """Return what to do first; nothing if the message says it, or if that is not known."""
-    cause = message.cause
-    if cause is None or cause.remedy is None or cause.code in STEP_IS_SAID:
-        return []
-    return [Message("First: {remedy}", remedy=cause.remedy)]
 
 
 def print_rows(rows: Iterable[Tuple[Message, Message]], catalogue: Catalogue) -> None:

@@ -12,15 +12,15 @@ from typing import List, Optional
 
 from gpr20_analysis import __version__
 from gpr20_analysis.commands import command
-from gpr20_analysis.commands.command import (
+from gpr20_analysis.commands.command import REFUSED
+from gpr20_analysis.sentences import (
     EXPECTED,
-    REFUSED,
     TRACEBACK,
     first_steps,
+    json_fields,
     message_of,
-    parser_of,
+    shown,
 )
-from gpr20_analysis.sentences import json_fields, shown
 from gpr20_common.catalogue import (
     Language,
     language_from_code,
@@ -69,7 +69,7 @@ def _run(given: List[str], chosen: argparse.Namespace) -> int:
     first.parse_args(given, chosen)
     name, *others = chosen.call
     called = command.load(name)
-    parser = parser_of(name, called)
+    parser = command.parser_of(name, called)
     _add_language(parser)
     parser.parse_args(others, chosen)
     asked = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import functools
 from pathlib import Path
-from typing import Optional
+from typing import List, Optional
 
 import numpy as np
 import xarray as xr
@@ -94,7 +94,7 @@ def _add_hiding_map(parser: argparse.ArgumentParser) -> None:
 def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     options, wanted = image_options.options_of(chosen), image_options.steps_of(chosen)
     target = target_of(chosen.target)
-    written = []
+    written: List[Path] = []
     for path in chosen.output:
         written += [path] if path.suffix in outputs.PICTURES else output_paths(path)
     outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from gpr20_analysis import faults
 from gpr20_analysis.commands import inputs
-from gpr20_analysis.commands.command import DONE, Command, first_steps, print_rows
+from gpr20_analysis.commands.command import DONE, Command, print_rows
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.report.summary import summarize, summary_of, warnings_of
 from gpr20_analysis.sentences import (
     DOUBTS,
     LIST_ATTRIBUTES,
     NOTES,
+    first_steps,
     json_fields,
     labelled,
     shown,
