@@ -6,6 +6,7 @@ import argparse
 import shutil
 from dataclasses import astuple
 from pathlib import Path
+from typing import Any, Dict, Tuple
 
 import xarray as xr
 
@@ -14,16 +15,7 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import DONE, Command, per
 from gpr20_analysis.errors import AnalysisError, ExportError, not_there, wrong_ending
-from gpr20_analysis.formats.bags import RecordingExport, export_recording, make_survey_bag
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
-from gpr20_analysis.formats.exports import (
-    ENDINGS,
-    OF_RECORDINGS,
-    WRITERS,
-    check_ending,
-    export_survey,
-    output_paths,
-)
 from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_path, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.formats.imports import ARGUMENTS, IMPORTS, Band, import_survey
@@ -38,6 +30,8 @@ MCAP = ".mcap"
 
 
 def _add_export(parser: argparse.ArgumentParser) -> None:
+    from gpr20_analysis.formats.exports import ENDINGS
+
     inputs.add_survey(parser)
     endings = ", ".join(f"{ending} ({name})" for name, ending in ENDINGS.items() if ending)
     parser.add_argument(
@@ -52,6 +46,8 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
 
 
 def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    from gpr20_analysis.formats import bags, exports
+
     form, output = chosen.format, chosen.output
     if output is None:
         if form != "bag":
@@ -62,23 +58,23 @@ def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 ),
                 fault=faults.INPUT,
             )
-        return _say(make_survey_bag(chosen.survey), chosen.survey, catalogue)
-    check_ending(output, form)
+        return _say(bags.make_survey_bag(chosen.survey), chosen.survey, catalogue)
+    exports.check_ending(output, form)
     outputs.check([output], [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar("writing")
-    if form in OF_RECORDINGS:
-        written = export_recording(chosen.survey, output, form, progress)
+    if form in exports.OF_RECORDINGS:
+        written = bags.export_recording(chosen.survey, output, form, progress)
         return _say(written, output, catalogue)
     survey = inputs.load(chosen, catalogue)
-    paths = output_paths(survey, output, form)
-    beside = [facts_path(path) for path in paths if form in WRITERS]
+    paths = exports.output_paths(survey, output, form)
+    beside = [facts_path(path) for path in paths if form in exports.WRITERS]
     outputs.check([*paths, *beside], [chosen.survey], chosen.overwrite)
-    for path, content in export_survey(survey, output, form, progress).items():
+    for path, content in exports.export_survey(survey, output, form, progress).items():
         say(f"{path}: {content}")
     return inputs.status_of(survey)
 
 
-def _say(written: RecordingExport, path: Path, catalogue: Catalogue) -> int:
+def _say(written: Tuple[Message, Dict[str, Any]], path: Path, catalogue: Catalogue) -> int:
     """Print what was written, and on stderr what is left out or doubted; return the status."""
     content, said = written
     survey = xr.Dataset(attrs=said)
