@@ -17,7 +17,6 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
-from gpr20_common.terminal_text import printable
 from gpr20_survey.faults import NOT_SIGNED
 
 # The command line needs this module before it knows which libraries a command needs.
@@ -35,8 +34,6 @@ LABELS = {
 LIST_ATTRIBUTES = tuple(LABELS)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
-MOST_REMARKS = 8
-"""Number of sentences of a list that are shown with a survey."""
 ENGLISH = Catalogue()
 EXTRAS = {"distributed": "batch", "matplotlib": "plots"}
 """Optional libraries that whole commands need, and the extra of each."""
@@ -79,20 +76,6 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     if recorded:
         changed[MESSAGES] = json.dumps(recorded)
     return changed
-
-
-def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
-
-    All doubts, and of other lists the first sentences.
-    """
-    lines = []
-    for name in LIST_ATTRIBUTES:
-        found = sentences_of(survey, name)
-        for one in found if name == DOUBTS else limited(found, MOST_REMARKS):
-            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
-            lines.append(printable(shown(labelled(name, sentence), catalogue)))
-    return lines
 
 
 def labelled(name: str, sentence: Message) -> Message:

@@ -15,10 +15,20 @@ from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
 from gpr20_analysis.dataset import ANTENNA
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sentences import remark_lines
+from gpr20_analysis.sentences import (
+    DOUBTS,
+    LIST_ATTRIBUTES,
+    labelled,
+    limited,
+    sentences_of,
+    shown,
+)
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable, say
+
+MOST_REMARKS = 8
+"""Number of sentences of a list that are shown with a survey."""
 
 
 def add_survey(parser: argparse.ArgumentParser) -> None:
@@ -63,21 +73,26 @@ def status_of(survey: xr.Dataset) -> int:
 
 
 def print_warnings(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> None:
-    """Print on stderr what is missing or damaged in a survey.
+    """Print on stderr what is damaged, missing, doubted or noted in a survey.
+
+    All doubts, and of other lists the first sentences.
 
     Args:
         survey: The survey.
         catalogue: Language of the output.
         path: Where it was read from, if it is not the survey of the command.
     """
-    for line in remark_lines(survey, catalogue, path):
-        say(line, file=sys.stderr)
+    for name in LIST_ATTRIBUTES:
+        found = sentences_of(survey, name)
+        for one in found if name == DOUBTS else limited(found, MOST_REMARKS):
+            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
+            say(shown(labelled(name, sentence), catalogue), file=sys.stderr)
 
 
 def progress_bar(what: str) -> Any:
     """Return a `Progress` that draws a bar on a terminal and nothing elsewhere."""
 
-    def shown(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
+    def drawn(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
         return tqdm(items, total=total, desc=printable(what), disable=None, leave=False)
 
-    return shown
+    return drawn
