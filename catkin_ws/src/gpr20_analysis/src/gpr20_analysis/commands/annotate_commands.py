@@ -52,8 +52,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--position", default=unset, metavar="LAT,LON", type=_position,
         help="where: WGS 84 latitude and longitude in degrees, north and east positive; with a "
         "negative latitude write --position=LAT,LON; '' removes it")  # fmt: skip
-    add("--heading", default=unset, dest="heading_deg", metavar="DEG",
-        type=lambda text: number(text) if text else None,
+    add("--heading", default=unset, dest="heading_deg", metavar="DEG", type=_heading,
         help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its "
         "right; '' removes it")  # fmt: skip
     add("--found", metavar="ID", help="note what was found at a candidate, such as C03")
@@ -185,6 +184,10 @@ def _markers(description: Dict[str, Any], annotation: Annotation, removed: bool)
     return MarkerList(
         str(description.get("survey_id", "")), bool(description.get("simulated")), found, place
     )
+
+
+def _heading(text: str) -> Optional[float]:
+    return number(text) if text else None
 
 
 def _position(text: str) -> Optional[Wgs84Position]:

@@ -98,7 +98,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "memory")  # fmt: skip
     add("--scheduler", metavar="ADDRESS",
         help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package, and surveys and results under the same paths")  # fmt: skip
+        "package and the same files under the same paths, so write those of --command whole")  # fmt: skip
     add("--time-limit", type=float, default=3600.0, metavar="S",
         help="give up what is left if no survey ends for so long; default 3600")  # fmt: skip
     add("--overwrite", action="store_true",

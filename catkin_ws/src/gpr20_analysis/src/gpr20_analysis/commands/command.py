@@ -118,13 +118,18 @@ def number(text: str) -> float:
 
 def per(units: float) -> Callable[[str], float]:
     """Return the type of an option that is given in another unit, of which so many are one."""
-    return lambda text: number(text) / units
+
+    def of_text(text: str) -> float:
+        return number(text) / units
+
+    of_text.__name__ = number.__name__  # as argparse names the type
+    return of_text
 
 
 def print_rows(rows: Iterable[Tuple[Message, Message]], catalogue: Catalogue) -> None:
     """Print title and text of each row; a text of several lines is indented."""
     for title, text in rows:
         first, *more = catalogue.text(text).splitlines() or [""]
-        say(f"{catalogue.text(title) + ':':{TITLE_WIDTH}}{first}".rstrip())
+        say(f"{catalogue.text(title) + ': ':{TITLE_WIDTH}}{first}".rstrip())
         for line in more:
             say(f"{'':{TITLE_WIDTH}}{line}".rstrip())

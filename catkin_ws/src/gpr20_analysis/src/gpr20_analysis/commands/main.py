@@ -67,7 +67,9 @@ def _run(given: List[str], chosen: argparse.Namespace) -> int:
         epilog=command.EXIT_STATUS,
     )
     first.add_argument("--version", action="version", version=f"gpr20 {__version__}")
-    first.add_argument("call", nargs=argparse.PARSER, metavar="COMMAND")
+    first.add_argument(
+        "call", nargs=argparse.PARSER, metavar="COMMAND", help="and its arguments, see below"
+    )
     _add_language(first)
     first.parse_args(given, chosen)
     name, *others = chosen.call
