@@ -98,7 +98,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         "memory")  # fmt: skip
     add("--scheduler", metavar="ADDRESS",
         help="compute on a dask cluster, such as tcp://127.0.0.1:8786; its workers need this "
-        "package and the same files under the same paths, so write those of --command whole")  # fmt: skip
+        "package and all files under the same paths; give whole paths in --command")  # fmt: skip
     add("--time-limit", type=float, default=3600.0, metavar="S",
         help="give up what is left if no survey ends for so long; default 3600")  # fmt: skip
     add("--overwrite", action="store_true",
