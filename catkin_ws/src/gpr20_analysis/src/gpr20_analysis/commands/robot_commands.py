@@ -61,10 +61,10 @@ def _replay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     rospy.init_node("replay", anonymous=True)
     playback = Playback(pace, Clock())
     rospy.on_shutdown(playback.stop)
-    node = replay_node.ReplayNode(playback, replayed, chosen.ns, chosen.wait)
-    node.run(recorded(chosen.survey))
+    node = replay_node.ReplayNode(playback, replayed, chosen.ns)
+    node.run(recorded(chosen.survey), chosen.wait)
     stopped = playback.stopped
-    say(f"{node.traces} traces in {node.published} messages were published")
+    say(f"{node.traces} traces were published")
     if chosen.hold:
         sys.stdout.flush()
         rospy.spin()

@@ -100,34 +100,23 @@ class ReplayNode:
     """Publishes messages, with a publisher for each new topic, and says that it is a replay.
 
     The latched topic `replay` says so, and services beside it pause, continue and change the rate.
+    The ROS node must be initialized.
+
+    Args:
+        playback: Gives out the messages.
+        replayed: The survey.
+        namespace: In which it is published, absolute, with a slash at its end.
 
     Attributes:
-        published: Number of messages that were published.
-        traces: Number of traces among them.
+        traces: Number of traces that were published.
     """
 
-    def __init__(
-        self,
-        playback: Playback,
-        replayed: ReplayedSurvey,
-        namespace: str,
-        window_wait_s: float,
-    ) -> None:
-        """Make the replay; the ROS node must be initialized.
-
-        Args:
-            playback: Gives out the messages.
-            replayed: The survey.
-            namespace: In which it is published, absolute, with a slash at its end.
-            window_wait_s: How long to wait for a window before the first message [s].
-        """
+    def __init__(self, playback: Playback, replayed: ReplayedSurvey, namespace: str) -> None:
         self._playback = playback
         self._replayed = replayed
         self._namespace = namespace
-        self._window_wait_s = window_wait_s
         self._clock = Clock()
         self._publishers: Dict[str, rospy.Publisher] = {}
-        self.published = 0
         self.traces = 0
         self._ended = False
         self._marker = rospy.Publisher(
@@ -140,15 +129,19 @@ class ReplayNode:
         ]
         self._periodic = Periodic(PERIOD_S, self._say_state)
 
-    def run(self, messages: Iterable[RecordedMessage]) -> None:
+    def run(self, messages: Iterable[RecordedMessage], window_wait_s: float) -> None:
         """Publish everything in the order of the iterable.
+
+        Args:
+            messages: The recording.
+            window_wait_s: How long to wait for a window before the first message [s].
 
         Raises:
             AnalysisError: Another node publishes one of the topics, such as a robot, whose
                 positions would be mixed with those of the recording.
         """
         # Before any other message: nobody must take those for a robot's.
-        self._await_subscribers(self._marker, self._window_wait_s)
+        self._await_subscribers(self._marker, window_wait_s)
         for message in self._playback.play(messages):
             self._publish(message)
         # Messages are sent by other threads, which end with the node.
@@ -166,7 +159,6 @@ class ReplayNode:
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
-        self.published += 1
         self.traces += message.datatype == trace_message.DATATYPE
 
     def _own_reports(self, message: RecordedMessage) -> RecordedMessage:
@@ -222,15 +214,15 @@ class ReplayNode:
     def _set_paused(self, paused: bool) -> CommandResponse:
         self._playback.set_paused(paused)
         self._say_state()
-        paused_now = Message("The replay is paused.")
-        message = paused_now if paused else Message("The replay continues.")
-        return CommandResponse(success=True, **message_fields(message))
+        said = Message("The replay is paused.")
+        said = said if paused else Message("The replay continues.")
+        return CommandResponse(success=True, **message_fields(said))
 
     def _set_rate(self, request: Any) -> SetReplayRateResponse:
         self._playback.set_rate(request.rate)
         self._say_state()
-        message = Message("The replay runs {rate:g} times as fast.", rate=request.rate)
-        return SetReplayRateResponse(success=True, **message_fields(message))
+        said = Message("The replay runs {rate:g} times as fast.", rate=request.rate)
+        return SetReplayRateResponse(success=True, **message_fields(said))
 
     def _say_state(self) -> None:
         survey, playback = self._replayed, self._playback
