@@ -109,7 +109,7 @@ def test_what_reaches_operators_is_translated_and_what_only_commands_say_is_not(
     ):
         assert is_shown[name], name
     for name in (
-        *("gpr20_analysis.commands.export_command", "gpr20_viewer.views.main_window"),
+        *("gpr20_analysis.commands.file_commands", "gpr20_viewer.views.main_window"),
         *("gpr20_foreign_formats.segy", "gpr20_vna_acquisition.mid.conformance"),
     ):
         assert not is_shown[name], name

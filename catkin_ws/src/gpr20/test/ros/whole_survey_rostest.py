@@ -43,7 +43,7 @@ from gpr20_survey.results.candidates import NO_CLEARANCE
 
 GRAPH_PAGE = Path(__file__).resolve().parents[5] / "docs/reference/ros_graph.md"
 # Of what the page documents, what this launch does not start.
-NOT_LAUNCHED = {"replay", "gpr20 candidates --publish", "web", "user_interface", "run_survey"}
+NOT_LAUNCHED = {"replay", "web", "user_interface", "run_survey"}
 ANSWER = ["success", "message", "fault"]
 # Of a user's own node; extra_topic/storage.yaml names it.
 OWN_TOPIC = "/soil_probe/moisture"

@@ -17,7 +17,6 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "candidates.markers": ("MarkerList", "survey_markers", "write_markers"),
     "candidates.search": ("Candidate", "CandidateList", "find_candidates"),
     "candidates.table": ("candidate_lines",),
-    "commands.failure": ("message_of",),
     "dataset": ("Quality",),
     "errors": ("AnalysisError", "DamagedSurveyError"),
     "formats.dataset_files": ("write_dataset",),
@@ -42,6 +41,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "report.sections": ("write_report",),
     "report.summary": ("summarize",),
     "sample.sample_survey": ("sample_survey",),
+    "sentences": ("message_of",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)
 

@@ -1,4 +1,4 @@
-"""Sentences about a survey in the attributes of its Dataset, and how they are shown.
+"""Sentences for people: about a survey, in the attributes of its Dataset, and about failures.
 
 Attributes `missing`, `faults`, `doubts`, `decisions` and `notes` are lists of English sentences.
 Attribute `messages` holds the template and values of each, as JSON, so that it can be shown in
@@ -10,10 +10,14 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
+from gpr20_analysis import faults
+from gpr20_analysis.errors import library_missing
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import Gpr20Error, os_reason
+from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
 from gpr20_common.sent_message import received_message
-from gpr20_common.terminal_text import printable
+from gpr20_survey.faults import NOT_SIGNED
 
 # The command line needs this module before it knows which libraries a command needs.
 if TYPE_CHECKING:
@@ -30,9 +34,21 @@ LABELS = {
 LIST_ATTRIBUTES = tuple(LABELS)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
-MOST_REMARKS = 8
-"""Number of sentences of a list that are shown with a survey."""
 ENGLISH = Catalogue()
+EXTRAS = {"distributed": "batch", "matplotlib": "plots", "segyio": "segy", "skrf": "touchstone"}
+"""Optional libraries that whole commands need, and the extra of each."""
+EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
+"""Errors whose message is sufficient; all others are program errors."""
+TRACEBACK = "GPR20_TRACEBACK"
+"""Environment variable: if set, a program error prints its traceback."""
+STEP_IS_SAID = frozenset(
+    one.code
+    for one in (
+        *(NOT_ALLOWED, ASKED_FOR, faults.INPUT, faults.STEPS, faults.TOO_LARGE),
+        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM, NOT_SIGNED),
+    )
+)
+"""Codes whose remedy says in general what each of their sentences says exactly."""
 
 
 def json_fields(message: Message) -> Dict[str, Any]:
@@ -60,20 +76,6 @@ def with_sentences(attributes: Mapping[str, Any], **lists: Iterable[Message]) ->
     if recorded:
         changed[MESSAGES] = json.dumps(recorded)
     return changed
-
-
-def remark_lines(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> List[str]:
-    """Return what is damaged, missing, doubted or noted in a survey, as commands print it.
-
-    All doubts, and of other lists the first sentences.
-    """
-    lines = []
-    for name in LIST_ATTRIBUTES:
-        found = sentences_of(survey, name)
-        for one in found if name == DOUBTS else limited(found, MOST_REMARKS):
-            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
-            lines.append(printable(shown(labelled(name, sentence), catalogue)))
-    return lines
 
 
 def labelled(name: str, sentence: Message) -> Message:
@@ -144,6 +146,45 @@ def shown(message: Message, catalogue: Catalogue = ENGLISH) -> str:
     details = BETWEEN_SENTENCES.join(message.all_details)
     sentence = catalogue.text(message)
     return f"{sentence} ({details})" if details else sentence
+
+
+def message_of(error: BaseException, command: str) -> Message:
+    """Return what went wrong.
+
+    Args:
+        error: Ended the command.
+        command: What was called, such as "gpr20 info x".
+    """
+    file = error.filename if isinstance(error, OSError) else None
+    if isinstance(error, Gpr20Error):
+        reason = error.message
+    elif isinstance(error, KeyboardInterrupt):
+        return Message("interrupted; no partial output is left").with_fault(ASKED_FOR)
+    elif isinstance(error, ModuleNotFoundError):
+        name = error.name or ""
+        missing = library_missing(name, EXTRAS.get(name.split(".")[0], ""))
+        return missing.with_fault(faults.STEPS)
+    elif isinstance(error, MemoryError):
+        message = Message("not enough memory; use fewer samples", details=error)
+        return message.with_fault(faults.TOO_LARGE)
+    elif isinstance(error, OSError):
+        reason = os_reason(error)
+        reason = reason if reason.cause else reason.with_fault(DISK_REFUSES)
+    else:
+        return Message(
+            "program error {error}; please report it with the output of {command}",
+            error=f"{type(error).__name__}: {error}",
+            command=f"{TRACEBACK}=1 {command}",
+        ).with_fault(faults.PROGRAM)
+    return Message("{file}: {reason}", file=file, reason=reason) if file else reason
+
+
+def first_steps(message: Message) -> List[Message]:
+    """Return what to do first; nothing if the message says it, or if that is not known."""
+    cause = message.cause
+    if cause is None or cause.remedy is None or cause.code in STEP_IS_SAID:
+        return []
+    return [Message("First: {remedy}", remedy=cause.remedy)]
 
 
 def _recorded(attributes: Mapping[str, Any]) -> Dict[str, Any]:

@@ -7,7 +7,7 @@ import time
 import pytest
 
 from gpr20_analysis.commands import main
-from gpr20_analysis.commands.failure import message_of
+from gpr20_analysis.sentences import message_of
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ has says the same times without rounding, which changes delays by less than a th
 
 from __future__ import annotations
 
+import io
 import re
 from pathlib import Path
 from typing import Tuple
@@ -131,12 +132,12 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
             )
         )
     try:
-        found = np.array([line.split(b",") for line in content.split()]).astype(np.float64)
+        found = np.loadtxt(io.BytesIO(content), delimiter=",", comments=None, ndmin=2)
     except ValueError as error:
         raise UnreadableFileError(
             Message("{file} holds lines that are not two numbers", file=path.name)
         ) from error
-    if found.shape != (points, 2) or not np.isfinite(found).all() or b"_" in content:
+    if found.shape != (points, 2) or not np.isfinite(found).all():
         raise UnreadableFileError(
             Message(
                 "{file} has {lines} lines of {columns} numbers, or NaN; by its name it must have "

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from gpr20_analysis.commands import hiding_command, image_options
+from gpr20_analysis.commands import image_options, report_commands
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
 from gpr20_analysis.faults import NO_SCREEN
@@ -31,7 +31,7 @@ SCREEN_LIMIT_S = 15.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     image_options.add_options(parser)
-    hiding_command.add_hiding(parser)
+    report_commands.add_hiding(parser)
     add = parser.add_argument
     add("--picks", type=Path, metavar="FILE",
         help="file of the picks; default SURVEY.picks.json beside the survey")  # fmt: skip
@@ -43,8 +43,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check_libraries()
     _check_screen()
     options = image_options.options_of(chosen)
-    survey, status = image_options.processed(chosen, options, catalogue)
-    session = ViewSession(survey, options, hiding_command.hiding_of(chosen, survey))
+    steps = image_options.steps_of(chosen)
+    survey, status = image_options.processed(chosen, options, steps, catalogue)
+    session = ViewSession(survey, options, report_commands.hiding_of(chosen, survey))
     from gpr20_viewer.views.application import show
 
     picks = chosen.picks or picks_path(chosen.survey)

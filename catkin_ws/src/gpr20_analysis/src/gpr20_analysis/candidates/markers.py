@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 import xarray as xr
 
-from gpr20_analysis.candidates.files import Table, check_ending, json_content, write_table
+from gpr20_analysis.candidates.files import Table, check_ending, write_table
 from gpr20_analysis.candidates.table import text_lines
 from gpr20_analysis.dataset import MM_PER_M, description_of
 from gpr20_analysis.errors import AnalysisError
@@ -83,12 +83,6 @@ def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
     """
     check_ending(Path(path))
     write_table(_table(found), Path(path))
-
-
-def json_text(found: MarkerList) -> str:
-    """Return markers as JSON."""
-    table = _table(found)
-    return json_content({**table.head, table.name: table.records})
 
 
 def _table(found: MarkerList) -> Table:

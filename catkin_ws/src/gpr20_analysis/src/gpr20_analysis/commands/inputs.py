@@ -1,12 +1,11 @@
-"""The input of a subcommand: its arguments, and the warnings about a survey."""
+"""The survey that a subcommand is given, and the warnings about it."""
 
 from __future__ import annotations
 
 import argparse
-import enum
 import sys
 from pathlib import Path
-from typing import Any, Iterable, List, Optional, Sequence, Tuple
+from typing import Any, Iterable, Optional
 
 import xarray as xr
 from tqdm import tqdm
@@ -15,17 +14,21 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.command import DAMAGED, DONE, NOT_COMPLETE
 from gpr20_analysis.dataset import ANTENNA
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.chain import (
-    Step,
-    apply_steps,
-    step_from_text,
-)
-from gpr20_analysis.processing.step_functions import FUNCTIONS, StepFunction
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sentences import remark_lines
+from gpr20_analysis.sentences import (
+    DOUBTS,
+    LIST_ATTRIBUTES,
+    labelled,
+    limited,
+    sentences_of,
+    shown,
+)
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable, say
+
+MOST_REMARKS = 8
+"""Number of sentences of a list that are shown with a survey."""
 
 
 def add_survey(parser: argparse.ArgumentParser) -> None:
@@ -70,84 +73,26 @@ def status_of(survey: xr.Dataset) -> int:
 
 
 def print_warnings(survey: xr.Dataset, catalogue: Catalogue, path: str = "") -> None:
-    """Print on stderr what is missing or damaged in a survey.
+    """Print on stderr what is damaged, missing, doubted or noted in a survey.
+
+    All doubts, and of other lists the first sentences.
 
     Args:
         survey: The survey.
         catalogue: Language of the output.
         path: Where it was read from, if it is not the survey of the command.
     """
-    for line in remark_lines(survey, catalogue, path):
-        say(line, file=sys.stderr)
+    for name in LIST_ATTRIBUTES:
+        found = sentences_of(survey, name)
+        for one in found if name == DOUBTS else limited(found, MOST_REMARKS):
+            sentence = Message("{file}: {reason}", file=path, reason=one) if path else one
+            say(shown(labelled(name, sentence), catalogue), file=sys.stderr)
 
 
 def progress_bar(what: str) -> Any:
     """Return a `Progress` that draws a bar on a terminal and nothing elsewhere."""
 
-    def shown(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
+    def drawn(items: Iterable[Any], total: Optional[int]) -> Iterable[Any]:
         return tqdm(items, total=total, desc=printable(what), disable=None, leave=False)
 
-    return shown
-
-
-def add_steps(parser: argparse.ArgumentParser) -> None:
-    """Declare the steps."""
-    parser.add_argument(
-        "--step",
-        action="append",
-        default=[],
-        metavar="NAME[:PARAMETER=VALUE,...]",
-        help="a step; may be repeated, steps are applied in order; "
-        + "; ".join(map(_usage, FUNCTIONS)),
-    )
-
-
-def steps_of(chosen: argparse.Namespace, default: Sequence[str] = ()) -> List[Step]:
-    """Return the chosen steps, or the default without any.
-
-    Raises:
-        StepError: A step is malformed.
-    """
-    return [step_from_text(text) for text in chosen.step or default]
-
-
-def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
-    """Return all files and folders that are read, which must not be written."""
-    named = [
-        Path(step.parameters[key])
-        for step in steps
-        for key, (kind, _) in step.function.parameters.items()
-        if kind is xr.Dataset
-    ]
-    return [chosen.survey, *named]
-
-
-def process(
-    survey: xr.Dataset, steps: Sequence[Step], catalogue: Catalogue
-) -> Tuple[xr.Dataset, int]:
-    """Apply the steps; return the result and the exit status for all surveys that were read.
-
-    A survey that a step names is refused if it is damaged; warnings about it are printed.
-    """
-    statuses = [status_of(survey)]
-
-    def read(path: str) -> xr.Dataset:
-        progress = progress_bar(f"reading {path}")
-        reference = load_survey(path, progress=progress)
-        print_warnings(reference, catalogue, path)
-        statuses.append(status_of(reference))
-        return reference
-
-    for step in progress_bar("processing")(steps, len(steps)):
-        survey = apply_steps(survey, [step], read)
-    return survey, max(statuses)
-
-
-def _usage(name: str) -> str:
-    known = StepFunction(name, FUNCTIONS[name]).parameters
-    parameters = ",".join(f"{key}={_choice(kind)}" for key, (kind, _) in known.items())
-    return f"{name}:{parameters}" if parameters else name
-
-
-def _choice(kind: type) -> str:
-    return "|".join(one.value for one in kind) if issubclass(kind, enum.Enum) else kind.__name__
+    return drawn

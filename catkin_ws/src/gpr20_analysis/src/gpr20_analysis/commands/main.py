@@ -8,13 +8,19 @@ import os
 import signal
 import sys
 import traceback
-from typing import List, Optional, Tuple
+from typing import List, Optional
 
 from gpr20_analysis import __version__
 from gpr20_analysis.commands import command
-from gpr20_analysis.commands.command import EXIT_STATUS, REFUSED
-from gpr20_analysis.commands.failure import EXPECTED, TRACEBACK, first_steps, message_of
-from gpr20_analysis.sentences import json_fields, shown
+from gpr20_analysis.commands.command import REFUSED
+from gpr20_analysis.sentences import (
+    EXPECTED,
+    TRACEBACK,
+    first_steps,
+    json_fields,
+    message_of,
+    shown,
+)
 from gpr20_common.catalogue import (
     Language,
     language_from_code,
@@ -30,96 +36,74 @@ def main(arguments: Optional[List[str]] = None) -> int:
     given = sys.argv[1:] if arguments is None else arguments
     if arguments is None:
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
+        if given[:1] == ["info"]:
+            # xarray loads dask where it is installed, for 0.1 s, and info runs no steps of others.
+            sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
+    chosen = argparse.Namespace(call=[""])
     try:
-        language, given = _language(given)
-    except SystemExit:
-        return REFUSED
-    chosen = argparse.Namespace()
-    try:
-        return _run(given, chosen, language)
-    except (Exception, KeyboardInterrupt) as error:
-        if os.environ.get(TRACEBACK) and not isinstance(error, (*EXPECTED, KeyboardInterrupt)):
-            traceback.print_exc()
-        reason = message_of(error, f"gpr20 {' '.join(given)}")
-    say(f"gpr20 {' '.join(given[:1])}: {shown(reason)}", file=sys.stderr)
-    for step in first_steps(reason):
-        say(shown(step), file=sys.stderr)
-    if getattr(chosen, "json", False):
-        print(json.dumps({"error": json_fields(reason)}))
-    return REFUSED
-
-
-def _run(given: List[str], chosen: argparse.Namespace, asked: Language) -> int:
-    try:
-        _parser(given).parse_args(given, chosen)
-        language = Language.ENGLISH if chosen.command in command.ENGLISH else asked
-        chosen.language = language.value
-        status: int = chosen.run(chosen, read_catalogue(language))
-        sys.stdout.flush()
-        return status
+        return _run(given, chosen)
     except SystemExit as ending:
         return REFUSED if ending.code else 0
     except BrokenPipeError:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
+    except (Exception, KeyboardInterrupt) as error:
+        if os.environ.get(TRACEBACK) and not isinstance(error, (*EXPECTED, KeyboardInterrupt)):
+            traceback.print_exc()
+        reason = message_of(error, f"gpr20 {' '.join(given)}")
+    say(f"gpr20 {chosen.call[0]}: {shown(reason)}", file=sys.stderr)
+    for step in first_steps(reason):
+        say(shown(step), file=sys.stderr)
+    if "--json" in given:
+        print(json.dumps({"error": json_fields(reason)}))
+    return REFUSED
 
 
-def _number(text: str) -> float:
-    """Return the number of an option, also as people write it who have decimal commas."""
-    return float(text if "." in text else text.replace(",", "."))
-
-
-def _language(given: List[str]) -> Tuple[Language, List[str]]:
-    """Return the language of the output, and the arguments without the option that sets it."""
-    parser = argparse.ArgumentParser(
-        prog="gpr20", parents=[_language_option()], add_help=False, allow_abbrev=False
+def _run(given: List[str], chosen: argparse.Namespace) -> int:
+    first = _Parser(
+        prog="gpr20",
+        description="Offline analysis of GPR-20 surveys.",
+        epilog=command.EXIT_STATUS,
     )
-    chosen, others = parser.parse_known_args(given)
-    if chosen.language is None:
-        return language_from_environment(os.environ), others
-    return language_from_code(chosen.language), others
+    first.add_argument("--version", action="version", version=f"gpr20 {__version__}")
+    first.add_argument(
+        "call", nargs=argparse.PARSER, metavar="COMMAND", help="and its arguments, see below"
+    )
+    _add_language(first)
+    first.parse_args(given, chosen)
+    name, *others = chosen.call
+    called = command.load(name)
+    parser = command.parser_of(name, called)
+    _add_language(parser)
+    parser.parse_args(others, chosen)
+    asked = (
+        language_from_code(chosen.language)
+        if hasattr(chosen, "language")
+        else language_from_environment(os.environ)
+    )
+    language = Language.ENGLISH if name in command.ENGLISH else asked
+    chosen.language = language.value
+    status = called.run(chosen, read_catalogue(language))
+    sys.stdout.flush()
+    return status
 
 
-def _language_option() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(add_help=False)
+class _Parser(argparse.ArgumentParser):
+    """Lists the commands in its help, and only there looks for those of other packages."""
+
+    def format_help(self) -> str:
+        rows = [f"  {name:12}{summary}\n" for name, summary in command.summaries().items()]
+        return "".join([super().format_help(), "\ncommands:\n", *rows])
+
+
+def _add_language(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--language",
         choices=[one.value for one in languages()],
+        default=argparse.SUPPRESS,
         help="language of reports, figures and lists; default from the environment (LANG)",
     )
-    return parser
-
-
-def _parser(given: List[str]) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="gpr20",
-        description="Offline analysis of GPR-20 surveys.",
-        epilog=EXIT_STATUS,
-        parents=[_language_option()],
-    )
-    parser.add_argument("--version", action="version", version=f"gpr20 {__version__}")
-    commands = parser.add_subparsers(metavar="COMMAND", dest="command", required=True)
-    # Other packages are looked for only for help and for a command that may be theirs.
-    of_gpr20 = given and given[0] in command.SUMMARIES
-    for name, text in (command.SUMMARIES if of_gpr20 else command.summaries()).items():
-        summary = text.replace("%", "%%")
-        # Help lists every command, but only the libraries of the chosen one are loaded.
-        if given[:1] == [name]:
-            chosen = command.load(name)
-            own = commands.add_parser(
-                name,
-                help=summary,
-                description=chosen.description,
-                epilog=chosen.exit_status,
-                parents=[_language_option()],
-            )
-            own.register("type", float, _number)
-            chosen.add_arguments(own)
-            own.set_defaults(run=chosen.run)
-        else:
-            commands.add_parser(name, help=summary)
-    return parser
 
 
 if __name__ == "__main__":

@@ -23,8 +23,6 @@ ENDINGS = {"netcdf": NETCDF, "csv": ".csv", "segy": ".sgy", "touchstone": "", "b
 """The formats, and how their files end; empty: a folder."""
 OF_RECORDINGS = ("bag", "ros2")
 """Those that hold the messages of a recording, which a Dataset does not have."""
-HOLDS = {"touchstone": ("[0-9]*_X*_Y*_Z*.s2p",), "ros2": ("metadata.yaml", "*.mcap")}
-"""Patterns of the names in a folder of a format."""
 Writer = Callable[[xr.Dataset, Path, Progress], int]
 WRITERS: Dict[str, Tuple[Writer, Message]] = {
     "csv": (write_plain_csv, Message("{count} samples", count=0)),

@@ -57,8 +57,17 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
         own_name: Name of this node; empty before it has joined the graph.
 
     Raises:
-        AnalysisError: A robot or another replay publishes one of them.
+        AnalysisError: A robot or another replay publishes one of them, or there is no master.
     """
+    if not rosgraph.is_master_online():
+        raise AnalysisError(
+            Message(
+                "no ROS master answers at {address}; start roscore, or use roslaunch gpr20 "
+                "replay.launch",
+                address=rosgraph.get_master_uri(),
+            ),
+            fault=faults.NO_ROS,
+        )
     published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
     publishers_of = dict(published)
     for topic in topics:
@@ -82,10 +91,8 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
 def _is_gone(node: str) -> bool:
     try:
         NodeProbe(rosgraph.get_master_uri(), CALLER, node, ANSWER_LIMIT_S).process()
-    except NodeGoneError:
-        return True
-    except NodeSilentError:
-        return False
+    except (NodeGoneError, NodeSilentError) as error:
+        return isinstance(error, NodeGoneError)
     return False
 
 
@@ -93,34 +100,23 @@ class ReplayNode:
     """Publishes messages, with a publisher for each new topic, and says that it is a replay.
 
     The latched topic `replay` says so, and services beside it pause, continue and change the rate.
+    The ROS node must be initialized.
+
+    Args:
+        playback: Gives out the messages.
+        replayed: The survey.
+        namespace: In which it is published, absolute, with a slash at its end.
 
     Attributes:
-        published: Number of messages that were published.
-        traces: Number of traces among them.
+        traces: Number of traces that were published.
     """
 
-    def __init__(
-        self,
-        playback: Playback,
-        replayed: ReplayedSurvey,
-        namespace: str,
-        window_wait_s: float,
-    ) -> None:
-        """Make the replay; the ROS node must be initialized.
-
-        Args:
-            playback: Gives out the messages.
-            replayed: The survey.
-            namespace: In which it is published, absolute, with a slash at its end.
-            window_wait_s: How long to wait for a window before the first message [s].
-        """
+    def __init__(self, playback: Playback, replayed: ReplayedSurvey, namespace: str) -> None:
         self._playback = playback
         self._replayed = replayed
         self._namespace = namespace
-        self._window_wait_s = window_wait_s
         self._clock = Clock()
         self._publishers: Dict[str, rospy.Publisher] = {}
-        self.published = 0
         self.traces = 0
         self._ended = False
         self._marker = rospy.Publisher(
@@ -133,15 +129,19 @@ class ReplayNode:
         ]
         self._periodic = Periodic(PERIOD_S, self._say_state)
 
-    def run(self, messages: Iterable[RecordedMessage]) -> None:
+    def run(self, messages: Iterable[RecordedMessage], window_wait_s: float) -> None:
         """Publish everything in the order of the iterable.
+
+        Args:
+            messages: The recording.
+            window_wait_s: How long to wait for a window before the first message [s].
 
         Raises:
             AnalysisError: Another node publishes one of the topics, such as a robot, whose
                 positions would be mixed with those of the recording.
         """
         # Before any other message: nobody must take those for a robot's.
-        self._await_subscribers(self._marker, self._window_wait_s)
+        self._await_subscribers(self._marker, window_wait_s)
         for message in self._playback.play(messages):
             self._publish(message)
         # Messages are sent by other threads, which end with the node.
@@ -159,7 +159,6 @@ class ReplayNode:
         raw = publisher.data_class()
         raw._buff = message.data
         publisher.publish(raw)
-        self.published += 1
         self.traces += message.datatype == trace_message.DATATYPE
 
     def _own_reports(self, message: RecordedMessage) -> RecordedMessage:
@@ -215,17 +214,15 @@ class ReplayNode:
     def _set_paused(self, paused: bool) -> CommandResponse:
         self._playback.set_paused(paused)
         self._say_state()
-        if paused:
-            message = Message("The replay is paused.")
-        else:
-            message = Message("The replay continues.")
-        return CommandResponse(success=True, **message_fields(message))
+        said = Message("The replay is paused.")
+        said = said if paused else Message("The replay continues.")
+        return CommandResponse(success=True, **message_fields(said))
 
     def _set_rate(self, request: Any) -> SetReplayRateResponse:
         self._playback.set_rate(request.rate)
         self._say_state()
-        message = Message("The replay runs {rate:g} times as fast.", rate=request.rate)
-        return SetReplayRateResponse(success=True, **message_fields(message))
+        said = Message("The replay runs {rate:g} times as fast.", rate=request.rate)
+        return SetReplayRateResponse(success=True, **message_fields(said))
 
     def _say_state(self) -> None:
         survey, playback = self._replayed, self._playback

@@ -21,7 +21,7 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, list_from
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 
 PEAKS = [(0, 0.15, 0.15, 0.15, 40.0), (1, 0.15, 0.15, 0.15, 35.0), (0, 0.05, 0.24, 0.2, 38.0)]
 POSITION = {"latitude_deg": 4.60283, "longitude_deg": -74.06514, "heading_deg": 30.0}
@@ -111,37 +111,3 @@ def test_the_command_prints_and_writes_and_replaces_nothing_unasked(tmp_path, ca
     assert main([*command, "--overwrite", "--json", "--false-alarms", "0.5"]) == DONE
     assert json.loads(capsys.readouterr().out)["false_alarms_per_m2"] == pytest.approx(0.5)
     assert main([*command[:-2], "--false-alarms", "0"]) == REFUSED
-
-
-def test_the_list_and_its_markers_are_published_and_stay(tmp_path, monkeypatch):
-    rospy, rosgraph = pytest.importorskip("rospy"), pytest.importorskip("rosgraph")
-    published = {}
-
-    class Publisher:
-        def __init__(self, name, _kind, latch, queue_size):
-            self.publish = lambda message: published.setdefault(name, (message, latch))
-
-    now = rospy.Time(7)
-    for place, name, value in (
-        (rosgraph, "is_master_online", lambda: True),
-        (rospy, "Publisher", Publisher),
-        (rospy, "init_node", lambda *_, **__: None),
-        (rospy, "spin", lambda: None),
-        (rospy.Time, "now", staticmethod(lambda: now)),
-    ):
-        monkeypatch.setattr(place, name, value)
-    place_m = (0.11, 0.12, 0.08)
-    data = survey(np.random.default_rng(1), 1.0, [place_m])
-    write_dataset(data.assign_attrs(simulated=1, survey_id="s"), tmp_path / "s.nc")
-    assert main(["candidates", str(tmp_path / "s.nc"), "--permittivity", "4", "--publish"]) == DONE
-    (listed, stays), (markers, they_stay) = published["candidates"], published["candidate_markers"]
-    assert stays and they_stay
-    assert str(NO_CLEARANCE) in listed
-    found = list_from(listed, "s")
-    first = found.candidates[0]
-    assert found.simulated
-    np.testing.assert_allclose((first.x_m, first.y_m, first.depth_m), place_m, atol=0.006)
-    removed, body, label, *_ = markers.markers
-    assert removed.action == removed.DELETEALL and len(markers.markers) > 2
-    assert (body.header.frame_id, body.header.stamp) == ("base_link", now)
-    assert body.pose.position.z == -first.depth_m and label.text == f"{first.id} SIMULATED"

@@ -14,7 +14,7 @@ from run_seed import LONG
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import batch_command
+from gpr20_analysis.commands import batch_commands
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.faults import NOT_ALLOWED
@@ -69,7 +69,7 @@ def workers_of(process):
     return [child for child in children if "spawn_main" in " ".join(child.cmdline())]
 
 
-def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
+def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing_or_old(
     tmp_path, batch, scheduler
 ):
     data, into = tmp_path / "data", tmp_path / "into"
@@ -79,10 +79,10 @@ def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
     arguments = [data / "torn.nc", data / "whole.nc", "--into", into]
     arguments += ["--command", "candidates --permittivity 4 --depth 0 0.05 0.01", *scheduler]
     status, (torn, whole) = batch(*arguments)
-    assert status == 1
-    assert (torn["state"], torn["result"]) == ("failed", None)
-    assert torn["error"]["fault"]["code"] == faults.FILE_DAMAGED.code
-    assert (whole["state"], whole["result"]) == ("done", str(into / "whole.csv"))
+    assert (status, torn["state"], whole["state"]) == (1, "failed", "done")
+    assert torn["said"][1] == f"First: {faults.FILE_DAMAGED.remedy}"
+    assert whole["result"] == str(into / "whole.csv")
+    assert sorted(one.name for one in into.iterdir()) == ["whole.csv", "whole.csv.sha256"]
     made = (into / "whole.csv").stat().st_mtime_ns
     write_noise(data / "torn.nc", 7)
     status, records = batch(*arguments)
@@ -90,20 +90,9 @@ def test_one_failure_stops_no_other_and_a_second_run_makes_what_is_missing(
     assert [one["state"] for one in records] == ["done", "exists"]
     assert (into / "whole.csv").stat().st_mtime_ns == made
     assert [one["state"] for one in batch(*arguments, "--overwrite")[1]] == ["done", "done"]
+    write_noise(data / "whole.nc", 8)
+    assert [one["state"] for one in batch(*arguments)[1]] == ["exists", "done"]
     assert (into / "whole.csv").stat().st_mtime_ns > made
-
-
-def test_a_result_of_an_earlier_state_of_the_survey_is_not_taken_for_this_one(
-    tmp_path, batch, scheduler
-):
-    survey, into = tmp_path / "one.nc", tmp_path / "into"
-    write_noise(survey, 6)
-    arguments = [survey, "--into", into, *scheduler, "--command", IMAGE]
-    assert batch(*arguments)[0] == 0
-    write_noise(survey, 7)
-    status, (other,) = batch(*arguments)
-    assert (status, other["error"]["fault"]["code"]) == (1, NOT_ALLOWED.code)
-    assert batch(*arguments, "--overwrite")[0] == 0
 
 
 def test_what_a_survey_below_a_folder_lacks_is_said(tmp_path, batch, scheduler):
@@ -111,10 +100,11 @@ def test_what_a_survey_below_a_folder_lacks_is_said(tmp_path, batch, scheduler):
     arguments = [data, "--into", tmp_path / "into", *scheduler, "--command", "plot coverage"]
     status, (record,) = batch(*arguments)
     assert (status, record["state"]) == (0, "not complete")
-    assert any("NO DATA" in remark for remark in record["remarks"])
+    assert any("NO DATA" in remark for remark in record["said"])
     # A trace less or more is another state, though the description is the same.
+    assert batch(*arguments)[1][0]["state"] == "exists"
     next((data / record["survey"] / "traces").iterdir()).unlink()
-    assert batch(*arguments)[1][0]["state"] == "failed"
+    assert batch(*arguments)[1][0]["state"] == "not complete"
 
 
 @pytest.mark.timeout(300)
@@ -130,7 +120,7 @@ def test_a_survey_that_kills_each_worker_is_named_and_the_others_are_done(
     status, records = batch(*arguments)
     assert status == 1
     assert [one["state"] for one in records] == ["done"] * (len(COLUMNS) - 1) + ["failed"]
-    assert records[-1]["error"]["fault"]["code"] == faults.TOO_LARGE.code
+    assert records[-1]["said"] == [batch_commands.KILLED]
 
 
 @pytest.fixture
@@ -140,28 +130,24 @@ def cluster():
         yield cluster
 
 
-def lost_surveys(client, folder, limit_s):
-    jobs = [batch_command.Job(name, folder / name, "report", None) for name in ("a", "b")]
-    for job, outcome in batch_command.outcomes(client, jobs, folder, limit_s):
-        yield job.name, outcome.error.fault_code
+def lost_calls(client, limit_s):
+    found = batch_commands.outcomes(client, [["info", "a"], ["info", "b"]], limit_s)
+    return {number: said for number, _state, said in found}
 
 
-def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(
-    cluster, tmp_path, monkeypatch
-):
+def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(cluster, monkeypatch):
+    lost = {0: [batch_commands.LOST], 1: [batch_commands.LOST]}
     with Client(cluster.scheduler_address) as client:
-        found = dict(lost_surveys(client, tmp_path, 0.1))
-    assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
-    waited = batch_command.wait
+        assert lost_calls(client, 0.1) == lost
+    waited = batch_commands.wait
 
     def wait(*arguments, **named):
         cluster.close()
         return waited(*arguments, **named)
 
-    monkeypatch.setattr(batch_command, "wait", wait)
+    monkeypatch.setattr(batch_commands, "wait", wait)
     with Client(cluster.scheduler_address, timeout=0.5) as client:
-        found = dict(lost_surveys(client, tmp_path, 60.0))
-    assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
+        assert lost_calls(client, 60.0) == lost
 
 
 def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surveys, tmp_path):
@@ -180,23 +166,14 @@ def test_an_interrupted_batch_leaves_results_but_no_parts_and_no_processes(surve
     assert not psutil.wait_procs(workers, timeout=TIME_LIMIT_S)[1]
 
 
-def test_an_address_where_nobody_answers_is_told(surveys, tmp_path, refusals, monkeypatch):
-    monkeypatch.setattr("gpr20_analysis.commands.batch_command.CONNECT_LIMIT_S", 0.5)
+def test_an_address_where_nobody_answers_is_refused(surveys, tmp_path, refusals, monkeypatch):
+    monkeypatch.setattr("gpr20_analysis.commands.batch_commands.CONNECT_LIMIT_S", 0.5)
     arguments = ["batch", *surveys, "--into", str(tmp_path), "--scheduler", "tcp://127.0.0.1:9"]
     assert main(arguments) == 3
     assert refusals == [NOT_ALLOWED.code]
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["a.nc", "--command", "image --figures f"],
-        ["a.nc", "--command", "verify"],
-        ["one/a.nc", "two/a.nc"],
-        ["a.nc", "--ending", "/../../a.pdf"],
-    ],
-)
-def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals, arguments):
-    assert main(["batch", *arguments, "--into", str(tmp_path / "into")]) == 3
-    assert refusals == [NOT_ALLOWED.code]
-    assert not list(tmp_path.iterdir())
+def test_what_cannot_be_done_for_many_surveys_is_refused(tmp_path, refusals):
+    for arguments in (["a.nc", "--command", "verify"], ["one/a.nc", "two/a.nc"]):
+        assert main(["batch", *arguments, "--into", str(tmp_path / "into")]) == 3
+        assert refusals.pop() == NOT_ALLOWED.code and not list(tmp_path.iterdir())

@@ -12,7 +12,7 @@ from run_seed import draws
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis import faults
-from gpr20_analysis.commands import info_command
+from gpr20_analysis.commands import survey_commands
 from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sentences import sentences_of
@@ -43,7 +43,7 @@ def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_pa
     error = capsys.readouterr().err
     assert error.startswith("gpr20 info: ") and "broken.bag" in error
     assert error.splitlines()[1] == f"First: {faults.FILE_DAMAGED.remedy}"
-    assert main(["report", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
+    assert main(["image", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
     assert len(printed.err.splitlines()) == 1
     error = json.loads(printed.out)["error"]
@@ -72,7 +72,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(
 
 
 def test_a_fault_of_the_program_is_told_in_one_line(finished, capsys, monkeypatch):
-    monkeypatch.setattr(info_command, "summary_of", lambda survey: 1 / 0)
+    monkeypatch.setattr(survey_commands, "summary_of", lambda survey: 1 / 0)
     assert main(["info", str(finished)]) == 3
     error = capsys.readouterr().err
     assert "ZeroDivisionError" in error
@@ -87,8 +87,8 @@ HOSTILE = (
     *("\nFAULT: faked\n", "a\u202eb", "\u2028line", "\ud800", "\udcff"),
 )
 COMMANDS = (
-    *(["info"], ["info", "--accept-damaged"], ["verify", "--all"], ["verify", "--repair"]),
-    *(["annotate"], ["info", "--json"], ["verify", "--json"], ["annotate", "--json"]),
+    *(["info"], ["info", "--accept-damaged"], ["verify"], ["verify", "--repair"]),
+    *(["annotate"], ["info", "--json"], ["verify", "--json"]),
 )
 MORE = {
     "instrument": {"identity": "ANRITSU,MS2026C,1,1", "calibration": "applied"},

@@ -18,7 +18,7 @@ from tutorial_code import code_blocks
 from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.imports import IMPORTS, import_survey
+from gpr20_analysis.formats.imports import import_survey
 from gpr20_analysis.imaging.methods import imaging_method
 from gpr20_analysis.processing.chain import (
     apply_steps,
@@ -104,23 +104,13 @@ def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, c
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
-    install(site, "[gpr20_analysis.imports]\nscan = more:X\n", "more")
-    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "more 1.0, more:X"):
-        IMPORTS.find("scan")
 
 
-@pytest.mark.parametrize(
-    ("code", "shown"),
-    [
-        ("1 / 0", "ZeroDivisionError"),
-        ("CORNERS = 'print'", "str"),
-    ],
-)
-def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
-    site, refusals, capsys, code, shown
-):
+@each_case("code, shown", [("1 / 0", "ZeroDivisionError"), ("CORNERS = 'print'", "str")])
+def test_a_command_that_cannot_be_used_is_refused_with_the_reason(site, capsys, code, shown):
     (site / "my_commands.py").write_text(code)
-    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.STEPS.code]
+    sys.modules.pop("my_commands", None)
+    assert main(["corners", "x"]) == command.REFUSED
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:CORNERS" in error and shown in error
     assert "Traceback" not in error and len(error.splitlines()) <= 2
@@ -128,18 +118,14 @@ def test_a_command_that_cannot_be_used_is_refused_with_the_reason(
     assert main(["info", "--help"]) == main(["--help"]) == command.DONE
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        *([name, "x"] for name in command.COMMANDS.wings),
-        ("import", "there", "x.nc", "--format", "gprmax"),
-    ],
-)
-def test_a_command_names_the_absent_package(without_others, sample, refusals, capsys, arguments):
+def test_a_command_names_the_absent_package(without_others, sample, refusals, capsys):
     Path("there").write_text("")
-    assert main(list(arguments)) == 3 and refusals == [faults.STEPS.code]
-    package = command.COMMANDS.wings.get(arguments[0], "gpr20_foreign_formats")
-    assert f"catkin_ws/src/{package}" in capsys.readouterr().err
+    for arguments, package in (
+        (["view", "x"], "gpr20_viewer"),
+        (["import", "there", "x.nc", "--format", "gprmax"], "gpr20_foreign_formats"),
+    ):
+        assert main(arguments) == 3 and refusals.pop() == faults.STEPS.code
+        assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
 
 def test_a_format_of_a_page_is_imported_and_recognized(site, sample):
@@ -154,10 +140,6 @@ def test_a_format_of_a_page_is_imported_and_recognized(site, sample):
     Path("line.scan").write_text("no numbers")
     with raises_fault(faults.INPUT, "not a file of the kind scan"):
         import_survey("line.scan", "scan")
-    (site / "my_formats.py").write_text("IMPORT = 'scan'\n")
-    sys.modules.pop("my_formats")
-    with raises_fault(faults.STEPS, "my-formats 1.0, my_formats:IMPORT", "str"):
-        IMPORTS.find("scan")
     assert load_survey("survey.mcap").attrs["simulated"] == 1
 
 
@@ -186,9 +168,6 @@ def test_the_result_names_an_installed_step_and_its_version(site, sample):
     for name in ("my_steps:notch", "os:system", "my_steps.notch"):
         with raises_fault(faults.STEPS):
             step_from_text(f"{name}:center_hz=1e9")
-    install(site, "[gpr20_analysis.steps]\nnotch = other:notch\n", "other")
-    with raises_fault(faults.STEPS, "my-steps 1.0, my_steps:notch", "other 1.0, other:notch"):
-        step_from_text("notch:center_hz=1.8e9")
 
 
 NUMBERS = itertools.count()
@@ -204,16 +183,9 @@ def own_step(site, code, text="own"):
         return step_from_text(text)
 
 
-@each_case(
-    "code, text, shown",
-    [
-        ("1 / 0", "own", "ZeroDivisionError"),
-        ("def own(survey, names: list): return survey", "own:names=1", "names"),
-    ],
-)
-def test_a_step_that_cannot_be_used_is_refused_with_the_reason(site, code, text, shown):
-    with raises_fault(faults.STEPS, shown):
-        own_step(site, code, text)
+def test_a_step_that_cannot_be_used_is_refused_with_the_reason(site):
+    with raises_fault(faults.STEPS, "names"):
+        own_step(site, "def own(survey, names: list): return survey", "own:names=1")
 
 
 @each_case(

@@ -66,15 +66,23 @@ def test_every_public_name_is_there_documented_and_told():
         assert f"`{name}`" in printed
 
 
-def test_the_list_of_commands_loads_no_library_and_a_command_none_that_takes_long():
+@pytest.mark.parametrize(
+    ("call", "libraries"),
+    [
+        (["--help"], HEAVY),
+        (["info", str(gpr20_analysis.sample_survey())], (*SLOW, "dask", "scipy.fft")),
+        (["import", "--help"], SLOW),
+        (["image", "--help"], SLOW),
+    ],
+)
+def test_a_command_loads_no_library_that_it_does_not_need(call, libraries):
     program = (
-        "import sys, gpr20_analysis; from gpr20_analysis.commands.main import main; "
-        f"main(['--help']); print('LOADED', [one for one in {HEAVY} if one in sys.modules])\n"
-        "from gpr20_analysis.commands import image_options, import_command\n"
-        f"print('SLOW', [one for one in {SLOW} if one in sys.modules])"
+        "import sys; from gpr20_analysis.commands.main import main\n"
+        f"sys.argv[1:] = {call}; status = main()\n"
+        f"print('LOADED', status, [one for one in {libraries} if sys.modules.get(one)])\n"
     )
     printed = subprocess.run([sys.executable, "-c", program], stdout=subprocess.PIPE, check=True)
-    assert printed.stdout.decode().endswith("LOADED []\nSLOW []\n")
+    assert printed.stdout.decode().endswith("LOADED 0 []\n")
 
 
 def test_it_is_small_whole_and_simulated():

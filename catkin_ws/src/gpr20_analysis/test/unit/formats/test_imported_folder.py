@@ -20,7 +20,7 @@ from run_seed import draws
 
 from gpr20_analysis import faults
 from gpr20_analysis.atomic_output import BESIDE
-from gpr20_analysis.commands.batch_command import surveys_at
+from gpr20_analysis.commands.batch_commands import surveys_at
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS, Quality
 from gpr20_analysis.errors import ExportError

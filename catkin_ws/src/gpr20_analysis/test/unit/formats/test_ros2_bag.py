@@ -106,10 +106,10 @@ def test_of_a_recording_cut_anywhere_what_is_whole_is_exported_and_the_cut_is_na
     for seed in range(DRAWS):
         path.write_bytes(content[: int(np.random.default_rng(seed).integers(len(content)))])
         capsys.readouterr()
-        status = export(path, tmp_path / "bag", "--overwrite")
+        status = export(path, tmp_path / str(seed))
         if status == 3:  # no message was there yet
             continue
-        found = in_order(exported(tmp_path / "bag"))
+        found = in_order(exported(tmp_path / str(seed)))
         assert good.issuperset(found), seed
         assert status == 1 and "cut off" in capsys.readouterr().err, seed
         lengths.add(len(found))
@@ -128,10 +128,10 @@ def test_what_a_flipped_byte_destroys_is_named_and_the_rest_is_exported(whole, t
         changed[int(rng.integers(len(content)))] ^= 1 << int(rng.integers(8))
         path.write_bytes(changed)
         capsys.readouterr()
-        status = export(path, tmp_path / "bag", "--overwrite")
+        status = export(path, tmp_path / str(seed))
         if status == 3:  # its beginning, which says what it is
             continue
-        found = in_order(exported(tmp_path / "bag"))
+        found = in_order(exported(tmp_path / str(seed)))
         assert set(good).issuperset(found), seed
         if len(found) < len(good):
             damaged += 1

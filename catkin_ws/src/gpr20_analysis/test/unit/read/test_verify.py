@@ -237,15 +237,6 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
         assert answer["error"]["fault"]["code"] == faults.INPUT.code
 
 
-def test_many_faults_are_counted_and_told_on_request(copied, capsys):
-    for path in (copied / "traces").iterdir():
-        path.write_text("{")
-    assert main(["verify", str(copied)]) == 2
-    assert "more; --all prints all of them" in capsys.readouterr().out
-    assert main(["verify", "--all", str(copied)]) == 2
-    assert "--all" not in capsys.readouterr().out
-
-
 def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
     for module in FOLDER_MODULES:
         (tmp_path / f"{module}.py").write_text("raise ImportError('no ROS here')\n")

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import argparse
 import hashlib
-import json
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional
 
 from gpr20_analysis import faults
-from gpr20_analysis.candidates.files import check_ending, output_paths
-from gpr20_analysis.candidates.markers import MarkerList, json_text, marker_lines, write_markers
+from gpr20_analysis.candidates.files import ENDINGS, output_paths
+from gpr20_analysis.candidates.markers import MarkerList, marker_lines, write_markers
 from gpr20_analysis.commands import outputs
-from gpr20_analysis.commands.command import DONE, Command, print_rows
-from gpr20_analysis.commands.outputs import Output
+from gpr20_analysis.commands.command import DONE, Command, number, print_rows
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.read.checks import found_in
-from gpr20_analysis.report.summary import HEADING_OF_Y, POSITION, RECORDED, heading_text
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import IN_USE
@@ -40,27 +37,24 @@ from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.found import PHOTOS, Found, What, present
 from gpr20_survey.trace import utc_time
 
-NONE = verbatim("-")
+NAMES = ("name", "operator", "site", "notes", "position", "heading_deg")
+"""Those of the options, and of the fields of an Annotation."""
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
+    unset = argparse.SUPPRESS
     add("survey", type=Path, help="folder of a survey that has ended")
-    add("--name", help="what the survey is called; its folder stays as it is")
-    add("--operator", metavar="NAME", help="who measured")
-    add("--site", metavar="NAME", help="where, in words")
-    add("--notes", metavar="TEXT", help="everything else; may have several lines")
-    place = parser.add_mutually_exclusive_group().add_argument
-    place("--position", metavar="LAT,LON", type=_position,
-          help="where: WGS 84 latitude and longitude in degrees, north and east positive; "
-          "with a negative latitude write --position=LAT,LON")  # fmt: skip
-    place("--no-position", action="store_true", help="remove the position")
-    direction = parser.add_mutually_exclusive_group().add_argument
-    direction("--heading", metavar="DEG", type=float,
-              help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its "
-              "right")  # fmt: skip
-    direction("--no-heading", action="store_true", help="remove the heading")
+    add("--name", default=unset, help="what the survey is called; its folder stays as it is")
+    add("--operator", default=unset, metavar="NAME", help="who measured")
+    add("--site", default=unset, metavar="NAME", help="where, in words")
+    add("--notes", default=unset, metavar="TEXT", help="the rest; may have several lines")
+    add("--position", default=unset, metavar="LAT,LON", type=_position,
+        help="where: WGS 84 latitude and longitude in degrees, north and east positive; with a "
+        "negative latitude write --position=LAT,LON; '' removes it")  # fmt: skip
+    add("--heading", default=unset, dest="heading_deg", metavar="DEG", type=_heading,
+        help="direction of +Y, clockwise from true north, 0 to 360; +X is 90 degrees to its "
+        "right; '' removes it")  # fmt: skip
     add("--found", metavar="ID", help="note what was found at a candidate, such as C03")
     add("--list", type=Path, metavar="LIST.json", help="the list of gpr20 candidates with that id")
     add("--what", choices=[one.value for one in What], help="what was found")
@@ -68,81 +62,64 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--who", metavar="NAME", default="", help="who found it")
     add("--photo", type=Path, metavar="FILE", help="photograph, which is copied into the survey")
     add("--remark", default="", metavar="TEXT", help="one line, such as the model of the device")
-    add("--markers", type=Path, action="append", default=[], metavar="FILE",
+    add("--markers", type=outputs.path_with(*ENDINGS), action="append", default=[], metavar="FILE",
         help="write the markers as .csv, .json or .geojson; may be given more than "
         "once")  # fmt: skip
     add("--removed", action="store_true", help="list markers that were removed too")
-    add("--json", action="store_true", help="print the markers as JSON, for programs")
     outputs.add_overwrite(parser)
 
 
-def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Change what is given, print all that people added, and return the exit status."""
-    if not chosen.survey.is_dir():
-        raise AnalysisError(not_there(chosen.survey), fault=faults.INPUT)
+def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    survey = chosen.survey
+    if not survey.is_dir():
+        raise AnalysisError(not_there(survey), fault=faults.INPUT)
     given = [one is not None for one in (chosen.found, chosen.list, chosen.what)]
     if any(given) and not all(given):
         raise AnalysisError(Message("give --found, --list and --what, or none of them"))
-    for path in chosen.markers:
-        check_ending(path)
-    written = [Output(one) for path in chosen.markers for one in output_paths(path)]
-    outputs.check(written, [chosen.survey], chosen.overwrite)
-    description = read_description(chosen.survey)
-    changes = _changes(chosen)
+    written = [one for path in chosen.markers for one in output_paths(path)]
+    outputs.check(written, [survey], chosen.overwrite)
+    changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}
     if changes:
         # What another program annotated meanwhile stays.
-        description = _add(chosen, lambda there: Fact(
+        _add(survey, lambda there: Fact(
             Kind.ANNOTATION, replace(annotation_of(there), **changes).values()
         ))  # fmt: skip
     if all(given):
         _add_found(chosen)
-    markers = _markers(description, chosen.removed)
+    description = read_description(survey)
+    annotation = annotation_of(description)
+    markers = _markers(description, annotation, chosen.removed)
     for path in chosen.markers:
         write_markers(markers, path)
-    if chosen.json:
-        print(json.dumps(json.loads(json_text(markers)), indent=2))
-        return DONE
-    print_rows(_rows(annotation_of(description)), catalogue)
+    values = {name: getattr(annotation, name) for name in NAMES}
+    texts = {name: "-" if one in (None, "") else str(one) for name, one in values.items()}
+    print_rows([(verbatim(name), verbatim(text)) for name, text in texts.items()], catalogue)
     lines = marker_lines(markers, catalogue) if markers.markers else []
-    for line in [*lines, *_found_lines(chosen.survey)]:
+    for line in [*lines, *_found_lines(survey)]:
         say(line)
     return DONE
 
 
-def _changes(chosen: argparse.Namespace) -> Dict[str, Any]:
-    names = {"name": "name", "operator": "operator", "site": "site", "notes": "notes",
-             "position": "position", "heading_deg": "heading"}  # fmt: skip
-    given = {name: getattr(chosen, option) for name, option in names.items()}
-    changes = {name: value for name, value in given.items() if value is not None}
-    if chosen.no_position:
-        changes["position"] = None
-    if chosen.no_heading:
-        changes["heading_deg"] = None
-    return changes
-
-
-def _add(
-    chosen: argparse.Namespace, fact_of: Callable[[Dict[str, Any]], Fact], now: str = ""
-) -> Dict[str, Any]:
-    """Add a fact to the survey and return its description then.
+def _add(folder: Path, fact_of: Callable[[Dict[str, Any]], Fact]) -> None:
+    """Add a fact to the survey.
 
     Raises:
         AnalysisError: It has not ended.
     """
 
-    def change(present: Dict[str, Any]) -> Fact:
-        if present.get("ended") is None:
+    def change(description: Dict[str, Any]) -> Fact:
+        if description.get("ended") is None:
             raise AnalysisError(
                 Message(
                     "the survey in {folder} has not ended, and a robot may be writing it; use the "
                     "robot's window, or resume and stop the survey first",
-                    folder=chosen.survey,
+                    folder=folder,
                 ),
                 fault=IN_USE,
             )
-        return fact_of(present)
+        return fact_of(description)
 
-    return add_to_survey(chosen.survey, change, now or _now())
+    add_to_survey(folder, change, _now())
 
 
 def _now() -> str:
@@ -150,21 +127,28 @@ def _now() -> str:
 
 
 def _add_found(chosen: argparse.Namespace) -> None:
-    now = _now()
     photo = None if chosen.photo is None else read_regular(chosen.photo)
-    own = hashlib.sha256(photo or b"").hexdigest()
-    name = "" if photo is None else own + chosen.photo.suffix.lower()
-    given = {"who": chosen.who, "notes": chosen.remark, "depth_mm": chosen.depth_mm, "photo": name}
-    found = Found(What(chosen.what), **_candidate(chosen), **given, time=now)
+    name = ""
+    if photo is not None:
+        name = hashlib.sha256(photo).hexdigest() + chosen.photo.suffix.lower()
+    found = Found(
+        What(chosen.what),
+        **_candidate(chosen),
+        who=chosen.who,
+        time=_now(),
+        depth_mm=chosen.depth_mm,
+        photo=name,
+        notes=chosen.remark,
+    )
 
-    def fact_of(_present: Dict[str, Any]) -> Fact:
+    def fact_of(_description: Dict[str, Any]) -> Fact:
         if photo is not None:  # durable before the record that names it
             folder = chosen.survey / PHOTOS
             durable_files.ensure_folder(folder)
             durable_files.write_new_file(folder / name, photo)
         return Fact(Kind.FOUND, found.values())
 
-    _add(chosen, fact_of, now)
+    _add(chosen.survey, fact_of)
 
 
 def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
@@ -191,45 +175,34 @@ def _found_lines(folder: Path) -> List[str]:
     return lines
 
 
-def _markers(description: Dict[str, Any], removed: bool) -> MarkerList:
-    annotation = annotation_of(description)
-    place: Optional[AreaPosition] = None
-    if annotation.position is not None and annotation.heading_deg is not None:
-        at = annotation.position
-        place = AreaPosition(at.latitude_deg, at.longitude_deg, annotation.heading_deg)
+def _markers(description: Dict[str, Any], annotation: Annotation, removed: bool) -> MarkerList:
+    at, heading_deg = annotation.position, annotation.heading_deg
+    place = None
+    if at is not None and heading_deg is not None:
+        place = AreaPosition(at.latitude_deg, at.longitude_deg, heading_deg)
     found = tuple(one for one in markers_of(description) if removed or one.is_present)
     return MarkerList(
         str(description.get("survey_id", "")), bool(description.get("simulated")), found, place
     )
 
 
-def _rows(annotation: Annotation) -> List[Tuple[Message, Message]]:
-    position = annotation.position
-    texts = {
-        RECORDED["survey_name"]: annotation.name,
-        RECORDED["operator"]: annotation.operator,
-        RECORDED["site"]: annotation.site,
-        RECORDED["survey_notes"]: annotation.notes,
-        POSITION: "" if position is None else str(position),
-    }
-    heading = NONE if annotation.heading_deg is None else heading_text(annotation.heading_deg)
-    rows = [(title, verbatim(text) if text else NONE) for title, text in texts.items()]
-    return [*rows, (HEADING_OF_Y, heading)]
+def _heading(text: str) -> Optional[float]:
+    return number(text) if text else None
 
 
-def _position(text: str) -> Wgs84Position:
+def _position(text: str) -> Optional[Wgs84Position]:
     try:
-        return position_from_text(text)
+        return position_from_text(text) if text else None
     except InvalidValueError as error:
         # argparse shows the text of this error, but not that of a ValueError.
         raise argparse.ArgumentTypeError(str(error)) from None
 
 
-COMMAND = Command(
+ANNOTATE = Command(
     "Set name, operator, site, notes, position and heading of a survey, and note what was found at "
     "a candidate: nothing, scrap or a device. What is not given stays; all that people added is "
     "printed, markers too. A later record of the same candidate replaces an earlier one, which "
     "stays in the log. A survey of which noted entries are lost is refused.",
-    add_arguments,
-    run,
+    _add_arguments,
+    _annotate,
 )

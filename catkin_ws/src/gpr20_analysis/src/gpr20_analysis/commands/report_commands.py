@@ -1,23 +1,20 @@
-"""gpr20 hiding: where in a survey a mine could hide from its own detector."""
+"""gpr20 report and hiding: the page about a survey, and where a mine could hide in it."""
 
 from __future__ import annotations
 
 import argparse
 import functools
-from dataclasses import replace
 from pathlib import Path
-from typing import Optional
+from typing import List, Optional
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis import dataset
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.candidates.files import check_ending, output_paths
-from gpr20_analysis.commands import image_options, inputs, outputs
-from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
-from gpr20_analysis.dataset import MM_PER_M
+from gpr20_analysis.candidates.files import output_paths
+from gpr20_analysis.commands import image_options, inputs, outputs, steps
+from gpr20_analysis.commands.command import Command, per
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.files import ENDINGS, read_hiding, write_hiding
 from gpr20_analysis.hiding.search import Detector, HidingOptions, map_hidden
@@ -35,17 +32,45 @@ from gpr20_survey.results.hiding_map import HidingMap
 STANDARD = HidingOptions()
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def _add_report(parser: argparse.ArgumentParser) -> None:
+    image_options.add_options(parser)
+    outputs.add_output(parser, [".html"], "report to write: .html", required=True)
+    parser.add_argument("--pdf", type=Path, help="print it as PDF, too, by Chromium or WeasyPrint")
+    add_hiding(parser)
+
+
+def _report(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    from gpr20_analysis.report.page import write_pdf
+    from gpr20_analysis.report.sections import write_report
+
+    options, wanted = image_options.options_of(chosen), image_options.steps_of(chosen)
+    written = [one for one in (chosen.output, chosen.pdf) if one]
+    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
+    # The report shows the survey before and after the chosen steps.
+    first, later = (wanted[:1], wanted[1:]) if chosen.antenna else ([], wanted)
+    survey, status = image_options.processed(chosen, options, first, catalogue)
+    dataset.require(survey, dataset.S21, dataset.S21_DIMS)
+    progress = inputs.progress_bar("creating the report")
+    hiding = hiding_of(chosen, survey)
+    write_report(
+        survey, chosen.survey, chosen.output, options, later, chosen.language, progress, hiding
+    )
+    if chosen.pdf:
+        write_pdf(chosen.output, chosen.pdf)
+    say(chosen.output)
+    return status
+
+
+def _add_hiding_map(parser: argparse.ArgumentParser) -> None:
     image_options.add_options(parser)
     add = parser.add_argument
     names = ", ".join(one.value.name for one in Targets)
-    depths_mm = " ".join(f"{MM_PER_M * one:g}" for one in STANDARD.depth_m)
+    depths_mm = " ".join(f"{dataset.MM_PER_M * one:g}" for one in STANDARD.depth_m)
     add("--target", default=Targets.TYPE_72.value.name, metavar="TARGET",
         help=f"{names}, disc:DIAMETER:HEIGHT:PERMITTIVITY or ball:DIAMETER of metal, sizes in mm; "
         f"default {Targets.TYPE_72.value.name}")  # fmt: skip
-    add("--target-depths", type=float, nargs="+", metavar="MM",
-        help=f"depths of its top; default {depths_mm}")  # fmt: skip
+    add("--target-depths", type=per(dataset.MM_PER_M), nargs="+", metavar="MM",
+        default=STANDARD.depth_m, help=f"depths of its top; default {depths_mm}")  # fmt: skip
     add("--loss-tangent", type=float, default=STANDARD.loss_tangent,
         help="of the soil: about 0.01 of dry sand, 0.05 of moist sand, 0.2 of wet clay; default "
         f"{STANDARD.loss_tangent:g}")  # fmt: skip
@@ -56,33 +81,44 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"how many lattices of targets are tried at each depth; default {STANDARD.rounds}; "
         "more give a finer map")  # fmt: skip
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
-    add("--output", "-o", type=Path, action="append", default=[],
-        help="map as .json, which report and view read, or .geojson, or a picture "
-        f"({', '.join(FORMATS)}); may be given more than once")  # fmt: skip
-    outputs.add_overwrite(parser)
+    outputs.add_output(
+        parser,
+        [*ENDINGS, *outputs.PICTURES],
+        "map as .json, which report and view read, or .geojson, or a picture "
+        f"({', '.join(outputs.PICTURES)}); may be given more than once",
+        action="append",
+        default=[],
+    )
 
 
-def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Make, print and write the map; return the exit status."""
-    options = image_options.options_of(chosen)
-    target, hiding = target_of(chosen.target), _options_of(chosen)
-    steps = image_options.steps_of(chosen)
-    written = []
+def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    options, wanted = image_options.options_of(chosen), image_options.steps_of(chosen)
+    target = target_of(chosen.target)
+    written: List[Path] = []
     for path in chosen.output:
-        if path.suffix in FORMATS:
-            written.append(Output(path))
-        else:
-            check_ending(path, ENDINGS)
-            written += [Output(one) for one in output_paths(path)]
-    outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
+        written += [path] if path.suffix in outputs.PICTURES else output_paths(path)
+    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
     survey = with_height(inputs.load(chosen, catalogue), options.height_m)
+    hiding = HidingOptions(
+        depth_m=tuple(np.round(chosen.target_depths, 6).tolist()),
+        rounds=chosen.rounds,
+        needed=chosen.needed,
+        loss_tangent=chosen.loss_tangent,
+        seed=chosen.seed,
+        separation_m=chosen.separation or recorded_separation_m(survey),
+    )
     read = functools.lru_cache(maxsize=None)(load_survey)
-    detector = Detector(options, lambda one: apply_steps(one, steps, read))
+    detector = Detector(options, lambda one: apply_steps(one, wanted, read))
     antenna: Optional[xr.Dataset] = load_survey(chosen.antenna) if chosen.antenna else None
     progress = inputs.progress_bar("hiding targets")
-    hiding = replace(hiding, separation_m=chosen.separation or recorded_separation_m(survey))
     found = map_hidden(survey, detector, target, hiding, antenna, progress)
-    _write(found, chosen, catalogue)
+    for path in chosen.output:
+        if path.suffix in outputs.PICTURES:
+            from gpr20_analysis.plotting.hiding import hiding_figure
+
+            outputs.save_figure(hiding_figure(found, catalogue), path)
+        else:
+            write_hiding(found, path)
     say(*(shown(one, catalogue) for one in found.sentences))
     return inputs.status_of(survey)
 
@@ -121,33 +157,15 @@ def hiding_of(chosen: argparse.Namespace, survey: xr.Dataset) -> Optional[Hiding
     return found
 
 
-def _options_of(chosen: argparse.Namespace) -> HidingOptions:
-    depths_mm = chosen.target_depths
-    return HidingOptions(
-        depth_m=STANDARD.depth_m
-        if depths_mm is None
-        else tuple(np.round(np.array(depths_mm) / MM_PER_M, 6).tolist()),
-        rounds=chosen.rounds,
-        needed=chosen.needed,
-        loss_tangent=chosen.loss_tangent,
-        seed=chosen.seed,
-    )
-
-
-def _write(found: HidingMap, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
-    for path in chosen.output:
-        if path.suffix in FORMATS:
-            from gpr20_analysis.plotting.hiding import hiding_figure
-
-            with atomic_output(path) as place:
-                save_figure(hiding_figure(found, catalogue), place)
-        else:
-            write_hiding(found, path)
-
-
-COMMAND = Command(
+REPORT = Command(
+    "Write one HTML page with verdict, candidates, image, quality and parameters of a "
+    "survey. The page is self-contained.",
+    _add_report,
+    _report,
+)
+HIDING = Command(
     "Map where a mine could hide: put a synthetic target into the survey's own spectra at many "
     "places and depths, and search it with the same detector. It holds for that target only.",
-    add_arguments,
-    run,
+    _add_hiding_map,
+    _map_hiding,
 )

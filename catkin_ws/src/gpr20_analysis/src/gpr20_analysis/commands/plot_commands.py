@@ -3,45 +3,31 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-from typing import TYPE_CHECKING, Dict, Optional, Tuple
+from typing import TYPE_CHECKING, Optional
 
 import xarray as xr
 
-from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.commands import inputs, outputs
+from gpr20_analysis.commands import inputs, outputs, steps
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
 from gpr20_analysis.dataset import A_SCAN, DELAY, MM_PER_M, X, Y
-from gpr20_analysis.errors import ExportError, WrongDatasetError, wrong_ending
 from gpr20_analysis.imaging.image_options import ImageOptions, check_range
 from gpr20_analysis.processing.delay import to_time
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-KINDS: Dict[str, Tuple[str, ...]] = {
-    "a-scan": ("x", "y", "until"),
-    "b-scan": ("x", "y", "until", "along", "permittivity"),
-    "c-scan": ("delay",),
-    "coverage": (),
-    "height": (),
-}
-"""The figures, and the options of each."""
+KINDS = ("a-scan", "b-scan", "c-scan", "coverage", "height")
 NS_PER_S = 1e9
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("kind", choices=KINDS, help="what to draw")
     inputs.add_survey(parser)
-    inputs.add_steps(parser)
-    add("--x", type=float, metavar="MM", help="position; default the middle")
-    add("--y", type=float, metavar="MM", help="position; default the middle")
+    steps.add_steps(parser)
+    add("--x", type=float, metavar="MM", help="place of an A- or B-scan; default the middle")
+    add("--y", type=float, metavar="MM", help="place of an A- or B-scan; default the middle")
     add("--along", choices=(X, Y), help="direction of a B-scan; default x")
     add("--delay", type=float, metavar="NS", help="delay of a C-scan; default the middle")
     add("--until", type=float, metavar="NS",
@@ -49,38 +35,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "moist soil")  # fmt: skip
     add("--permittivity", type=float,
         help="relative permittivity: adds an axis of depth to a B-scan")  # fmt: skip
-    add("--output", "-o", type=Path, required=True, help=".png, .svg or .pdf")
-    outputs.add_overwrite(parser)
+    outputs.add_output(parser, outputs.PICTURES, ".png, .svg or .pdf", required=True)
 
 
-def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Draw the figure and return the exit status."""
-    if chosen.output.suffix not in FORMATS:
-        raise ExportError(wrong_ending(chosen.output, FORMATS))
-    _check_options(chosen)
-    steps = inputs.steps_of(chosen)
-    outputs.check([Output(chosen.output)], inputs.inputs_of(chosen, steps), chosen.overwrite)
-    survey = inputs.load(chosen, catalogue)
-    data, status = inputs.process(survey, steps, catalogue)
-    figure = _figure(data, chosen, catalogue)
-    with atomic_output(chosen.output) as place:
-        save_figure(figure, place)
+def _plot(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    wanted = steps.steps_of(chosen)
+    outputs.check([chosen.output], steps.inputs_of(chosen, wanted), chosen.overwrite)
+    data, status = steps.process(inputs.load(chosen, catalogue), wanted, catalogue)
+    outputs.save_figure(_figure(data, chosen, catalogue), chosen.output)
     return status
-
-
-def _check_options(chosen: argparse.Namespace) -> None:
-    own = KINDS[chosen.kind]
-    for option in sorted({name for names in KINDS.values() for name in names} - set(own)):
-        if getattr(chosen, option) is not None:
-            raise WrongDatasetError(
-                Message(
-                    "the figure {kind} has no option --{option}; its options are: {allowed}",
-                    kind=chosen.kind,
-                    option=option,
-                    allowed=", ".join(f"--{name}" for name in own) or "-",
-                ),
-                fault=NOT_ALLOWED,
-            )
 
 
 def _figure(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) -> Figure:
@@ -106,14 +69,12 @@ def _figure(data: xr.Dataset, chosen: argparse.Namespace, catalogue: Catalogue) 
     if chosen.kind == "a-scan":
         return scans.a_scan_figure(in_time, x_m, y_m, last_s, catalogue)
     along = chosen.along or (Y if data.sizes[X] == 1 else X)
-    # The same check as for an image.
-    permittivity = ImageOptions(permittivity=chosen.permittivity).permittivity
     return scans.b_scan_figure(
         in_time,
         along,
         y_m if along == X else x_m,
         last_s=last_s,
-        permittivity=permittivity,
+        permittivity=ImageOptions(permittivity=chosen.permittivity).permittivity,  # checked
         catalogue=catalogue,
     )
 
@@ -125,9 +86,9 @@ def _within(data: xr.Dataset, axis: str, given: Optional[float], scale: float, u
     return ((lowest + highest) / 2.0 if given is None else given) / scale
 
 
-COMMAND = Command(
+PLOT = Command(
     "Draw a survey or its A-scans. Missing samples are grey and counted below it. Those of an "
     "image are written by gpr20 image --figures.",
-    add_arguments,
-    run,
+    _add_arguments,
+    _plot,
 )

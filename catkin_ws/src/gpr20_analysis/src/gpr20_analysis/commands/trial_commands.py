@@ -10,8 +10,6 @@ from pathlib import Path
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command
-from gpr20_analysis.commands.outputs import Output
-from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.report.page import HTML, save_report
 from gpr20_analysis.report.trial_report import froc_figure, trial_report
 from gpr20_analysis.trial.plan import read_list, read_plan, read_truth
@@ -22,26 +20,20 @@ from gpr20_common.terminal_text import say
 JSON, FORMAT = ".json", "gpr20-trial-score/1"
 
 
-def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Declare the arguments."""
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("plan", type=Path, metavar="PLAN.yaml", help="halo, lanes, strata, SHA-256 of the truth")
     add("--truth", type=Path, required=True, metavar="TARGETS.csv", help="the table of targets")
     add("--list", nargs=3, action="append", required=True, metavar=("METHOD", "LANE", "LIST"),
         help="list of gpr20 candidates (.json), or any (.csv); once per method and "
         "lane")  # fmt: skip
-    add("--output", "-o", type=Path, help=f"report: {HTML} or {JSON}")
-    outputs.add_overwrite(parser)
+    outputs.add_output(parser, [HTML, JSON], f"report: {HTML} or {JSON}")
 
 
-def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    """Print and write the score; return the exit status."""
+def _score(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     output, paths = chosen.output, [Path(one) for _method, _lane, one in chosen.list]
-    if output is not None:
-        if output.suffix not in (HTML, JSON):
-            raise ExportError(wrong_ending(output, (HTML, JSON)))
-        read = [chosen.plan, chosen.truth, *paths]
-        outputs.check([Output(output)], read, chosen.overwrite)
+    read = [chosen.plan, chosen.truth, *paths]
+    outputs.check([output] if output else [], read, chosen.overwrite)
     plan = read_plan(chosen.plan)
     targets = read_truth(chosen.truth, plan)
     lists = [read_list(method, lane, Path(one), plan) for method, lane, one in chosen.list]
@@ -51,12 +43,12 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     rows = [" | ".join(row) for row in (first.heading, *first.rows)]
     said = (*first.warnings, *first.lines, *rows, *second.lines, report.footer)
     say(*filter(None, (report.title, report.banner, *said)))
-    if output is not None and output.suffix == JSON:
+    if output and output.suffix == JSON:
         warnings = [*filter(None, [report.banner]), *first.warnings, report.footer]
         values = {"format": FORMAT, "warnings": warnings, **asdict(score)}
         with atomic_output(output) as place:
             place.write_text(json.dumps(values, indent=2, allow_nan=False), encoding="utf-8")
-    elif output is not None:
+    elif output:
         drawn = [one for one in score.groups if one.targets or not one.stratum]
         figure = froc_figure(drawn, [report.banner] if report.banner else [], catalogue)
         first.figures.append((catalogue.tr("FROC with intervals (95 %)"), figure))
@@ -64,9 +56,9 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     return DONE
 
 
-COMMAND = Command(
+TRIAL = Command(
     "Score lists of candidates against buried targets that nobody knew who measured. A trial says "
     "how many of its own targets were found; it says nothing about any other ground.",
-    add_arguments,
-    run,
+    _add_arguments,
+    _score,
 )

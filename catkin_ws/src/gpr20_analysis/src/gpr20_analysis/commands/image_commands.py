@@ -1,0 +1,145 @@
+"""gpr20 process, image and candidates: steps, the image of the ground, and the places to check."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import List, Tuple
+
+import numpy as np
+
+from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.candidates.answer import Answer, answer
+from gpr20_analysis.candidates.files import ENDINGS, output_paths, write_candidates
+from gpr20_analysis.candidates.table import candidate_lines
+from gpr20_analysis.commands import image_options, inputs, outputs, steps
+from gpr20_analysis.commands.command import Command
+from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, is_line
+from gpr20_analysis.errors import StepError
+from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
+from gpr20_analysis.imaging.permittivity import permittivity_line
+from gpr20_analysis.processing.chain import recorded_steps, text_of
+from gpr20_analysis.processing.step_functions import STEPS
+from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
+from gpr20_common.catalogue import Catalogue
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import say
+from gpr20_survey.results.candidates import json_text
+
+
+def _add_process(parser: argparse.ArgumentParser) -> None:
+    inputs.add_survey(parser)
+    steps.add_steps(parser)
+    outputs.add_output(parser, [NETCDF], "result: .nc", required=True)
+
+
+def _process(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    wanted = steps.steps_of(chosen)
+    if not wanted:
+        names = ", ".join(STEPS.names())
+        raise StepError(Message("no step was given; use --step with one of: {steps}", steps=names))
+    outputs.check([chosen.output], steps.inputs_of(chosen, wanted), chosen.overwrite)
+    result, status = steps.process(inputs.load(chosen, catalogue), wanted, catalogue)
+    write_dataset(result, chosen.output)
+    say(f"{chosen.output}, made by the steps:", *map(text_of, recorded_steps(result)))
+    return status
+
+
+def _add_image(parser: argparse.ArgumentParser) -> None:
+    _add_answer(parser)
+    meaning = "image as .nc; may be given more than once"
+    outputs.add_output(parser, [NETCDF], meaning, action="append", default=[])
+    parser.add_argument(
+        "--figures", type=Path, metavar="FOLDER", help="draw projections and slices as PNG"
+    )
+
+
+def _image(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    folders = [chosen.figures] if chosen.figures else []
+    found, status = _answer(chosen, [*folders, *chosen.output], catalogue)
+    for path in chosen.output:
+        write_dataset(found.image, path)
+    for folder in folders:
+        with atomic_output(folder) as place:
+            _draw(found, place, catalogue)
+    _print(found, chosen, catalogue)
+    return status
+
+
+def _add_candidates(parser: argparse.ArgumentParser) -> None:
+    _add_answer(parser)
+    meaning = "list as .csv, .json or .geojson, with all weaker echoes; may be given more than once"
+    outputs.add_output(parser, ENDINGS, meaning, action="append", default=[])
+
+
+def _candidates(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
+    written = [one for path in chosen.output for one in output_paths(path)]
+    found, status = _answer(chosen, written, catalogue)
+    for path in chosen.output:
+        write_candidates(found.found, path)
+    _print(found, chosen, catalogue)
+    return status
+
+
+def _add_answer(parser: argparse.ArgumentParser) -> None:
+    image_options.add_options(parser)
+    add = parser.add_argument
+    add("--weaker", action="store_true", help="print the weaker echoes too, below the cut")
+    add("--json", action="store_true", help="print the list as JSON, for programs")
+
+
+def _answer(
+    chosen: argparse.Namespace, written: List[Path], catalogue: Catalogue
+) -> Tuple[Answer, int]:
+    options = image_options.options_of(chosen)
+    wanted = image_options.steps_of(chosen)
+    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
+    survey, status = image_options.processed(chosen, options, wanted, catalogue)
+    return answer(survey, options, inputs.progress_bar("imaging")), status
+
+
+def _print(found: Answer, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
+    if chosen.json:
+        print(json.dumps(json.loads(json_text(found.found)), indent=2))
+        return
+    notes = [labelled(DOUBTS if one.fault_code else NOTES, one) for one in found.found.notes]
+    for line in [*notes, permittivity_line(found.image)]:
+        say(shown(line, catalogue))
+    say(*candidate_lines(found.found, catalogue, chosen.weaker))
+
+
+def _draw(found: Answer, folder: Path, catalogue: Catalogue) -> None:
+    from gpr20_analysis.plotting.projections import marked_of, projection_figure
+    from gpr20_analysis.plotting.scans import c_scan_figure
+
+    folder.mkdir()
+    image, candidates = found.image, found.found.candidates
+    for turn, degrees in enumerate(image[POLARIZATION].values):
+        figure = projection_figure(image, turn, candidates, catalogue)
+        word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
+        outputs.save_figure(figure, folder / f"projections_{word}.png")
+    marked = [] if is_line(image) else marked_of(candidates)
+    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
+    for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
+        figure = c_scan_figure(image, depth_m, catalogue)
+        outputs.save_figure(figure, folder / f"slice_{round(depth_m * MM_PER_M):04d}mm.png")
+
+
+PROCESS = Command(
+    "Apply a chain of processing steps to a survey. The result records them.",
+    _add_process,
+    _process,
+)
+IMAGE = Command(
+    "Image the ground below a survey and list the candidates in it. Without steps coupling "
+    "and surface echo are subtracted first (background:method=surface).",
+    _add_image,
+    _image,
+)
+CANDIDATES = Command(
+    "List the candidates in the ground below a survey: places where its image is brighter than "
+    "clutter. It is a list, no clearance. Without steps coupling and surface echo are subtracted.",
+    _add_candidates,
+    _candidates,
+)
