@@ -20,8 +20,7 @@ from gpr20_analysis.imaging.a_scans import gated_a_scans
 from gpr20_analysis.imaging.permittivity import KnownPermittivity, Source
 from gpr20_analysis.imaging.projection_scene import DISTANCE_STEP_M
 from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
-from gpr20_analysis.processing.antenna_model import WIDEST_RATIO
-from gpr20_analysis.processing.antenna_step import ENDS, SURFACE_PERMITTIVITY
+from gpr20_analysis.processing.antenna_step import ENDS, SURFACE_PERMITTIVITY, WIDEST_RATIO
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.folder.soil_note import soil_of_survey

@@ -43,6 +43,11 @@ class FrequencyGrid:
         """Longest unambiguous delay [s]: 1 / step."""
         return 1.0 / self.step_hz
 
+    @property
+    def resolution_s(self) -> float:
+        """Reciprocal of the bandwidth [s]."""
+        return 1.0 / (self.step_hz * (self.count - 1))
+
     @classmethod
     def of(cls, survey: xr.Dataset) -> FrequencyGrid:
         """Return the sweep of a survey.
@@ -108,6 +113,19 @@ def summed(weighted: np.ndarray, sweep: FrequencyGrid, count: int) -> np.ndarray
     turns = sweep.start_hz * even_delays_s(sweep, count)
     samples *= (count * np.exp(2j * np.pi * turns)).astype(samples.dtype)
     return samples
+
+
+def steps_to_top(level: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return where a parabola through the values beside a maximum has its top, in steps from it.
+
+    Args:
+        level: Values (row, step).
+        at: Step of each row's maximum, not the first nor the last.
+    """
+    rows = np.arange(len(level))
+    before, here, after = (level[rows, at + one] for one in (-1, 0, 1))
+    steps: np.ndarray = 0.5 * (before - after) / np.minimum(before - 2.0 * here + after, -1e-300)
+    return steps
 
 
 def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Dataset:
