@@ -35,7 +35,7 @@ from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
 from gpr20_analysis.imaging.methods import Method, Positions
 from gpr20_analysis.imaging.permittivity_source import permittivity_of
-from gpr20_analysis.imaging.records import Focus, Ground, Traces
+from gpr20_analysis.imaging.records import Focus, Ground, Traces, longer_m
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
@@ -137,8 +137,7 @@ def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Mes
     """Return a note if the method ignores a separation that moves echoes."""
     if method.exact_paths:
         return []
-    longer_m = float(np.hypot(height_m, focus.separation_m / 2.0)) - height_m
-    deeper_m = longer_m / float(np.sqrt(focus.permittivity))
+    deeper_m = longer_m(height_m, focus.separation_m) / float(np.sqrt(focus.permittivity))
     if deeper_m < NOTED_DEPTH_M:
         return []
     return [

@@ -1,38 +1,38 @@
 """The permittivity of an image from the best source that there is, and from a buried reference.
 
-The echo of an object that was buried at a known depth gives it. The traces are summed along the
-hyperbola of a point below a place, for which the permittivity need not be known: with the delay of
-the apex given, the delays at the other positions depend little on it.
+The echo of an object that was buried at a known depth gives it. It is looked for in an image, for
+which the permittivity need not be known: with the delay of an echo's apex given, its delays at the
+other positions depend little on it. So the image has it at a depth times the refractive index.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, List, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis.dataset import MM_PER_M, description_of
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.a_scans import gated_a_scans
 from gpr20_analysis.imaging.permittivity import KnownPermittivity, Source
-from gpr20_analysis.imaging.projection_scene import DISTANCE_STEP_M
-from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
+from gpr20_analysis.imaging.records import Focus, Traces, longer_m
 from gpr20_analysis.processing.antenna_step import ENDS, SURFACE_PERMITTIVITY, WIDEST_RATIO
+from gpr20_analysis.processing.sweep import steps_to_top
+from gpr20_analysis.work import no_progress
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.folder.soil_note import soil_of_survey
-from gpr20_survey.radar.depth import one_way_path_m, two_way_delay_s
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_path_m
 from gpr20_survey.radar.soils import ANY_SOIL, MAX_PERMITTIVITY, soil_of
 
 if TYPE_CHECKING:
     from gpr20_analysis.imaging.image_options import ImageOptions
+    from gpr20_analysis.imaging.methods import Method
 
 # How far the object may be from the place that was given.
-AWAY_M = np.linspace(-0.03, 0.03, 5)
+AWAY_M = 0.042
 OPTICAL_STEP_M = 0.003
 # Of depth and height as people and sensors measure them; twice that is the 95 % range.
 DEPTH_DEVIATION_M, HEIGHT_DEVIATION_M = 0.003, 0.003
@@ -41,10 +41,8 @@ OF_RESOLUTION = 0.2
 # Of the median over all depths, and of the strongest echo.
 CLEAR, STRONG = 4.0, 0.5
 # Of the median of the strongest echoes at places beside it.
-STANDS_OUT, BESIDE_M, BESIDE_STEP_M, FEWEST_BESIDE = 3.0, 0.12, 0.06, 3
+STANDS_OUT, BESIDE_M, FEWEST_BESIDE = 3.0, 0.12, 3
 TRIAL_PERMITTIVITY = 5.0
-APERTURE_M = 0.22
-APPARENT_DEPTH_M = 0.05
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ def permittivity_of(
         survey: The survey; after the step `antenna` its surface gives a permittivity, else its
             plan or its log may.
         traces: Its traces, one item per polarization.
-        focus: Window and antenna separation.
+        focus: How the image is focused.
         options: What a person gave; without anything, and without that of surface and survey,
             any soil is assumed.
 
@@ -85,7 +83,7 @@ def permittivity_of(
     elif options.soil is not None:
         known = KnownPermittivity.of_soil(options.soil.value, Source.SOIL)
     elif options.buried is not None:
-        known = permittivity_of_reference(traces, focus, options.buried)
+        known = permittivity_of_reference(traces, focus, options.buried, options.method)
     else:
         return measured or _of_survey(survey, share)
     if measured is None:
@@ -120,21 +118,20 @@ def _of_surface(survey: xr.Dataset) -> Optional[KnownPermittivity]:
 
 
 def permittivity_of_reference(
-    traces: Sequence[Traces], focus: Focus, reference: BuriedReference
+    traces: Sequence[Traces], focus: Focus, reference: BuriedReference, method: Method
 ) -> KnownPermittivity:
     """Return the permittivity that puts the echo of the reference at its depth.
 
     Args:
         traces: One item per polarization, without coupling and surface echo.
-        focus: Window and antenna separation; its depths and permittivity are not used.
+        focus: How to focus; its depths and permittivity are not used.
         reference: The object.
+        method: Makes the images in which its echo is looked for.
 
     Raises:
         WrongDatasetError: No trace is near it, or no clear echo of it.
     """
-    if not all(_is_over(one, reference) for one in traces):
-        raise _refused(Message("it is outside of the survey"), reference)
-    level, optical_m = max(_echo(one, focus, reference) for one in traces)
+    level, optical_m = max(_echo(one, focus, reference, method) for one in traces)
     if not level >= CLEAR:
         raise _refused(Message("not one clear echo is below that place"), reference)
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
@@ -152,53 +149,40 @@ def permittivity_of_reference(
     return KnownPermittivity(permittivity, lowest, highest, Source.BURIED)
 
 
-def _is_over(traces: Traces, reference: BuriedReference) -> bool:
-    at_m, reach_m = (reference.x_m, reference.y_m), float(AWAY_M[-1])
-    axes_m = (traces.x_m, traces.y_m)
-    return all(a.min() - reach_m <= at <= a.max() + reach_m for a, at in zip(axes_m, at_m))
+def _echo(
+    traces: Traces, focus: Focus, reference: BuriedReference, method: Method
+) -> Tuple[float, float]:
+    """Return how far the strongest echo is above the others, and its depth times the index [m].
 
-
-def _beside(traces: Traces, reference: BuriedReference) -> List[Tuple[float, float]]:
-    """Return places of the survey that are away from the reference."""
-    x_m, y_m = (
-        np.arange(axis_m.min(), axis_m.max() + 1e-9, BESIDE_STEP_M)
-        for axis_m in (traces.x_m, traces.y_m)
-    )
-    return [
-        (float(x), float(y))
-        for x in x_m
-        for y in y_m
-        if np.hypot(x - reference.x_m, y - reference.y_m) > BESIDE_M
-    ]
-
-
-def _echo(traces: Traces, focus: Focus, reference: BuriedReference) -> Tuple[float, float]:
-    """Return how far the strongest echo is above the others, and its depth times the index [m]."""
-    deepest_m = reference.depth_m * np.sqrt(MAX_PERMITTIVITY)
-    unambiguous_m = one_way_path_m(traces.sweep.unambiguous_s) - float(traces.height_m.max())
-    optical_m = np.arange(
-        0.8 * reference.depth_m, min(deepest_m, unambiguous_m / 2.0), OPTICAL_STEP_M
-    )
-    places = [
-        (reference.x_m + x_m, reference.y_m + y_m)
-        for x_m in (AWAY_M if len(traces.x_m) > 1 else [0.0])
-        for y_m in (AWAY_M if len(traces.y_m) > 1 else [0.0])
-    ]
-    level = levels_at(traces, focus, places, optical_m).max(axis=0)
+    No level if it is not the only strong one below that place, or not stronger than elsewhere.
+    """
+    away_m = np.hypot(traces.x_m - reference.x_m, traces.y_m[:, None] - reference.y_m)
+    near, beside = away_m <= AWAY_M, away_m > BESIDE_M
+    if not near.any() or np.count_nonzero(beside) < FEWEST_BESIDE:
+        return 0.0, 0.0
+    height_m = float(traces.height_m.max())
+    unambiguous_m = one_way_path_m(traces.sweep.unambiguous_s) - height_m
+    deepest_m = min(reference.depth_m * math.sqrt(MAX_PERMITTIVITY), unambiguous_m / 2.0)
+    optical_m = np.arange(0.8 * reference.depth_m, deepest_m, OPTICAL_STEP_M)
+    depth_m = optical_m / math.sqrt(TRIAL_PERMITTIVITY)
+    trial = replace(focus, permittivity=TRIAL_PERMITTIVITY, depth_m=depth_m)
+    volume, _ = method.image(traces, trial, (None, None), no_progress)
+    magnitude = np.abs(volume)
+    level = magnitude[:, near].max(axis=1)
     # Residue of the surface or another body may be as strong: then they cannot be distinguished.
     inner = level[1:-1]
     tops = (inner > level[:-2]) & (inner >= level[2:]) & (inner >= STRONG * level.max())
-    beside = _beside(traces, reference)
-    if np.count_nonzero(tops) != 1 or len(beside) < FEWEST_BESIDE:
-        return 0.0, 0.0
-    first = 1 + int(np.argmax(tops))
-    before, top, after = level[first - 1 : first + 2]
-    around = levels_at(traces, focus, beside, optical_m).max(axis=1)
+    at = 1 + int(np.argmax(tops))
     # Where nothing was buried some echo is the strongest, too, but no stronger than elsewhere.
-    if top < STANDS_OUT * np.median(around):
+    around = np.median(magnitude[:, beside].max(axis=0))
+    if np.count_nonzero(tops) != 1 or level[at] < STANDS_OUT * around:
         return 0.0, 0.0
-    offset = 0.5 * (after - before) / max(2.0 * top - before - after, 1e-300)
-    return float(top / np.median(level)), float(optical_m[first] + offset * OPTICAL_STEP_M)
+    beyond = float(steps_to_top(level[None], np.array([at]))[0])
+    found_m = float(optical_m[at] + beyond * OPTICAL_STEP_M)
+    if not method.exact_paths:
+        # The way between antennas that are apart is longer.
+        found_m -= longer_m(height_m + found_m, focus.separation_m)
+    return float(level[at] / np.median(level)), found_m
 
 
 def _refused(reason: Message, reference: BuriedReference) -> WrongDatasetError:
@@ -212,78 +196,3 @@ def _refused(reason: Message, reference: BuriedReference) -> WrongDatasetError:
         ),
         fault=NOT_ALLOWED,
     )
-
-
-@dataclass(frozen=True)
-class _Aligned:
-    """What is shared by all places: the A-scans near them and a table of delays."""
-
-    a_scans: np.ndarray
-    sample_s: float
-    x_m: np.ndarray
-    y_m: np.ndarray
-    higher_s: np.ndarray
-    offset_m: Tuple[float, float]
-    one_way_s: np.ndarray
-    height_m: float
-
-
-def levels_at(
-    traces: Traces, focus: Focus, places: Sequence[Tuple[float, float]], optical_m: np.ndarray
-) -> np.ndarray:
-    """Return how well the traces add up (place, depth): the magnitude of their weighted sum.
-
-    Args:
-        traces: Traces of one polarization, without coupling and surface echo.
-        focus: Window and antenna separation.
-        places: X and Y of each place [m].
-        optical_m: Depths times the refractive index [m].
-    """
-    shared = _aligned(traces, focus, np.array(places), optical_m)
-    return np.stack([_level(shared, x_m, y_m) for x_m, y_m in places])
-
-
-def _aligned(traces: Traces, focus: Focus, places: np.ndarray, optical_m: np.ndarray) -> _Aligned:
-    x, y = (
-        (axis_m >= of_places.min() - APERTURE_M) & (axis_m <= of_places.max() + APERTURE_M)
-        for axis_m, of_places in zip((traces.x_m, traces.y_m), places.T)
-    )
-    grid_y, grid_x = np.meshgrid(traces.y_m[y], traces.x_m[x], indexing="ij")
-    height_m = traces.height_m[np.ix_(y, x)].ravel()
-    spectra = traces.s21[np.ix_(y, x)].reshape(-1, traces.sweep.count)
-    mean_m = float(np.mean(height_m))
-    distance_m = np.arange(0.0, APERTURE_M + focus.separation_m, DISTANCE_STEP_M)[:, None]
-    depth_m = optical_m / np.sqrt(TRIAL_PERMITTIVITY)
-    one_way_s = one_way_delay_s(mean_m, depth_m, distance_m, TRIAL_PERMITTIVITY)
-    higher_s = two_way_delay_s(height_m - mean_m)
-    longest_s = 2.0 * float(one_way_s.max()) + float(higher_s.max())
-    a_scans, sample_s = gated_a_scans(spectra, traces.sweep, focus.window, longest_s)
-    offset_m = antenna_offset_m(traces, focus)
-    return _Aligned(
-        a_scans, sample_s, grid_x.ravel(), grid_y.ravel(), higher_s, offset_m, one_way_s, mean_m
-    )
-
-
-def _level(shared: _Aligned, x_m: float, y_m: float) -> np.ndarray:
-    """Return the level of each depth at a place."""
-    away_m = np.hypot(shared.x_m - x_m, shared.y_m - y_m)
-    near = np.flatnonzero(away_m <= APERTURE_M)
-    delay_s = shared.higher_s[near][:, None]
-    for side in (1.0, -1.0):
-        leg_m = np.hypot(
-            shared.x_m[near] + side * shared.offset_m[0] - x_m,
-            shared.y_m[near] + side * shared.offset_m[1] - y_m,
-        )
-        row = np.minimum(np.rint(leg_m / DISTANCE_STEP_M).astype(int), len(shared.one_way_s) - 1)
-        delay_s = delay_s + shared.one_way_s[row]
-    place = np.maximum(delay_s / shared.sample_s, 0.0)
-    index = np.minimum(place.astype(np.int64), shared.a_scans.shape[1] - 2)
-    share = (place - index).astype(np.float32)
-    rows = near[:, None]
-    before = shared.a_scans[rows, index]
-    values = before + share * (shared.a_scans[rows, index + 1] - before)
-    # Spreading and an antenna pattern, each way; the source is a little below the surface.
-    tangent = away_m[near] / (shared.height_m + APPARENT_DEPTH_M)
-    weights = (1.0 / (1.0 + tangent**2) ** 2).astype(np.float32)
-    total: np.ndarray = np.abs(weights @ values) / np.sqrt(np.sum(weights**2))
-    return total

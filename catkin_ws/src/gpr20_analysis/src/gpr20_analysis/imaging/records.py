@@ -72,3 +72,8 @@ def antenna_offset_m(traces: Traces, focus: Focus) -> Tuple[float, float]:
     if half_m == 0.0 or not np.isfinite(rotation_rad):
         return 0.0, 0.0
     return float(half_m * np.cos(rotation_rad)), float(half_m * np.sin(rotation_rad))
+
+
+def longer_m(deep_m: float, separation_m: float) -> float:
+    """Return how much longer the way between antennas that are apart is than that down [m]."""
+    return float(np.hypot(deep_m, separation_m / 2.0)) - deep_m

@@ -107,7 +107,6 @@ def fit_delay(
     Raises:
         WrongDatasetError: The surface echo is not clear; the message says why.
     """
-    require(survey, S21, S21_DIMS)
     if ADVANCE in survey:
         raise WrongDatasetError(
             Message("time zero was set before, so the data no longer contain the delay to fit")
