@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
 from typing import Tuple
 
@@ -72,6 +73,13 @@ def antenna_offset_m(traces: Traces, focus: Focus) -> Tuple[float, float]:
     if half_m == 0.0 or not np.isfinite(rotation_rad):
         return 0.0, 0.0
     return float(half_m * np.cos(rotation_rad)), float(half_m * np.sin(rotation_rad))
+
+
+def reach(focus: Focus) -> Tuple[float, float]:
+    """Return the horizontal reach of the widest ray per height and per depth."""
+    sine = math.sin(math.radians(focus.widest_angle_deg))
+    in_air = sine / math.sqrt(max(1.0 - sine**2, 1e-6))
+    return in_air, sine / math.sqrt(max(focus.permittivity - sine**2, 1e-6))
 
 
 def longer_m(deep_m: float, separation_m: float) -> float:
