@@ -33,9 +33,7 @@ def gated_a_scans(
         window: Weights over the band.
         longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
     """
-    coarse, gate = gated_sweep(sweep, longest_delay_s)
-    shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
-    matrix = (gate * shares[:, None]).astype(np.complex64)
+    coarse, matrix = weighted_gate(sweep, longest_delay_s, window)
     count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
     sample_s = coarse.unambiguous_s / count
     # Compiled loops read until there without a check.
@@ -46,6 +44,15 @@ def gated_a_scans(
         samples = summed(gated, coarse, count)[:, : found.shape[1]]
         found[block, : samples.shape[1]] = samples
     return found, sample_s
+
+
+def weighted_gate(
+    sweep: FrequencyGrid, longest_delay_s: float, window: Window
+) -> Tuple[FrequencyGrid, np.ndarray]:
+    """Return a coarser sweep as `gated_sweep`, and its matrix with the weights over the band."""
+    coarse, gate = gated_sweep(sweep, longest_delay_s)
+    shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
+    return coarse, (gate * shares[:, None]).astype(np.complex64)
 
 
 def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[FrequencyGrid, np.ndarray]:

@@ -8,13 +8,13 @@ and points in the soil are in a table. It needs numba.
 from __future__ import annotations
 
 import math
-from typing import Any, Optional, Tuple
+from typing import Any, Tuple
 
 import numpy as np
 
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.imaging.a_scans import gated_a_scans
-from gpr20_analysis.imaging.records import Focus, Ground, Traces, antenna_offset_m, reach
+from gpr20_analysis.imaging.records import Focus, Ground, Positions, Traces, antenna_offset_m, reach
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
@@ -32,19 +32,14 @@ PAIRS = 2_000_000
 
 
 def back_projection_image(
-    traces: Traces,
-    focus: Focus,
-    x_m: Optional[np.ndarray] = None,
-    y_m: Optional[np.ndarray] = None,
-    progress: Progress = no_progress,
+    traces: Traces, focus: Focus, at: Positions = None, progress: Progress = no_progress
 ) -> np.ndarray:
     """Return the complex image (depth, y, x).
 
     Args:
         traces: The traces.
         focus: How to focus.
-        x_m: Positions of the image along X [m]; default those of the traces.
-        y_m: The same along Y.
+        at: Positions of the image.
         progress: Shows the progress.
 
     Raises:
@@ -59,8 +54,7 @@ def back_projection_image(
                 reason=library_missing("numba", "compiled"),
             )
         ) from error
-    x_m = traces.x_m if x_m is None else np.asarray(x_m, dtype=np.float64)
-    y_m = traces.y_m if y_m is None else np.asarray(y_m, dtype=np.float64)
+    x_m, y_m = at or (traces.x_m, traces.y_m)
     height_m = np.asarray(traces.height_m, dtype=np.float64).ravel()
     lowest_m, range_m = float(height_m.min()), float(np.ptp(height_m))
     step_m = max(HEIGHT_STEP_M, range_m / MOST_HEIGHTS)

@@ -82,7 +82,9 @@ def find_echoes(
         imager: Makes an image like this one of other traces.
     """
     place_m, strength = np.zeros((0, 3)), np.zeros(0)
-    most = most_points(axes_m)
+    down_m, across_m = (float(np.ptp(axis_m)) for axis_m in axes_m[1:])
+    of_line = POINTS_PER_M * max(down_m, across_m)
+    most = max(1, int(np.ceil(max(of_line, POINTS_PER_M2 * down_m * across_m))))
     rest = volume
     for _ in range(ROUNDS):
         left = np.abs(rest)
@@ -96,28 +98,6 @@ def find_echoes(
         strength = np.concatenate([strength, shown])
         points.add(place_m[-len(found) :])
         rest = imager(points.left())
-    return _with_weak(rest, axes_m, resolution_m, place_m, strength)
-
-
-def maxima_only(magnitude: np.ndarray, axes_m: Sequence[np.ndarray], resolution_m: float) -> Echoes:
-    """Return the echoes in an image whose method is not linear, so that nothing is taken away."""
-    return _with_weak(magnitude, axes_m, resolution_m, np.zeros((0, 3)), np.zeros(0))
-
-
-def most_points(axes_m: Sequence[np.ndarray]) -> int:
-    """Return how many points are fitted at most."""
-    down_m, across_m = (float(np.ptp(axis_m)) for axis_m in axes_m[1:])
-    of_line = POINTS_PER_M * max(down_m, across_m)
-    return max(1, int(np.ceil(max(of_line, POINTS_PER_M2 * down_m * across_m))))
-
-
-def _with_weak(
-    rest: np.ndarray,
-    axes_m: Sequence[np.ndarray],
-    resolution_m: float,
-    place_m: np.ndarray,
-    strength: np.ndarray,
-) -> Echoes:
     left = np.abs(rest)
     clutter = local_clutter(left, axes_m, resolution_m, place_m)
     weak = _maxima(left)
