@@ -91,14 +91,12 @@ def image_survey(
     focus = Focus(
         permittivity=1.0,
         depth_m=np.asarray(options.depth_m, dtype=np.float64),
-        window=options.window,
-        widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
         ground=options.ground or Ground.LEVEL,
     )
-    known = permittivity_of(survey, traces, focus, options)
+    known, contradictions = permittivity_of(survey, traces, focus, options)
     focus = replace(focus, permittivity=known.permittivity)
-    notes = [*notes, *known.notes, *_separation_notes(traces, focus, method)]
+    notes = [*notes, *contradictions, *_separation_notes(traces, focus, method)]
     longest_s = _longest_s(traces, focus)
     volumes = [method.image(one, focus, at, stage) for one, stage in in_stages(traces, progress)]
     coordinates = {

@@ -19,7 +19,6 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, number_between
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 
@@ -33,8 +32,6 @@ class ImageOptions:
         depth_m: Depths [m], ascending.
         height_m: One antenna height for all traces instead of the recorded ones [m].
         leave_out_missing: Make the image without the missing samples, instead of refusing.
-        window: Weights over the band.
-        widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; used by back-projection and with a
             buried reference. 0: the one that the survey records, else none.
         ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
@@ -57,8 +54,6 @@ class ImageOptions:
     depth_m: Tuple[float, ...] = tuple(np.round(np.arange(0.0, 0.3001, 0.003), 6))
     height_m: Optional[float] = None
     leave_out_missing: bool = False
-    window: Window = Window.HANN
-    widest_angle_deg: float = 70.0
     separation_m: float = 0.0
     ground: Optional[Ground] = None
     delay_s: Optional[float] = None
@@ -99,7 +94,6 @@ class ImageOptions:
             name = Message("the depth of the buried reference")
             check_range(name, self.buried.depth_m, 0.02, 1.0, "m")
         check_range(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
-        check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, Message("deg"))
         check_range(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
         rate = Message("the rate of false alarms per m2")
         check_range(rate, self.false_alarms_per_m2, *FALSE_ALARMS_PER_M2)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Optional, Sequence, Tuple
+from typing import TYPE_CHECKING, List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -43,6 +43,7 @@ CLEAR, STRONG = 4.0, 0.5
 # Of the median of the strongest echoes at places beside it.
 STANDS_OUT, BESIDE_M, FEWEST_BESIDE = 3.0, 0.12, 3
 TRIAL_PERMITTIVITY = 5.0
+NOTHING = 0.0, 1e-3
 
 
 @dataclass(frozen=True)
@@ -62,8 +63,8 @@ class BuriedReference:
 
 def permittivity_of(
     survey: xr.Dataset, traces: Sequence[Traces], focus: Focus, options: ImageOptions
-) -> KnownPermittivity:
-    """Return the permittivity of an image, and how it is known.
+) -> Tuple[KnownPermittivity, List[Message]]:
+    """Return the permittivity of an image, how it is known, and notes on what contradicts it.
 
     Args:
         survey: The survey; after the step `antenna` its surface gives a permittivity, else its
@@ -76,20 +77,30 @@ def permittivity_of(
     Raises:
         WrongDatasetError: The buried reference does not give it.
     """
-    measured = _of_surface(survey)
-    given, share = options.permittivity, options.permittivity_uncertainty
-    if given is not None:
-        known = KnownPermittivity.within(given, share, Source.GIVEN)
+    measured = None
+    if SURFACE_PERMITTIVITY in survey.attrs:
+        lowest, best, highest = (float(survey.attrs[SURFACE_PERMITTIVITY + end]) for end in ENDS)
+        measured = KnownPermittivity(best, lowest, highest, Source.SURFACE)
+    share = options.permittivity_uncertainty
+    noted = soil_of_survey(description_of(survey))
+    if options.permittivity is not None:
+        known = KnownPermittivity.within(options.permittivity, share, Source.GIVEN)
     elif options.soil is not None:
         known = KnownPermittivity.of_soil(options.soil.value, Source.SOIL)
     elif options.buried is not None:
         known = permittivity_of_reference(traces, focus, options.buried, options.method)
+    elif measured is not None:
+        known = measured
+    elif noted is None:
+        known = KnownPermittivity.of_soil(ANY_SOIL, Source.ASSUMED)
     else:
-        return measured or _of_survey(survey, share)
-    if measured is None:
-        return known
-    if known.lowest <= measured.highest and measured.lowest <= known.highest:
-        return known
+        soil, source = soil_of(noted.permittivity), Source(noted.source)
+        if soil is not None:
+            known = KnownPermittivity.of_soil(soil.value, source)
+        else:
+            known = KnownPermittivity.within(noted.permittivity, share, source)
+    if measured is None or (known.lowest <= measured.highest and measured.lowest <= known.highest):
+        return known, []
     contradiction = Message(
         "the surface reflects like soil of permittivity {lowest:.3g} to {highest:.3g}, but the "
         "image is made with {used:.3g}",
@@ -97,24 +108,7 @@ def permittivity_of(
         highest=measured.highest,
         used=known.permittivity,
     )
-    return replace(known, notes=(contradiction,))
-
-
-def _of_survey(survey: xr.Dataset, share: float) -> KnownPermittivity:
-    noted = soil_of_survey(description_of(survey))
-    if noted is None:
-        return KnownPermittivity.of_soil(ANY_SOIL, Source.ASSUMED)
-    soil, source = soil_of(noted.permittivity), Source(noted.source)
-    if soil is not None:
-        return KnownPermittivity.of_soil(soil.value, source)
-    return KnownPermittivity.within(noted.permittivity, share, source)
-
-
-def _of_surface(survey: xr.Dataset) -> Optional[KnownPermittivity]:
-    if SURFACE_PERMITTIVITY not in survey.attrs:
-        return None
-    lowest, best, highest = (float(survey.attrs[SURFACE_PERMITTIVITY + end]) for end in ENDS)
-    return KnownPermittivity(best, lowest, highest, Source.SURFACE)
+    return known, [contradiction]
 
 
 def permittivity_of_reference(
@@ -132,20 +126,27 @@ def permittivity_of_reference(
         WrongDatasetError: No trace is near it, or no clear echo of it.
     """
     level, optical_m = max(_echo(one, focus, reference, method) for one in traces)
-    if not level >= CLEAR:
-        raise _refused(Message("not one clear echo is below that place"), reference)
     band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
-    resolution_m = float(one_way_path_m(1.0 / band_hz))
-    of_echo = float(np.hypot(OF_RESOLUTION * resolution_m, HEIGHT_DEVIATION_M)) / optical_m
+    of_echo_m = float(np.hypot(OF_RESOLUTION * one_way_path_m(1.0 / band_hz), HEIGHT_DEVIATION_M))
     # The surface above it may be as much higher or lower as the heights differ.
     relief_m = max(float(np.std(one.height_m)) for one in traces)
-    of_depth = float(np.hypot(DEPTH_DEVIATION_M, relief_m)) / reference.depth_m
+    of_depth_m = float(np.hypot(DEPTH_DEVIATION_M, relief_m))
     # Of the square of a quotient: twice its share; the range is two deviations.
-    spread = 4.0 * float(np.hypot(of_echo, of_depth))
+    share = np.hypot(of_echo_m / optical_m, of_depth_m / reference.depth_m)
+    ratio = math.exp(4.0 * min(float(share), 1.0))
     permittivity = (optical_m / reference.depth_m) ** 2
-    lowest, highest = max(permittivity / math.exp(spread), 1.0), permittivity * math.exp(spread)
-    if not (permittivity > 1.0 and highest <= WIDEST_RATIO * lowest):
-        raise _refused(Message("it is too shallow for the band and the heights"), reference)
+    lowest, highest = max(permittivity / ratio, 1.0), permittivity * ratio
+    if not (level >= CLEAR and permittivity > 1.0 and highest <= WIDEST_RATIO * lowest):
+        raise WrongDatasetError(
+            Message(
+                "the buried reference at x {x_mm:.0f} mm, y {y_mm:.0f} mm gives no permittivity: "
+                "not one clear echo is below that place, or it is too shallow for the band and the "
+                "heights; check its place, or give the permittivity",
+                x_mm=MM_PER_M * reference.x_m,
+                y_mm=MM_PER_M * reference.y_m,
+            ),
+            fault=NOT_ALLOWED,
+        )
     return KnownPermittivity(permittivity, lowest, highest, Source.BURIED)
 
 
@@ -159,7 +160,7 @@ def _echo(
     away_m = np.hypot(traces.x_m - reference.x_m, traces.y_m[:, None] - reference.y_m)
     near, beside = away_m <= AWAY_M, away_m > BESIDE_M
     if not near.any() or np.count_nonzero(beside) < FEWEST_BESIDE:
-        return 0.0, 0.0
+        return NOTHING
     height_m = float(traces.height_m.max())
     unambiguous_m = one_way_path_m(traces.sweep.unambiguous_s) - height_m
     deepest_m = min(reference.depth_m * math.sqrt(MAX_PERMITTIVITY), unambiguous_m / 2.0)
@@ -175,23 +176,10 @@ def _echo(
     # Where nothing was buried some echo is the strongest, too, but no stronger than elsewhere.
     around = np.median(magnitude[:, beside].max(axis=0))
     if np.count_nonzero(tops) != 1 or level[at] < STANDS_OUT * around:
-        return 0.0, 0.0
+        return NOTHING
     beyond = float(steps_to_top(level[None], np.array([at]))[0])
     found_m = float(optical_m[at] + beyond * OPTICAL_STEP_M)
     if not method.exact_paths:
         # The way between antennas that are apart is longer.
         found_m -= longer_m(height_m + found_m, focus.separation_m)
     return float(level[at] / np.median(level)), found_m
-
-
-def _refused(reason: Message, reference: BuriedReference) -> WrongDatasetError:
-    return WrongDatasetError(
-        Message(
-            "the buried reference at x {x_mm:.0f} mm, y {y_mm:.0f} mm gives no permittivity: "
-            "{reason}; check its place, or give the permittivity",
-            x_mm=MM_PER_M * reference.x_m,
-            y_mm=MM_PER_M * reference.y_m,
-            reason=reason,
-        ),
-        fault=NOT_ALLOWED,
-    )

@@ -116,8 +116,11 @@ def remove_background(
     if method is Background.MOVING:
         cleaned = s21 - _moving_mean(s21, present, width)
     else:
-        average = _median if method is Background.MEDIAN else _mean
-        cleaned = s21 - average(s21, present)[:, None, None, :]
+        counts = np.maximum(np.count_nonzero(present, axis=(1, 2)), 1)[:, None]
+        average = np.sum(s21, axis=(1, 2), where=present[..., None]) / counts
+        if method is Background.MEDIAN:
+            average = _median(s21, present)
+        cleaned = s21 - average[:, None, None, :]
     if method is Background.SURFACE and HEIGHT in survey:
         advance_s = np.zeros(present.shape)
         if ADVANCE in survey:
@@ -131,14 +134,8 @@ def remove_background(
     return survey.assign({S21: measured.copy(data=cleaned)})
 
 
-def _mean(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
-    """Return the mean trace of each polarization (polarization, frequency)."""
-    sums = np.where(present[..., None], s21, 0.0).sum(axis=2).sum(axis=1)
-    found: np.ndarray = sums / np.maximum(present.sum(axis=(1, 2)), 1)[:, None]
-    return found
-
-
 def _median(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return the median trace of each polarization (polarization, frequency)."""
     median = np.zeros((s21.shape[0], s21.shape[-1]), dtype=s21.dtype)
     for turn in np.flatnonzero(present.any((1, 2))):
         traces = s21[turn][present[turn]]

@@ -11,9 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
     FREQUENCY,
-    HEIGHT,
     POLARIZATION,
-    QUALITY,
     S21,
     SAMPLE_DIMS,
 )
@@ -112,22 +110,16 @@ def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.
                 "the data have {count} polarizations; a combination needs two", count=len(turns)
             )
         )
-    first, second = (survey.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
-    variable_name = S21 if S21 in survey else A_SCAN
     sign = 1.0 if method is Combination.SUM else -1.0
-    combined = xr.Dataset(
-        {
-            variable_name: (first[variable_name] + sign * second[variable_name]) / 2.0,
-            HEIGHT: (first[HEIGHT] + second[HEIGHT]) / 2.0,
-            QUALITY: first[QUALITY] | second[QUALITY],
-        },
-        attrs=dict(survey.attrs),
-    )
-    for kept, variable in survey.data_vars.items():
-        if kept not in combined and variable.dims == SAMPLE_DIMS and variable.dtype.kind == "f":
-            combined[kept] = (first[kept] + second[kept]) / 2.0
-        elif kept not in combined and variable.dtype.kind == "b":
-            combined[kept] = first[kept] | second[kept]
+    combined = xr.Dataset(attrs=dict(survey.attrs))
+    for name, variable in survey.data_vars.items():
+        if variable.dims != SAMPLE_DIMS and name not in (S21, A_SCAN):
+            continue
+        first, second = (variable.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
+        if variable.dtype.kind in "fc":
+            combined[name] = (first + (sign if name in (S21, A_SCAN) else 1.0) * second) / 2.0
+        elif variable.dtype.kind in "bu":
+            combined[name] = first | second
     combined = combined.expand_dims({POLARIZATION: [np.nan]})
     for kept in combined.variables:
         combined[kept].attrs.update(survey[kept].attrs)
