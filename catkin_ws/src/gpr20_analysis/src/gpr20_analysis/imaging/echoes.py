@@ -20,6 +20,7 @@ from scipy.ndimage import maximum_filter, uniform_filter1d
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.phase_shift import unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
+from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.radar.refraction import one_way_delay_s
 
@@ -160,20 +161,13 @@ def between_voxels_m(
     """
     found_m = np.stack([axis[index] for axis, index in zip(axes_m, places.T)], axis=1)
     for number, axis in enumerate(axes_m):
-        inner = (places[:, number] > 0) & (places[:, number] < len(axis) - 1)
         step = np.eye(3, dtype=int)[number]
-        beside = [volume[tuple((places[inner] + one).T)] for one in (-step, 0, step)]
-        bright = np.all(np.stack(beside) > 0.0, axis=0)
-        before, top, after = (np.log(one[bright]) for one in beside)
-        which = np.flatnonzero(inner)[bright]
-        index = places[which, number]
-        back_m, on_m = axis[index] - axis[index - 1], axis[index + 1] - axis[index]
-        rise, fall = (top - before) / back_m, (after - top) / on_m
-        curved = rise != fall
-        # The slope is linear between the middles of the two intervals.
-        share = rise[curved] / (rise - fall)[curved]
-        first_m = axis[index[curved]] - back_m[curved] / 2.0
-        found_m[which[curved], number] = first_m + share * (back_m + on_m)[curved] / 2.0
+        inner = np.flatnonzero((places[:, number] > 0) & (places[:, number] < len(axis) - 1))
+        beside = np.stack([volume[tuple((places[inner] + one * step).T)] for one in (-1, 0, 1)], 1)
+        bright = np.all(beside > 0.0, axis=1)
+        inner, level = inner[bright], np.log(beside[bright])
+        at = places[inner, number] + steps_to_top(level, np.ones(len(level), dtype=int))
+        found_m[inner, number] = np.interp(at, np.arange(len(axis)), axis)
     return found_m
 
 

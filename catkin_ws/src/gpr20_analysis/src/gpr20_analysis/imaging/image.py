@@ -248,7 +248,7 @@ def _image_axes(survey: xr.Dataset, options: ImageOptions) -> List[xr.DataArray]
         xr.DataArray(
             np.linspace(one.values.min(), one.values.max(), count),
             dims=one.dims,
-            attrs=ATTRIBUTES[one.name],
+            attrs=ATTRIBUTES[str(one.name)],
         )
         for one, count in zip(axes, (columns, rows))
     ]

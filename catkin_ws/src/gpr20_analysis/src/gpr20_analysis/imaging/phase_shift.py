@@ -14,7 +14,6 @@ transform of its own; their number follows from a bound of the error.
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
 from typing import Tuple
 
 import numpy as np
@@ -25,7 +24,7 @@ from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import weighted_gate
 from gpr20_analysis.imaging.records import Focus, Positions, Traces, reach
-from gpr20_analysis.work import Progress, no_progress
+from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
@@ -51,7 +50,7 @@ def phase_shift_image(
         traces: Traces on a regular grid or line.
         focus: How to focus.
         at: Positions of the image, within those of the traces.
-        progress: Not shown: it takes less than a second.
+        progress: Shows the progress.
 
     Raises:
         WrongDatasetError: The positions do not form a regular grid.
@@ -80,7 +79,8 @@ def phase_shift_image(
     spectra = _at_one_height(
         spectra, traces.height_m - height_m, padded, air_rad_m, across_rad_m, focus
     )
-    image = _focused(spectra, air_rad_m, across_rad_m, height_m, focus).reshape(-1, *padded)
+    image = _focused(spectra, air_rad_m, across_rad_m, height_m, focus, progress)
+    image = image.reshape(-1, *padded)
     if at is not None:
         return _interpolated(image, step_m, at[0] - traces.x_m[0], at[1] - traces.y_m[0])
     image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
@@ -93,6 +93,7 @@ def _focused(
     across_rad_m: np.ndarray,
     height_m: float,
     focus: Focus,
+    progress: Progress,
 ) -> np.ndarray:
     """Return the image (depth, wavenumber); the wavenumbers are independent.
 
@@ -102,6 +103,7 @@ def _focused(
         across_rad_m: Horizontal wavenumber [rad/m].
         height_m: Height of the antennas [m].
         focus: How to focus.
+        progress: Shows the progress.
     """
     image = np.zeros((len(focus.depth_m), len(across_rad_m)), dtype=np.complex64)
     widest = math.sin(math.radians(focus.widest_angle_deg))
@@ -131,8 +133,7 @@ def _focused(
     used = np.flatnonzero(counts)
     part_of = np.cumsum(counts[used]) // SAMPLES_AT_ONCE
     parts = np.split(used, np.flatnonzero(np.diff(part_of)) + 1) if used.size else []
-    with ThreadPoolExecutor(THREADS) as pool:
-        list(pool.map(focus_into, parts))  # raises what a part raised
+    on_threads(focus_into, parts, progress)
     return image
 
 

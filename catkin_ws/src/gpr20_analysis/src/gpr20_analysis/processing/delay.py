@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import numbers
 from typing import Optional
 
@@ -133,8 +134,9 @@ def recorded_separation_m(survey: xr.Dataset) -> float:
 
 def _recorded(survey: xr.Dataset, name: str, most: float) -> float:
     found = survey.attrs.get(name, 0.0)
+    number = float(found) if isinstance(found, numbers.Real) else math.nan
     # Written so that NaN is refused too.
-    if not (isinstance(found, numbers.Real) and abs(found) <= most):
+    if not abs(number) <= most:
         raise WrongDatasetError(
             Message(
                 "attribute {name} of the survey is {found}; give data with at most {most:g}",
@@ -144,7 +146,7 @@ def _recorded(survey: xr.Dataset, name: str, most: float) -> float:
             ),
             fault=faults.INPUT,
         )
-    return float(found)
+    return number
 
 
 def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:

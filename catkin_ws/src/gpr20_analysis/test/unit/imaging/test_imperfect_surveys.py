@@ -171,6 +171,11 @@ def test_what_cannot_be_imaged_is_refused():
         (faults.STEPS, to_time(whole)),
         (faults.INPUT, whole.assign_coords(frequency=frequency_hz)),
         (NOT_ALLOWED, unknown),
+        (NOT_ALLOWED, whole.assign_coords(x=whole.x.values**2)),
+        (NOT_ALLOWED, whole.isel(x=[4], y=[4])),
+        # A step of 540 MHz repeats after 1.9 ns, and a band of 108 MHz resolves 9 ns.
+        (NOT_ALLOWED, whole.isel(frequency=slice(None, None, 10))),
+        (NOT_ALLOWED, whole.isel(frequency=slice(2))),
     ):
         with raises_fault(fault):
             image_survey(data, ImageOptions(permittivity=4.0))
