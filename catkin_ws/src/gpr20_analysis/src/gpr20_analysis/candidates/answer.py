@@ -31,7 +31,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.work import Progress, no_progress
@@ -84,18 +84,18 @@ def answer(
     options = options or ImageOptions()
     if options.leave_out_missing:
         survey = measured(survey)
-    chosen = default_steps(survey, options.method) if steps is None else steps
+    chosen = default_steps(survey) if steps is None else steps
     processed = process_survey(survey, *chosen)
     image = image_survey(processed, options, progress)
     rate = options.false_alarms_per_m2 or site_false_alarms_per_m2(survey)
     return Answer(processed, image, find_candidates(image, rate))
 
 
-def default_steps(survey: xr.Dataset, method: Method) -> Sequence[str]:
-    """Return the steps of a method, unless a step before has left no surface echo to remove."""
+def default_steps(survey: xr.Dataset) -> Sequence[str]:
+    """Return the steps before an image, unless a step before has left no surface echo to remove."""
     before = {one["step"] for one in recorded_steps(survey)}
     is_measured = not before or ("antenna" in before and before <= {"antenna", *HARMLESS})
-    return method.default_steps if is_measured else ()
+    return DEFAULT_STEPS if is_measured else ()
 
 
 def site_false_alarms_per_m2(survey: xr.Dataset) -> float:
@@ -175,8 +175,7 @@ def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
     magnitude = np.abs(image[IMAGE].transpose(POLARIZATION, DEPTH, Y, X).values)
     clutter = image[CLUTTER].transpose(POLARIZATION, DEPTH)
     ratio = (magnitude / clutter.values[:, :, None, None]).max(axis=0)
-    levels_db = decibels(ratio, float(np.finfo(np.float32).tiny)) / int(clutter.attrs["factors"])
-    return levels_db.astype(np.float32)
+    return decibels(ratio, float(np.finfo(np.float32).tiny)).astype(np.float32)
 
 
 def measured(survey: xr.Dataset) -> xr.Dataset:

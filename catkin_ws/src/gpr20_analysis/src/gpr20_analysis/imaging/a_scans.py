@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
@@ -17,54 +16,10 @@ from gpr20_survey.radar.frequency_to_delay import Window
 SAMPLE_S = 10.6e-12
 
 
-@dataclass(frozen=True)
-class Transform:
-    """Turns spectra to A-scans between delay 0 and a longest one.
-
-    Attributes:
-        matrix: From the spectrum to the gated and weighted one of a coarser sweep.
-        sweep: The coarser sweep.
-        count: Samples within the unambiguous delay.
-        kept: Samples of an A-scan.
-    """
-
-    matrix: np.ndarray
-    sweep: FrequencyGrid
-    count: int
-    kept: int
-
-    @classmethod
-    def until(cls, longest_delay_s: float, sweep: FrequencyGrid, window: Window) -> Transform:
-        """Return the transform of a sweep.
-
-        Args:
-            longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
-            sweep: Frequencies of the spectra.
-            window: Weights over the band.
-        """
-        coarse, gate = gated_sweep(sweep, longest_delay_s)
-        shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
-        matrix = (gate * shares[:, None]).astype(np.complex64)
-        count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
-        kept = int(np.ceil(longest_delay_s / (coarse.unambiguous_s / count))) + 4
-        return cls(matrix, coarse, count, kept)
-
-    @property
-    def sample_s(self) -> float:
-        """Step of the A-scans [s]."""
-        return self.sweep.unambiguous_s / self.count
-
-    def a_scans(self, spectra: np.ndarray) -> np.ndarray:
-        """Return analytic A-scans (trace, delay) from delay 0 on, complex64.
-
-        Args:
-            spectra: Spectra (trace, frequency).
-        """
-        gated = spectra.astype(np.complex64, copy=False) @ self.matrix
-        samples = summed(gated, self.sweep, self.count)
-        # Never shorter than requested: compiled loops read there without a check.
-        beyond = ((0, 0), (0, max(0, self.kept - self.count)))
-        return np.ascontiguousarray(np.pad(samples[:, : self.kept], beyond))
+# Share of the gate over which it fades in, and again over which it fades out.
+TRANSITION = 0.06
+# Traces that are transformed at once: about 20 MiB.
+BLOCK = 2048
 
 
 def gated_a_scans(
@@ -78,12 +33,26 @@ def gated_a_scans(
         window: Weights over the band.
         longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
     """
-    transform = Transform.until(longest_delay_s, sweep, window)
-    return transform.a_scans(spectra), transform.sample_s
+    coarse, matrix = weighted_gate(sweep, longest_delay_s, window)
+    count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
+    sample_s = coarse.unambiguous_s / count
+    # Compiled loops read until there without a check.
+    found = np.zeros((len(spectra), int(np.ceil(longest_delay_s / sample_s)) + 4), np.complex64)
+    for first in range(0, len(spectra), BLOCK):
+        block = slice(first, first + BLOCK)
+        gated = spectra[block].astype(np.complex64, copy=False) @ matrix
+        samples = summed(gated, coarse, count)[:, : found.shape[1]]
+        found[block, : samples.shape[1]] = samples
+    return found, sample_s
 
 
-# Share of the gate over which it fades in, and again over which it fades out.
-TRANSITION = 0.06
+def weighted_gate(
+    sweep: FrequencyGrid, longest_delay_s: float, window: Window
+) -> Tuple[FrequencyGrid, np.ndarray]:
+    """Return a coarser sweep as `gated_sweep`, and its matrix with the weights over the band."""
+    coarse, gate = gated_sweep(sweep, longest_delay_s)
+    shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
+    return coarse, (gate * shares[:, None]).astype(np.complex64)
 
 
 def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[FrequencyGrid, np.ndarray]:

@@ -20,6 +20,7 @@ from scipy.ndimage import maximum_filter, uniform_filter1d
 from gpr20_analysis.imaging.a_scans import gated_sweep
 from gpr20_analysis.imaging.phase_shift import unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m
+from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_survey.radar.frequency_to_delay import decibels
 from gpr20_survey.radar.refraction import one_way_delay_s
 
@@ -82,7 +83,9 @@ def find_echoes(
         imager: Makes an image like this one of other traces.
     """
     place_m, strength = np.zeros((0, 3)), np.zeros(0)
-    most = most_points(axes_m)
+    down_m, across_m = (float(np.ptp(axis_m)) for axis_m in axes_m[1:])
+    of_line = POINTS_PER_M * max(down_m, across_m)
+    most = max(1, int(np.ceil(max(of_line, POINTS_PER_M2 * down_m * across_m))))
     rest = volume
     for _ in range(ROUNDS):
         left = np.abs(rest)
@@ -96,28 +99,6 @@ def find_echoes(
         strength = np.concatenate([strength, shown])
         points.add(place_m[-len(found) :])
         rest = imager(points.left())
-    return _with_weak(rest, axes_m, resolution_m, place_m, strength)
-
-
-def maxima_only(magnitude: np.ndarray, axes_m: Sequence[np.ndarray], resolution_m: float) -> Echoes:
-    """Return the echoes in an image whose method is not linear, so that nothing is taken away."""
-    return _with_weak(magnitude, axes_m, resolution_m, np.zeros((0, 3)), np.zeros(0))
-
-
-def most_points(axes_m: Sequence[np.ndarray]) -> int:
-    """Return how many points are fitted at most."""
-    down_m, across_m = (float(np.ptp(axis_m)) for axis_m in axes_m[1:])
-    of_line = POINTS_PER_M * max(down_m, across_m)
-    return max(1, int(np.ceil(max(of_line, POINTS_PER_M2 * down_m * across_m))))
-
-
-def _with_weak(
-    rest: np.ndarray,
-    axes_m: Sequence[np.ndarray],
-    resolution_m: float,
-    place_m: np.ndarray,
-    strength: np.ndarray,
-) -> Echoes:
     left = np.abs(rest)
     clutter = local_clutter(left, axes_m, resolution_m, place_m)
     weak = _maxima(left)
@@ -180,20 +161,13 @@ def between_voxels_m(
     """
     found_m = np.stack([axis[index] for axis, index in zip(axes_m, places.T)], axis=1)
     for number, axis in enumerate(axes_m):
-        inner = (places[:, number] > 0) & (places[:, number] < len(axis) - 1)
         step = np.eye(3, dtype=int)[number]
-        beside = [volume[tuple((places[inner] + one).T)] for one in (-step, 0, step)]
-        bright = np.all(np.stack(beside) > 0.0, axis=0)
-        before, top, after = (np.log(one[bright]) for one in beside)
-        which = np.flatnonzero(inner)[bright]
-        index = places[which, number]
-        back_m, on_m = axis[index] - axis[index - 1], axis[index + 1] - axis[index]
-        rise, fall = (top - before) / back_m, (after - top) / on_m
-        curved = rise != fall
-        # The slope is linear between the middles of the two intervals.
-        share = rise[curved] / (rise - fall)[curved]
-        first_m = axis[index[curved]] - back_m[curved] / 2.0
-        found_m[which[curved], number] = first_m + share * (back_m + on_m)[curved] / 2.0
+        inner = np.flatnonzero((places[:, number] > 0) & (places[:, number] < len(axis) - 1))
+        beside = np.stack([volume[tuple((places[inner] + one * step).T)] for one in (-1, 0, 1)], 1)
+        bright = np.all(beside > 0.0, axis=1)
+        inner, level = inner[bright], np.log(beside[bright])
+        at = places[inner, number] + steps_to_top(level, np.ones(len(level), dtype=int))
+        found_m[inner, number] = np.interp(at, np.arange(len(axis)), axis)
     return found_m
 
 

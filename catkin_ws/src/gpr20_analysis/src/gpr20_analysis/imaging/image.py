@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
-from typing import Any, Dict, Hashable, List, Sequence, Tuple
+from typing import Dict, List, Sequence
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     ATTRIBUTES,
     CLUTTER,
@@ -23,23 +22,17 @@ from gpr20_analysis.dataset import (
     Y,
     described,
 )
-from gpr20_analysis.errors import TooLargeError, WrongDatasetError
-from gpr20_analysis.imaging.echoes import (
-    Echoes,
-    PointEchoes,
-    find_echoes,
-    local_clutter,
-    maxima_only,
-)
+from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.imaging.echoes import Imager, PointEchoes, find_echoes, local_clutter
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.methods import Method, Positions
+from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.permittivity_source import permittivity_of
-from gpr20_analysis.imaging.records import Focus, Ground, Traces
+from gpr20_analysis.imaging.records import Focus, Ground, Traces, longer_m
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
-from gpr20_analysis.work import MIB, Progress, available_bytes, in_stages, no_progress
+from gpr20_analysis.work import Progress, in_stages, no_progress, require_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
@@ -79,10 +72,10 @@ def image_survey(
         with_echoes: Find the echoes and the clutter, without which there are no candidates.
 
     Returns:
-        Dataset with `image` (polarization, depth, y, x), complex or
-        real, and attributes that describe how it was made and what was left out. `echoes` (echo,
-        value) has its maxima, see `ECHO_VALUES`, and `clutter` (polarization, depth) the standard
-        magnitude of what is beside the strong ones in each plane.
+        Dataset with `image` (polarization, depth, y, x), complex, and attributes that describe how
+        it was made and what was left out. `echoes` (echo, value) has its maxima, see `ECHO_VALUES`,
+        and `clutter` (polarization, depth) the standard magnitude of what is beside the strong ones
+        in each plane.
 
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
@@ -91,55 +84,85 @@ def image_survey(
     """
     if not options.separation_m:
         options = replace(options, separation_m=recorded_separation_m(survey))
+    method = options.method
     x, y = _image_axes(survey, options)
+    at = None if options.grid_step_m is None else (x.values, y.values)
     traces, notes = traces_of(survey, options)
     focus = Focus(
         permittivity=1.0,
         depth_m=np.asarray(options.depth_m, dtype=np.float64),
-        window=options.window,
-        widest_angle_deg=options.widest_angle_deg,
         separation_m=options.separation_m,
         ground=options.ground or Ground.LEVEL,
     )
-    heights_m = float(np.mean([np.mean(one.height_m) for one in traces]))
-    known = permittivity_of(survey, traces, focus, options)
+    known, contradictions = permittivity_of(survey, traces, focus, options)
     focus = replace(focus, permittivity=known.permittivity)
-    attributes = known.attributes()
-    notes = [*notes, *known.notes]
-    notes += _separation_notes(heights_m, focus, options.method)
-    _check_unambiguous(traces, focus)
-    at = (None, None) if options.grid_step_m is None else (x.values, y.values)
-    volumes = [
-        options.method.image(one, focus, at, stage) for one, stage in in_stages(traces, progress)
-    ]
+    notes = [*notes, *contradictions, *_separation_notes(traces, focus, method)]
+    longest_s = _longest_s(traces, focus)
+    volumes = [method.image(one, focus, at, stage) for one, stage in in_stages(traces, progress)]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
-        DEPTH: (DEPTH, volumes[0][1], ATTRIBUTES[DEPTH]),
+        DEPTH: (DEPTH, focus.depth_m, ATTRIBUTES[DEPTH]),
         Y: y,
         X: x,
     }
-    values = np.stack([volume for volume, _ in volumes])
-    image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), values)}, coordinates)
+    image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), np.stack(volumes))}, coordinates)
+    image.attrs["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     if with_echoes:
-        image = image.assign(_echoes(traces, focus, options.method, image, at))
-        image = image.assign_coords({VALUE: list(ECHO_VALUES)})
-    noted = with_notes(survey, notes)
-    attributes["mean_height_m"] = heights_m
-    attributes["across_lines"] = Y if image.sizes[Y] == 1 else X if image.sizes[X] == 1 else ""
-    attributes["relief_m"] = float(np.mean([np.std(one.height_m) for one in traces]))
-    attributes["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
-    delay_s = delay_to_remove_s(survey, options.delay_s)
-    record = _record(options, focus, delay_s)
-    return described(image).assign_attrs({**noted, **attributes, **record})
+
+        def imager(some: Traces) -> np.ndarray:
+            return method.image(some, focus, at, no_progress)
+
+        points = [PointEchoes(one, focus, LONGEST * longest_s) for one in traces]
+        image = _with_echoes(image, [one.rotation_deg for one in traces], points, imager)
+    return described(image).assign_attrs(
+        {
+            **with_notes(survey, notes),
+            **known.attributes(),
+            **_record(options, focus, delay_to_remove_s(survey, options.delay_s)),
+            "across_lines": Y if image.sizes[Y] == 1 else X if image.sizes[X] == 1 else "",
+            "relief_m": float(np.mean([np.std(one.height_m) for one in traces])),
+        }
+    )
 
 
-def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Message]:
+def _with_echoes(
+    image: xr.Dataset,
+    rotations_deg: Sequence[float],
+    points: Sequence[PointEchoes],
+    imager: Imager,
+) -> xr.Dataset:
+    """Return an image with its echoes, and its clutter.
+
+    Args:
+        image: The image.
+        rotations_deg: Rotation of each polarization [deg].
+        points: Fits points to the traces of each polarization.
+        imager: Makes an image like this one of other traces.
+    """
+    axes_m = [np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X)]
+    resolution_m = image.attrs["depth_resolution_m"]
+    rows, planes = [], []
+    for turn_deg, own, volume in zip(rotations_deg, points, image[IMAGE].values):
+        found = find_echoes(volume, axes_m, resolution_m, own, imager)
+        above_db = decibels(found.magnitude / found.clutter, 0.0)
+        level_db = decibels(found.magnitude, 0.0)
+        turns_deg = np.full(len(level_db), turn_deg)
+        rows.append([turns_deg, *found.place_m.T, above_db, level_db, found.fitted])
+        bodies_m = found.place_m[found.fitted]
+        clutter = local_clutter(np.abs(volume), axes_m, resolution_m, bodies_m)
+        planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
+    echoes = {
+        CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes)),
+        ECHOES: (("echo", VALUE), np.concatenate(rows, axis=1).T),
+    }
+    return image.assign(echoes).assign_coords({VALUE: list(ECHO_VALUES)})
+
+
+def _separation_notes(traces: Sequence[Traces], focus: Focus, method: Method) -> List[Message]:
     """Return a note if the method ignores a separation that moves echoes."""
-    if method.exact_paths:
-        return []
-    longer_m = float(np.hypot(height_m, focus.separation_m / 2.0)) - height_m
-    deeper_m = longer_m / float(np.sqrt(focus.permittivity))
-    if deeper_m < NOTED_DEPTH_M:
+    height_m = float(np.mean([np.mean(one.height_m) for one in traces]))
+    deeper_m = longer_m(height_m, focus.separation_m) / float(np.sqrt(focus.permittivity))
+    if method.exact_paths or deeper_m < NOTED_DEPTH_M:
         return []
     return [
         Message(
@@ -154,79 +177,25 @@ def _separation_notes(height_m: float, focus: Focus, method: Method) -> List[Mes
     ]
 
 
-def _check_unambiguous(traces: Sequence[Traces], focus: Focus) -> None:
+def _longest_s(traces: Sequence[Traces], focus: Focus) -> float:
+    """Return the delay of the deepest layer after a check that the sweep can measure it [s]."""
     height_m = max(float(np.max(one.height_m)) for one in traces)
     longest_s = float(delay_of_depth(float(focus.depth_m[-1]), height_m, focus.permittivity))
-    unambiguous_s = traces[0].sweep.unambiguous_s
-    if longest_s >= unambiguous_s:
+    sweep = traces[0].sweep
+    resolution_s = 1.0 / (sweep.step_hz * sweep.count)
+    if not resolution_s <= longest_s < sweep.unambiguous_s:
         raise WrongDatasetError(
             Message(
-                "echoes of the deepest layer have a delay of {longest_ns:.3g} ns, but a frequency "
-                "step of {step_mhz:.4g} MHz allows only {unambiguous_ns:.3g} ns; choose a smaller "
-                "depth, or measure with more points",
+                "echoes of the deepest layer have a delay of {longest_ns:.3g} ns, but this sweep "
+                "measures {resolution_ns:.3g} to {unambiguous_ns:.3g} ns; choose another depth, or "
+                "measure with more points for longer delays, with a wider band for shorter ones",
                 longest_ns=longest_s * 1e9,
-                step_mhz=traces[0].sweep.step_hz / 1e6,
-                unambiguous_ns=unambiguous_s * 1e9,
+                resolution_ns=resolution_s * 1e9,
+                unambiguous_ns=sweep.unambiguous_s * 1e9,
             ),
             fault=NOT_ALLOWED,
         )
-    band_hz = traces[0].sweep.step_hz * traces[0].sweep.count
-    if longest_s * band_hz < 1.0:
-        raise WrongDatasetError(
-            Message(
-                "a band of {band_mhz:.4g} MHz resolves delays of {resolution_ns:.3g} ns, but the "
-                "whole image covers {longest_ns:.3g} ns, so no echo can be seen; use a wider band",
-                band_mhz=band_hz / 1e6,
-                resolution_ns=1e9 / band_hz,
-                longest_ns=longest_s * 1e9,
-            ),
-            fault=faults.INPUT,
-        )
-
-
-def _echoes(
-    traces: Sequence[Traces],
-    focus: Focus,
-    method: Method,
-    image: xr.Dataset,
-    at: Positions,
-) -> Dict[Hashable, Any]:
-    def imager(some: Traces) -> np.ndarray:
-        return method.image(some, focus, at, no_progress)[0]
-
-    axes_m = [np.asarray(image[name].values, dtype=np.float64) for name in (DEPTH, Y, X)]
-    resolution_m = depth_resolution_m(traces[0].sweep, focus.permittivity)
-    longest_s = LONGEST * float(
-        delay_of_depth(
-            float(axes_m[0][-1]),
-            max(float(np.max(one.height_m)) for one in traces),
-            focus.permittivity,
-        )
-    )
-    rows, planes = [], []
-    for turn, one in enumerate(traces):
-        volume = image[IMAGE].values[turn]
-        magnitude = np.abs(volume)
-        if method.is_linear:
-            points = PointEchoes(one, focus, longest_s)
-            found = find_echoes(volume, axes_m, resolution_m, points, imager)
-        else:
-            found = maxima_only(magnitude, axes_m, resolution_m)
-        rows.append(_rows(one.rotation_deg, found, method))
-        bodies_m = found.place_m[found.fitted]
-        clutter = local_clutter(magnitude, axes_m, resolution_m, bodies_m)
-        planes.append(np.exp(np.mean(np.log(clutter), axis=(1, 2))))
-    return {
-        CLUTTER: ((POLARIZATION, DEPTH), np.stack(planes), {"factors": method.factors}),
-        ECHOES: (("echo", VALUE), np.concatenate(rows)),
-    }
-
-
-def _rows(rotation_deg: float, found: Echoes, method: Method) -> np.ndarray:
-    above_db = decibels(found.magnitude / found.clutter, 0.0) / method.factors
-    level_db = decibels(found.magnitude, 0.0) / method.factors
-    rotations_deg = np.full(len(level_db), rotation_deg)
-    return np.column_stack([rotations_deg, found.place_m, above_db, level_db, found.fitted])
+    return longest_s
 
 
 def depth_resolution_m(sweep: FrequencyGrid, permittivity: float) -> float:
@@ -252,46 +221,34 @@ def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, ob
             "imaging": json.dumps(record)}  # fmt: skip
 
 
-def _image_axes(survey: xr.Dataset, options: ImageOptions) -> Tuple[xr.DataArray, xr.DataArray]:
+def _image_axes(survey: xr.Dataset, options: ImageOptions) -> List[xr.DataArray]:
     """Return the positions of the image along X and along Y [m].
 
     Raises:
         TooLargeError: The image would not fit into the memory.
     """
+    axes = [survey[X], survey[Y]]
     if options.grid_step_m is None:
-        return survey[X], survey[Y]
-    counts = [_count(survey[axis].values, options.grid_step_m) for axis in (X, Y)]
-    _require_room(counts, len(options.depth_m), survey.sizes[POLARIZATION])
-    x, y = (
-        xr.DataArray(
-            np.linspace(np.min(survey[axis].values), np.max(survey[axis].values), count),
-            dims=axis,
-            attrs=ATTRIBUTES[axis],
-        )
-        for axis, count in zip((X, Y), counts)
+        return axes
+    # As many as cover the survey's from first to last, at most a step apart.
+    columns, rows = (1 + math.ceil(float(np.ptp(one.values)) / options.grid_step_m - ROUNDING)
+                     for one in axes)  # fmt: skip
+    polarizations, depths = survey.sizes[POLARIZATION], len(options.depth_m)
+    require_bytes(
+        columns * rows * depths * VOXEL_BYTES * (COPIES * polarizations + COPIES_OF_ONE),
+        Message(
+            "an image of {polarizations} x {depths} x {y} x {x} voxels (--depth, --grid-step)",
+            polarizations=polarizations,
+            depths=depths,
+            y=rows,
+            x=columns,
+        ),
     )
-    return x, y
-
-
-def _count(position_m: np.ndarray, step_m: float) -> int:
-    """Return how many positions cover the survey's from first to last, at most a step apart."""
-    return 1 + math.ceil(float(np.ptp(position_m)) / step_m - ROUNDING)
-
-
-def _require_room(counts: Sequence[int], depths: int, polarizations: int) -> None:
-    copies = COPIES * polarizations + COPIES_OF_ONE
-    needed = math.prod(counts) * depths * VOXEL_BYTES * copies
-    if needed > available_bytes():
-        raise TooLargeError(
-            Message(
-                "an image of {polarizations} x {depths} x {y} x {x} voxels needs "
-                "{needed_mib:.0f} MiB of memory, but only {free_mib:.0f} MiB are free; use a "
-                "larger --grid-step, fewer depths (--depth) or one polarization",
-                x=counts[0],
-                y=counts[1],
-                depths=depths,
-                polarizations=polarizations,
-                needed_mib=needed / MIB,
-                free_mib=available_bytes() / MIB,
-            )
+    return [
+        xr.DataArray(
+            np.linspace(one.values.min(), one.values.max(), count),
+            dims=one.dims,
+            attrs=ATTRIBUTES[str(one.name)],
         )
+        for one, count in zip(axes, (columns, rows))
+    ]

@@ -14,12 +14,11 @@ from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY
 from gpr20_analysis.imaging.permittivity_source import BuriedReference
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.delay import check_delay
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.checks import Text, with_unit
+from gpr20_common.mid.checks import Text, number_between
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.frequency_to_delay import Window
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 
@@ -33,8 +32,6 @@ class ImageOptions:
         depth_m: Depths [m], ascending.
         height_m: One antenna height for all traces instead of the recorded ones [m].
         leave_out_missing: Make the image without the missing samples, instead of refusing.
-        window: Weights over the band.
-        widest_angle_deg: Widest angle to the vertical in air.
         separation_m: Distance between the antennas [m]; used by back-projection and with a
             buried reference. 0: the one that the survey records, else none.
         ground: Why the recorded heights differ; back-projection alone knows uneven ground. None:
@@ -57,8 +54,6 @@ class ImageOptions:
     depth_m: Tuple[float, ...] = tuple(np.round(np.arange(0.0, 0.3001, 0.003), 6))
     height_m: Optional[float] = None
     leave_out_missing: bool = False
-    window: Window = Window.HANN
-    widest_angle_deg: float = 70.0
     separation_m: float = 0.0
     ground: Optional[Ground] = None
     delay_s: Optional[float] = None
@@ -83,15 +78,10 @@ class ImageOptions:
                 ),
                 fault=NOT_ALLOWED,
             )
-        check_range(
-            Message("the permittivity"),
-            self.permittivity,
-            MIN_PERMITTIVITY,
-            LARGEST_PERMITTIVITY,
-        )
-        check_range(
-            Message("the uncertainty of the permittivity"), self.permittivity_uncertainty, 0.01, 0.9
-        )
+        permittivity = Message("the permittivity")
+        check_range(permittivity, self.permittivity, MIN_PERMITTIVITY, LARGEST_PERMITTIVITY)
+        share = Message("the uncertainty of the permittivity")
+        check_range(share, self.permittivity_uncertainty, 0.01, 0.9)
         if [self.permittivity, self.soil, self.buried].count(None) < 2:
             raise WrongDatasetError(
                 Message(
@@ -104,62 +94,47 @@ class ImageOptions:
             name = Message("the depth of the buried reference")
             check_range(name, self.buried.depth_m, 0.02, 1.0, "m")
         check_range(Message("the antenna height"), self.height_m, 0.001, 10.0, "m")
-        check_range(Message("the widest angle"), self.widest_angle_deg, 5.0, 89.0, Message("deg"))
         check_range(Message("the antenna separation"), self.separation_m, 0.0, 2.0, "m")
-        check_range(
-            Message("the rate of false alarms per m2"),
-            self.false_alarms_per_m2,
-            *FALSE_ALARMS_PER_M2,
-        )
-        if self.delay_s is not None:
-            check_delay(self.delay_s)
-        # As the command line gives it.
+        rate = Message("the rate of false alarms per m2")
+        check_range(rate, self.false_alarms_per_m2, *FALSE_ALARMS_PER_M2)
+        # As the command line gives them.
+        delay_ns = None if self.delay_s is None else 1e9 * self.delay_s
+        check_range(Message("the delay of cables and antennas"), delay_ns, -1e4, 1e4, "ns")
         step_mm = None if self.grid_step_m is None else MM_PER_M * self.grid_step_m
         check_range(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
         if self.grid_step_m is not None and not self.method.any_positions:
-            raise WrongDatasetError(
-                Message(
-                    "the method {method} images only at the positions of the survey; use "
-                    "--grid-step with --method {other}",
-                    method=self.method.name,
-                    other=Method.PHASE_SHIFT.name,
-                ),
-                fault=NOT_ALLOWED,
-            )
+            raise self._cannot("--grid-step", Method.PHASE_SHIFT)
         if self.ground is Ground.UNEVEN and not self.method.exact_paths:
-            raise WrongDatasetError(
-                Message(
-                    "the method {method} assumes level ground; uneven ground needs --method "
-                    "{other}",
-                    method=self.method.name,
-                    other=Method.BACK_PROJECTION.name,
-                ),
-                fault=NOT_ALLOWED,
-            )
+            raise self._cannot("--ground uneven", Method.BACK_PROJECTION)
+
+    def _cannot(self, option: str, other: Method) -> WrongDatasetError:
+        return WrongDatasetError(
+            Message(
+                "the method {method} has no {option}; that needs --method {other}",
+                method=self.method.name,
+                option=option,
+                other=other.name,
+            ),
+            fault=NOT_ALLOWED,
+        )
 
 
 def check_range(
-    name: object, value: Optional[float], lowest: float, highest: float, unit: Text = ""
+    name: Text, value: Optional[float], lowest: float, highest: float, unit: Text = ""
 ) -> None:
     """Check a number that a person gave, unless it is None.
 
     Raises:
         WrongDatasetError: It is no number, NaN or outside the range.
     """
-    if value is not None and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
+    if value is None:
+        return
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
         raise WrongDatasetError(
             Message("{name} is {value}; it must be a number", name=name, value=repr(value)),
             fault=NOT_ALLOWED,
         )
-    # Written so that NaN is refused too.
-    if value is not None and not lowest <= value <= highest:
-        raise WrongDatasetError(
-            Message(
-                "{name} is {value}; it must lie between {lower} and {upper}",
-                name=name,
-                value=with_unit(value, unit),
-                lower=numeral(lowest),
-                upper=with_unit(highest, unit),
-            ),
-            fault=NOT_ALLOWED,
-        )
+    try:
+        number_between(name, value, lowest, highest, unit)
+    except InvalidValueError as error:
+        raise WrongDatasetError(error.message, fault=NOT_ALLOWED) from error

@@ -33,41 +33,10 @@ from gpr20_analysis.sentences import first_of, sentence_of
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import one_way_path_m
+from gpr20_survey.radar.frequency_to_delay import phase_advance
 
 NOTED_M = 0.005
 """Median difference of surface echo and height above which an image has a note [m]."""
-
-
-def surface_notes(survey: xr.Dataset, options: ImageOptions, delay_s: float) -> List[Message]:
-    """Return a note if the surface is not where the image assumes it.
-
-    Args:
-        survey: The survey; without attribute `surface_delay_s` its surface echo was not clear.
-        options: The options of the image.
-        delay_s: Delay of cables and antennas that the image removes [s].
-    """
-    if SURFACE_DELAY not in survey.attrs:
-        return []
-    recorded_m = float(survey[HEIGHT].where(usable(survey)).median())
-    used_m = recorded_m if options.height_m is None else options.height_m
-    removed_s = delay_s + float(survey.attrs.get(REMOVED, 0.0))
-    echo_m = recorded_m + one_way_path_m(float(survey.attrs[SURFACE_DELAY]) - removed_s)
-    expected_m = float(np.hypot(used_m, 0.5 * options.separation_m))
-    difference_m = echo_m - expected_m
-    # Written so that a height that is not known gives no note.
-    if not abs(difference_m) > NOTED_M:
-        return []
-    return [
-        Message(
-            "the surface echo is {difference_mm:+.0f} mm from the antenna height (median of the "
-            "traces; limit {limit_mm:.0f} mm), so all depths are wrong; find the delay of cables "
-            "and antennas with gpr20 delay, and check the height sensor",
-            difference_mm=MM_PER_M * difference_m,
-            limit_mm=MM_PER_M * NOTED_M,
-        )
-    ]
-
-
 # Height differences of level ground, by the noise of the height sensor.
 NOTED_RELIEF_M = 0.01
 # Standard deviation of the heights. If the ground is uneven but imaged as level, that of the phase
@@ -100,84 +69,67 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
         # A sum is finite only if all of its values are.
         finite = np.isfinite(np.sum(measured, axis=-1))
     present = usable(survey).transpose(*SAMPLE_DIMS).values & finite
-    if not options.leave_out_missing:
-        absent = missing_samples(survey)
-        if absent:
-            raise DamagedSurveyError(
-                Message(
-                    "{count} samples have no data ({samples}); --leave-out-missing makes the "
-                    "image without them",
-                    count=len(absent),
-                    samples=first_of(absent, NAMED),
-                ),
-                fault=faults.INPUT,
-            )
-        if not np.all(present):
-            raise WrongDatasetError(
-                Message(
-                    "{count} samples that are marked as good contain NaN from an earlier step; "
-                    "check the steps",
-                    count=np.count_nonzero(~present),
-                )
-            )
-    height_m = _heights(survey, options, present)
+    _check_present(survey, present, options)
+    is_seen = np.any(present & np.any(measured != 0.0, axis=-1), axis=(1, 2))
+    if not np.all(is_seen):
+        raise WrongDatasetError(
+            Message(
+                "every trace at {rotation_deg:g} deg is missing or zero, so no echo can be seen; "
+                "see gpr20 info, and check the steps: the background of a single trace is the "
+                "trace itself",
+                rotation_deg=survey[POLARIZATION].values[np.argmin(is_seen)],
+            ),
+            fault=faults.INPUT,
+        )
+    height_m = np.full(present.shape, options.height_m)
+    if options.height_m is None:
+        # A sample that is left out adds nothing, so its height does not matter.
+        height_m = known_height(survey).values
+        height_m = np.where(present, height_m, np.mean(height_m, where=present))
     _check_relief(height_m, options)
     sweep = FrequencyGrid.of(survey)
     delay_s = delay_to_remove_s(survey, options.delay_s)
+    later_s = np.asarray(delay_s)
     if ADVANCE in survey:
-        advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
-        measured = measured * np.exp(
-            2j * np.pi * sweep.frequency_hz * (delay_s - advance_s[..., None])
-        )
-    elif delay_s:
-        measured = measured * np.exp(2j * np.pi * sweep.frequency_hz * delay_s)
+        later_s = delay_s - np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+    if np.any(later_s):
+        measured = measured * phase_advance(sweep.frequency_hz, later_s)
     # Single precision is 140 dB below the strongest echo that the steps have left.
     spectra = measured.astype(np.complex64)
-    if not np.all(present):
-        spectra[~present] = 0.0
-    turns = survey[POLARIZATION].values
+    spectra[~present] = 0.0
     x_m, y_m = (np.asarray(survey[name].values, dtype=np.float64) for name in (X, Y))
     traces = [
-        Traces(spectra[turn], sweep, x_m, y_m, height_m[turn], float(turns[turn]))
-        for turn in range(len(turns))
+        Traces(own, sweep, x_m, y_m, own_m, float(turn))
+        for own, own_m, turn in zip(spectra, height_m, survey[POLARIZATION].values)
     ]
-    for one in traces:
-        if not np.any(one.s21):
-            raise WrongDatasetError(
-                Message(
-                    "every trace at {rotation_deg:g} deg is zero, so no echo can be seen; check "
-                    "the steps: the background of a single trace is the trace itself",
-                    rotation_deg=one.rotation_deg,
-                ),
-                fault=faults.INPUT,
-            )
-    notes = [*_notes(survey, present), *_uneven_notes(height_m, options)]
-    of_surface = surface_notes(survey, options, delay_s)
-    if of_surface and options.buried is not None:
-        raise WrongDatasetError(
+    return traces, _notes(survey, options, present, height_m, delay_s)
+
+
+def _check_present(survey: xr.Dataset, present: np.ndarray, options: ImageOptions) -> None:
+    """Check that no sample is missing unless it may be left out."""
+    absent = [] if options.leave_out_missing else missing_samples(survey)
+    if absent:
+        raise DamagedSurveyError(
             Message(
-                "{note}; with that a buried reference gives a wrong permittivity: give the delay "
-                "with --delay, or the distance of the antennas with --separation",
-                note=of_surface[0],
-            ).reporting_only(NOT_ALLOWED)
-        )
-    return traces, [*notes, *of_surface]
-
-
-def _heights(survey: xr.Dataset, options: ImageOptions, present: np.ndarray) -> np.ndarray:
-    if options.height_m is not None:
-        return np.full(present.shape, options.height_m)
-    height_m = known_height(survey).values
-    if not np.any(present):
-        raise WrongDatasetError(
-            Message("no sample is usable, so there is nothing to image; see gpr20 info"),
+                "{count} samples have no data ({samples}); --leave-out-missing makes the "
+                "image without them",
+                count=len(absent),
+                samples=first_of(absent, NAMED),
+            ),
             fault=faults.INPUT,
         )
-    # A sample that is left out adds nothing, so its height does not matter.
-    return np.where(present, height_m, float(np.mean(height_m[present])))
+    if not options.leave_out_missing and not np.all(present):
+        raise WrongDatasetError(
+            Message(
+                "{count} samples that are marked as good contain NaN from an earlier step; "
+                "check the steps",
+                count=np.count_nonzero(~present),
+            )
+        )
 
 
 def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
+    """Check that the method can image the heights, if it is not known why they differ."""
     deviation_m = float(np.max(np.std(height_m, axis=(1, 2))))
     if deviation_m <= MOST_RELIEF_M or options.ground is not None or options.method.exact_paths:
         return
@@ -194,7 +146,19 @@ def _check_relief(height_m: np.ndarray, options: ImageOptions) -> None:
     )
 
 
-def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
+def _notes(
+    survey: xr.Dataset,
+    options: ImageOptions,
+    present: np.ndarray,
+    height_m: np.ndarray,
+    delay_s: float,
+) -> List[Message]:
+    """Return what was left out, and what is doubtful of the heights.
+
+    Raises:
+        WrongDatasetError: The surface is not where the image assumes it, which a buried reference
+            cannot have.
+    """
     notes = []
     absent = int(np.count_nonzero(~present))
     if absent:
@@ -206,18 +170,40 @@ def _notes(survey: xr.Dataset, present: np.ndarray) -> List[Message]:
                 samples=first_of(missing_samples(survey), NAMED),
             )
         )
-    return notes
-
-
-def _uneven_notes(height_m: np.ndarray, options: ImageOptions) -> List[Message]:
     range_m = float(np.ptp(height_m))
-    if options.ground is not None or range_m <= NOTED_RELIEF_M:
-        return []
-    return [
-        Message(
-            "the recorded heights differ by {range_mm:.0f} mm, but the image assumes level ground; "
-            "if the ground is uneven, echoes are misplaced: use --method back-projection --ground "
-            "uneven",
-            range_mm=MM_PER_M * range_m,
+    if options.ground is None and range_m > NOTED_RELIEF_M:
+        notes.append(
+            Message(
+                "the recorded heights differ by {range_mm:.0f} mm, but the image assumes level "
+                "ground; if the ground is uneven, echoes are misplaced: use --method "
+                "back-projection --ground uneven",
+                range_mm=MM_PER_M * range_m,
+            )
         )
-    ]
+    difference_m = 0.0
+    # Without that attribute the surface echo was not clear.
+    if SURFACE_DELAY in survey.attrs:
+        recorded_m = float(survey[HEIGHT].where(usable(survey)).median())
+        used_m = recorded_m if options.height_m is None else options.height_m
+        later_s = survey.attrs[SURFACE_DELAY] - delay_s - survey.attrs.get(REMOVED, 0.0)
+        expected_m = float(np.hypot(used_m, 0.5 * options.separation_m))
+        difference_m = recorded_m + one_way_path_m(float(later_s)) - expected_m
+    # Written so that what is not known gives no note.
+    if abs(difference_m) > NOTED_M:
+        away = Message(
+            "the surface echo is {difference_mm:+.0f} mm from the antenna height (median of the "
+            "traces; limit {limit_mm:.0f} mm), so all depths are wrong; find the delay of cables "
+            "and antennas with gpr20 delay, and check the height sensor",
+            difference_mm=MM_PER_M * difference_m,
+            limit_mm=MM_PER_M * NOTED_M,
+        )
+        if options.buried is not None:
+            raise WrongDatasetError(
+                Message(
+                    "{note}; with that a buried reference gives a wrong permittivity: give the "
+                    "delay with --delay, or the distance of the antennas with --separation",
+                    note=away,
+                ).reporting_only(NOT_ALLOWED)
+            )
+        notes.append(away)
+    return notes

@@ -54,14 +54,12 @@ class KnownPermittivity:
         lowest: Lowest likely value (95 % range).
         highest: Highest likely value.
         source: Where it is from.
-        notes: What the range assumes.
     """
 
     permittivity: float
     lowest: float
     highest: float
     source: Source
-    notes: Tuple[Message, ...] = ()
 
     @classmethod
     def of_soil(cls, soil: Soil, source: Source) -> KnownPermittivity:

@@ -14,8 +14,7 @@ transform of its own; their number follows from a bound of the error.
 from __future__ import annotations
 
 import math
-from concurrent.futures import ThreadPoolExecutor
-from typing import Iterator, Optional, Tuple, Union
+from typing import Tuple
 
 import numpy as np
 import scipy.fft
@@ -23,9 +22,9 @@ from numpy.polynomial.chebyshev import chebpts1
 
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.a_scans import gated_sweep
-from gpr20_analysis.imaging.records import Focus, Traces
-from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.imaging.a_scans import weighted_gate
+from gpr20_analysis.imaging.records import Focus, Positions, Traces, reach
+from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
@@ -43,18 +42,15 @@ PHASES_AT_ONCE = 250_000
 
 
 def phase_shift_image(
-    traces: Traces,
-    focus: Focus,
-    x_m: Optional[np.ndarray] = None,
-    y_m: Optional[np.ndarray] = None,
+    traces: Traces, focus: Focus, at: Positions = None, progress: Progress = no_progress
 ) -> np.ndarray:
     """Return the complex image (depth, y, x).
 
     Args:
         traces: Traces on a regular grid or line.
         focus: How to focus.
-        x_m: Positions of the image along X, within those of the traces [m]; default theirs.
-        y_m: The same along Y.
+        at: Positions of the image, within those of the traces.
+        progress: Shows the progress.
 
     Raises:
         WrongDatasetError: The positions do not form a regular grid.
@@ -62,9 +58,13 @@ def phase_shift_image(
     step_m = _steps_m(traces)
     highest_m = float(np.max(traces.height_m))
     height_m = (highest_m + float(np.min(traces.height_m))) / 2.0
-    reach_m = _reach_m(highest_m, focus, math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m)))
+    in_air, in_soil = reach(focus)
+    diagonal_m = math.hypot(np.ptp(traces.x_m), np.ptp(traces.y_m))
+    reach_m = min(diagonal_m, highest_m * in_air + float(focus.depth_m[-1]) * in_soil)
     deepest_s = one_way_delay_s(highest_m, focus.depth_m[-1], reach_m, focus.permittivity)
-    spectra, sweep = _gated_spectra(traces, focus, 2.0 * float(deepest_s))
+    sweep, matrix = weighted_gate(traces.sweep, 2.0 * float(deepest_s), focus.window)
+    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64, copy=False)
+    spectra = ((matrix / traces.height_m.size).T @ flat.T).reshape(-1, *traces.height_m.shape)
     # Padding for waves that leave the grid on one side, so that they do not enter on the other.
     rows, columns = (
         scipy.fft.next_fast_len(count + math.ceil(min(reach_m, count * step) / step))
@@ -74,66 +74,54 @@ def phase_shift_image(
     )
     padded = (rows, columns)
     air_rad_m = 4.0 * np.pi / SPEED_OF_LIGHT_M_S * sweep.frequency_hz
-    across_rad_m = _wavenumbers(padded, step_m)
+    along_y, along_x = (2.0 * np.pi * scipy.fft.fftfreq(n, d) for n, d in zip(padded, step_m))
+    across_rad_m = np.hypot(along_y[:, None], along_x).ravel()
     spectra = _at_one_height(
         spectra, traces.height_m - height_m, padded, air_rad_m, across_rad_m, focus
     )
-    waves = PlaneWaves(spectra, air_rad_m, across_rad_m, height_m)
-    image = _focused(focus, waves).reshape(-1, *padded)
-    if x_m is not None and y_m is not None:
-        return _interpolated(image, step_m, x_m - traces.x_m[0], y_m - traces.y_m[0])
+    image = _focused(spectra, air_rad_m, across_rad_m, height_m, focus, progress)
+    image = image.reshape(-1, *padded)
+    if at is not None:
+        return _interpolated(image, step_m, at[0] - traces.x_m[0], at[1] - traces.y_m[0])
     image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
     return image[:, : len(traces.y_m), : len(traces.x_m)]
 
 
-class PlaneWaves:
-    """The spectrum of the traces over frequency and horizontal wavenumber.
+def _focused(
+    spectra: np.ndarray,
+    air_rad_m: np.ndarray,
+    across_rad_m: np.ndarray,
+    height_m: float,
+    focus: Focus,
+    progress: Progress,
+) -> np.ndarray:
+    """Return the image (depth, wavenumber); the wavenumbers are independent.
 
     Args:
         spectra: At the height of the antennas (frequency, wavenumber).
         air_rad_m: Two-way wavenumber in air of each frequency [rad/m], ascending.
         across_rad_m: Horizontal wavenumber [rad/m].
         height_m: Height of the antennas [m].
+        focus: How to focus.
+        progress: Shows the progress.
     """
+    image = np.zeros((len(focus.depth_m), len(across_rad_m)), dtype=np.complex64)
+    widest = math.sin(math.radians(focus.widest_angle_deg))
+    steps_m = np.round(np.diff(focus.depth_m, prepend=focus.depth_m[0]), 9)
 
-    def __init__(
-        self, spectra: np.ndarray, air_rad_m: np.ndarray, across_rad_m: np.ndarray, height_m: float
-    ) -> None:
-        self._spectra = spectra
-        self._air_rad_m = air_rad_m
-        self._across_rad_m = across_rad_m
-        self._height_m = height_m
-
-    @property
-    def count(self) -> int:
-        """Number of wavenumbers."""
-        return len(self._across_rad_m)
-
-    def parts(self, focus: Focus) -> Iterator[np.ndarray]:
-        """Yield groups of indices of wavenumbers to process together."""
-        counts = np.count_nonzero(self._taken(focus, slice(None)), axis=0)
-        taken = np.flatnonzero(counts)
-        if taken.size == 0:
-            return
-        part_of = np.cumsum(counts[taken]) // SAMPLES_AT_ONCE
-        yield from np.split(taken, np.flatnonzero(np.diff(part_of)) + 1)
-
-    def focus_into(self, image: np.ndarray, part: np.ndarray, focus: Focus) -> None:
-        """Set some wavenumbers of the image (depth, wavenumber).
-
-        The frequencies of each wavenumber are adjacent, so a sum over a run of the samples is the
-        sum over its frequencies.
-        """
-        taken = self._taken(focus, part).T
+    def focus_into(part: np.ndarray) -> None:
+        # The frequencies of each wavenumber are adjacent, so a sum over a run of the samples is the
+        # sum over its frequencies.
+        taken = across_rad_m[part, None] < air_rad_m * widest
         runs = np.concatenate(([0], np.cumsum(np.count_nonzero(taken, axis=1))[:-1]))
-        air_rad_m = np.broadcast_to(self._air_rad_m, taken.shape)[taken]
-        across_rad_m = np.broadcast_to(self._across_rad_m[part, None], taken.shape)[taken]
-        down_air = np.sqrt(air_rad_m**2 - across_rad_m**2)
-        down_soil = np.sqrt(focus.permittivity * air_rad_m**2 - across_rad_m**2)
-        start_rad = down_air * self._height_m + down_soil * focus.depth_m[0]
-        field = self._spectra[:, part].T[taken] * unit_phasor(start_rad)
+        air = np.broadcast_to(air_rad_m, taken.shape)[taken]
+        across = np.broadcast_to(across_rad_m[part, None], taken.shape)[taken]
+        down_air = np.sqrt(air**2 - across**2)
+        down_soil = np.sqrt(focus.permittivity * air**2 - across**2)
+        start_rad = down_air * height_m + down_soil * focus.depth_m[0]
+        field = spectra[:, part].T[taken] * unit_phasor(start_rad)
         shifts = {0.0: np.ones(1, dtype=np.complex64)}
-        for row, step_m in enumerate(np.round(np.diff(focus.depth_m, prepend=focus.depth_m[0]), 9)):
+        for row, step_m in enumerate(steps_m):
             if step_m not in shifts:
                 # The latest two are kept: depths may come in pairs.
                 shifts = {key: shifts[key] for key in list(shifts)[-1:]}
@@ -141,17 +129,11 @@ class PlaneWaves:
             field *= shifts[step_m]
             image[row, part] = np.add.reduceat(field, runs)
 
-    def _taken(self, focus: Focus, part: Union[slice, np.ndarray]) -> np.ndarray:
-        widest = math.sin(math.radians(focus.widest_angle_deg))
-        return self._across_rad_m[part] < self._air_rad_m[:, None] * widest
-
-
-def _focused(focus: Focus, waves: PlaneWaves) -> np.ndarray:
-    """Return the image (depth, wavenumber); the wavenumbers are independent."""
-    image = np.zeros((len(focus.depth_m), waves.count), dtype=np.complex64)
-    with ThreadPoolExecutor(THREADS) as pool:
-        for _ in pool.map(lambda part: waves.focus_into(image, part, focus), waves.parts(focus)):
-            pass
+    counts = np.count_nonzero(across_rad_m < air_rad_m[:, None] * widest, axis=0)
+    used = np.flatnonzero(counts)
+    part_of = np.cumsum(counts[used]) // SAMPLES_AT_ONCE
+    parts = np.split(used, np.flatnonzero(np.diff(part_of)) + 1) if used.size else []
+    on_threads(focus_into, parts, progress)
     return image
 
 
@@ -159,70 +141,32 @@ def _steps_m(traces: Traces) -> Tuple[float, float]:
     """Return the steps along Y and X [m]; the axis across a line has that of the line.
 
     The waves of a line are taken to travel below it: its image is that of a vertical plane.
-    """
-    axes = ((traces.y_m, "y"), (traces.x_m, "x"))
-    longer = [index for index, (place_m, _) in enumerate(axes) if len(place_m) > 1] or [0]
-    found = {index: grid_step_m(*axes[index]) for index in longer}
-    return found.get(0, found[longer[0]]), found.get(1, found[longer[0]])
-
-
-def grid_step_m(position_m: np.ndarray, axis: str) -> float:
-    """Return the step of regular positions [m].
 
     Raises:
-        WrongDatasetError: There are fewer than two, or they are not evenly spaced.
+        WrongDatasetError: The positions along an axis are not evenly spaced, or there is only one.
     """
-    if len(position_m) < 2:
-        raise WrongDatasetError(
-            Message(
-                "the survey has {count} position along {axis}, but this method needs two or "
-                "more; use --method back-projection",
-                count=len(position_m),
-                axis=axis,
-            ),
-            fault=NOT_ALLOWED,
-        )
-    step_m = (position_m[-1] - position_m[0]) / (len(position_m) - 1)
-    off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(len(position_m))))
-    if not step_m > 0.0 or off_m > GRID_TOLERANCE * step_m:
-        raise WrongDatasetError(
-            Message(
-                "the positions along {axis} are not evenly spaced and ascending: they differ by up "
-                "to {off_mm:g} mm at a step of {step_mm:g} mm; use --method back-projection",
-                axis=axis,
-                off_mm=off_m * MM_PER_M,
-                step_mm=step_m * MM_PER_M,
-            ),
-            fault=NOT_ALLOWED,
-        )
-    return float(step_m)
-
-
-def _reach_m(height_m: float, focus: Focus, diagonal_m: float) -> float:
-    """Return the horizontal reach of the widest ray from antennas to the deepest voxel [m]."""
-    sine = math.sin(math.radians(focus.widest_angle_deg))
-    in_air = sine / math.sqrt(max(1.0 - sine**2, 1e-6))
-    in_soil = sine / math.sqrt(max(focus.permittivity - sine**2, 1e-6))
-    return min(diagonal_m, height_m * in_air + float(focus.depth_m[-1]) * in_soil)
-
-
-def _gated_spectra(
-    traces: Traces, focus: Focus, longest_delay_s: float
-) -> Tuple[np.ndarray, FrequencyGrid]:
-    """Return weighted spectra (frequency, y, x), and their sweep."""
-    sweep, gate = gated_sweep(traces.sweep, longest_delay_s)
-    weights = focus.window.weights(traces.sweep.count)
-    scale = sweep.step_hz / (weights.sum() * traces.sweep.step_hz * traces.height_m.size)
-    matrix = (gate * (weights[:, None] * scale)).astype(np.complex64)
-    flat = traces.s21.reshape(-1, traces.sweep.count).astype(np.complex64, copy=False)
-    spectra = (matrix.T @ flat.T).reshape(sweep.count, *traces.height_m.shape)
-    return spectra, sweep
-
-
-def _wavenumbers(count: Tuple[int, ...], step_m: Tuple[float, float]) -> np.ndarray:
-    """Return the magnitude of the horizontal wavenumber over the flat transform [rad/m]."""
-    along_y, along_x = (2.0 * np.pi * scipy.fft.fftfreq(n, d) for n, d in zip(count, step_m))
-    return np.hypot(along_y[:, None], along_x[None, :]).ravel()
+    axes = {"y": traces.y_m, "x": traces.x_m}
+    found = {}
+    for axis, position_m in axes.items():
+        count = len(position_m)
+        step_m = float(position_m[-1] - position_m[0]) / max(count - 1, 1)
+        off_m = np.max(np.abs(position_m - position_m[0] - step_m * np.arange(count)))
+        is_across = count == 1 < max(map(len, axes.values()))
+        if not is_across and not (step_m > 0.0 and off_m <= GRID_TOLERANCE * step_m):
+            raise WrongDatasetError(
+                Message(
+                    "the {count} positions along {axis} are not two or more, evenly spaced and "
+                    "ascending: they differ by up to {off_mm:g} mm at a step of {step_mm:g} mm; "
+                    "use --method back-projection",
+                    count=count,
+                    axis=axis,
+                    off_mm=off_m * MM_PER_M,
+                    step_mm=step_m * MM_PER_M,
+                ),
+                fault=NOT_ALLOWED,
+            )
+        found[axis] = step_m
+    return found["y"] or found["x"], found["x"] or found["y"]
 
 
 def _at_one_height(
@@ -259,7 +203,11 @@ def _at_one_height(
     if count == 1:
         return _transform(spectra, padded)
     points_m = most_m * chebpts1(count)
-    weights = _lagrange_weights(points_m, higher_m)
+    # Of Lagrange's polynomials: the share of each point at each place.
+    weights = [
+        np.prod([(higher_m - one) / (own - one) for one in np.delete(points_m, index)], axis=0)
+        for index, own in enumerate(points_m)
+    ]
     found = np.zeros((len(spectra), len(across_rad_m)), dtype=np.complex64)
     widest = math.sin(math.radians(focus.widest_angle_deg))
     at_once = max(1, PHASES_AT_ONCE // len(across_rad_m))
@@ -274,7 +222,7 @@ def _at_one_height(
         middle = [np.ones((1, 1), dtype=np.complex64)] * (count % 2)
         turns = [*turns, *middle, *(turn.conj() for turn in reversed(turns))]
         for weight, turn in zip(weights, turns):
-            moved += _transform(spectra[part] * weight, padded)[:, used] * turn
+            moved += _transform(spectra[part] * weight.astype(np.float32), padded)[:, used] * turn
         found[part, used] = moved
     return found
 
@@ -289,15 +237,6 @@ def points_needed(most_rad: float) -> int:
         count += 1
         error *= most_rad / (2.0 * count)
     return count
-
-
-def _lagrange_weights(points: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return the weight of each point in the interpolation at each place (point, ...)."""
-    weights = np.ones((len(points), *places.shape), dtype=np.float32)
-    for index, point in enumerate(points):
-        for other in np.delete(points, index):
-            weights[index] *= (places - other) / (point - other)
-    return weights
 
 
 def _transform(spectra: np.ndarray, padded: Tuple[int, int]) -> np.ndarray:

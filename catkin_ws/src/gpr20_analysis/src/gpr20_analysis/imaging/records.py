@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
-from typing import Tuple
+from typing import Optional, Tuple
 
 import numpy as np
 
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_survey.radar.frequency_to_delay import Window
+
+Positions = Optional[Tuple[np.ndarray, np.ndarray]]
+"""Positions of an image along X and along Y [m]; None: those of the traces."""
 
 
 class Ground(enum.Enum):
@@ -72,3 +76,15 @@ def antenna_offset_m(traces: Traces, focus: Focus) -> Tuple[float, float]:
     if half_m == 0.0 or not np.isfinite(rotation_rad):
         return 0.0, 0.0
     return float(half_m * np.cos(rotation_rad)), float(half_m * np.sin(rotation_rad))
+
+
+def reach(focus: Focus) -> Tuple[float, float]:
+    """Return the horizontal reach of the widest ray per height and per depth."""
+    sine = math.sin(math.radians(focus.widest_angle_deg))
+    in_air = sine / math.sqrt(max(1.0 - sine**2, 1e-6))
+    return in_air, sine / math.sqrt(max(focus.permittivity - sine**2, 1e-6))
+
+
+def longer_m(deep_m: float, separation_m: float) -> float:
+    """Return how much longer the way between antennas that are apart is than that down [m]."""
+    return float(np.hypot(deep_m, separation_m / 2.0)) - deep_m

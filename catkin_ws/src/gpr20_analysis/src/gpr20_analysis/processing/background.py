@@ -14,7 +14,7 @@ mean leaves.
 from __future__ import annotations
 
 import enum
-from typing import Iterator, Optional
+from typing import Optional
 
 import numpy as np
 import xarray as xr
@@ -24,7 +24,6 @@ from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     FREQUENCY,
     HEIGHT,
-    POLARIZATION,
     S21,
     S21_DIMS,
     SAMPLE_DIMS,
@@ -34,13 +33,11 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.delay import ADVANCE
+from gpr20_analysis.processing.samples import matched
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import Message, numeral
+from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s
 
-# Of the sweep's step.
-FREQUENCY_TOLERANCE = 1e-3
-ROTATION_TOLERANCE_DEG = 0.5
 # A background of as many components as traces would be the traces themselves.
 TRACES_PER_COMPONENT = 10
 MOST_COMPONENTS = 3
@@ -89,38 +86,13 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
             fault=faults.INPUT,
         )
     measured = require(survey, S21, S21_DIMS)
-    empty = require(reference, S21, S21_DIMS).mean([Y, X], skipna=True)
-    ours, theirs = survey[FREQUENCY].values, reference[FREQUENCY].values
-    step_hz = abs(ours[-1] - ours[0]) / max(len(ours) - 1, 1)
-    if ours.shape != theirs.shape or np.max(np.abs(ours - theirs)) > FREQUENCY_TOLERANCE * step_hz:
-        raise WrongDatasetError(
-            Message(
-                "the reference was measured at {reference}, the survey at {survey}; measure the "
-                "reference with the sweep of the survey",
-                reference=_range(theirs),
-                survey=_range(ours),
-            ),
-            fault=faults.INPUT,
-        )
-    for turn in survey[POLARIZATION].values:
-        off_deg = np.abs(reference[POLARIZATION].values - turn)
-        if not np.min(off_deg) <= ROTATION_TOLERANCE_DEG:
-            raise WrongDatasetError(
-                Message(
-                    "the reference has no rotation {rotation_deg:g} deg, only {rotations} deg; "
-                    "measure it with the rotations of the survey",
-                    rotation_deg=turn,
-                    rotations=tuple(map(numeral, reference[POLARIZATION].values)),
-                ),
-                fault=faults.INPUT,
-            )
-    matched = empty.sel({POLARIZATION: survey[POLARIZATION].values}, method="nearest")
-    if not bool(np.all(np.isfinite(matched.values))):
+    empty = require(matched(reference, survey), S21, S21_DIMS).mean([Y, X], skipna=True)
+    if not bool(np.all(np.isfinite(empty.values))):
         raise WrongDatasetError(
             Message("the reference has no usable sample at one of the rotations; measure it again"),
             fault=faults.INPUT,
         )
-    return survey.assign({S21: measured - matched.values[:, None, None, :]})
+    return survey.assign({S21: measured - empty.values[:, None, None, :]})
 
 
 def remove_background(
@@ -141,25 +113,29 @@ def remove_background(
     measured = require(survey, S21, S21_DIMS)
     s21 = measured.values
     present = np.isfinite(s21).all(axis=-1)
-    cleaned: Optional[np.ndarray] = None
     if method is Background.MOVING:
         cleaned = s21 - _moving_mean(s21, present, width)
-    elif method is Background.SURFACE:
-        cleaned = _without_surface(survey, s21, present)
-    if cleaned is None:
-        average = _median if method is Background.MEDIAN else _mean
-        cleaned = s21 - average(s21, present)[:, None, None, :]
+    else:
+        counts = np.maximum(np.count_nonzero(present, axis=(1, 2)), 1)[:, None]
+        average = np.sum(s21, axis=(1, 2), where=present[..., None]) / counts
+        if method is Background.MEDIAN:
+            average = _median(s21, present)
+        cleaned = s21 - average[:, None, None, :]
+    if method is Background.SURFACE and HEIGHT in survey:
+        advance_s = np.zeros(present.shape)
+        if ADVANCE in survey:
+            advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
+        turn = 2j * np.pi * survey[FREQUENCY].values
+        heights_m = survey[HEIGHT].transpose(*SAMPLE_DIMS).values
+        for number, one in enumerate(zip(s21, present, heights_m, advance_s)):
+            fitted = _without_surface(*one, turn)
+            if fitted is not None:
+                cleaned[number] = fitted
     return survey.assign({S21: measured.copy(data=cleaned)})
 
 
-def _mean(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
-    """Return the mean trace of each polarization (polarization, frequency)."""
-    sums = np.where(present[..., None], s21, 0.0).sum(axis=2).sum(axis=1)
-    found: np.ndarray = sums / np.maximum(present.sum(axis=(1, 2)), 1)[:, None]
-    return found
-
-
 def _median(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
+    """Return the median trace of each polarization (polarization, frequency)."""
     median = np.zeros((s21.shape[0], s21.shape[-1]), dtype=s21.dtype)
     for turn in np.flatnonzero(present.any((1, 2))):
         traces = s21[turn][present[turn]]
@@ -188,109 +164,56 @@ def _moving_mean(s21: np.ndarray, present: np.ndarray, width: int) -> np.ndarray
     return means
 
 
-def _range(frequency_hz: np.ndarray) -> Message:
-    return Message(
-        "{start_hz:g} to {stop_hz:g} Hz, {count} points",
-        start_hz=frequency_hz[0],
-        stop_hz=frequency_hz[-1],
-        count=len(frequency_hz),
-    )
-
-
 def _without_surface(
-    survey: xr.Dataset, s21: np.ndarray, present: np.ndarray
+    s21: np.ndarray,
+    present: np.ndarray,
+    height_m: np.ndarray,
+    advance_s: np.ndarray,
+    turn: np.ndarray,
 ) -> Optional[np.ndarray]:
-    """Return the traces without coupling and surface echo, or None if the mean is as good.
+    """Return the traces of one polarization without coupling and surface echo.
 
-    That is so if the heights are equal or not all known, if there are few traces, or if the
-    surface echo does not follow the heights.
-    """
-    counts = present.sum(axis=(1, 2))
-    held = np.flatnonzero(counts)
-    if HEIGHT not in survey or not held.size:
-        return None
-    height_m = survey[HEIGHT].transpose(*SAMPLE_DIMS).values
-    components = min(int(counts[held].min()) // TRACES_PER_COMPONENT, MOST_COMPONENTS)
-    if components < 2 or not (height_m[present] > 0.0).all():
-        return None
-    if not min(np.std(height_m[turn][present[turn]]) for turn in held) > EQUAL_M:
-        return None
-    advance_s = np.zeros(present.shape)
-    if ADVANCE in survey:
-        advance_s = np.nan_to_num(survey[ADVANCE].transpose(*SAMPLE_DIMS).values)
-    cleaned, is_fitted = np.empty_like(s21), False
-    for turn in range(len(s21)):
-        rows = _Components(
-            survey[FREQUENCY].values, height_m[turn], advance_s[turn], present[turn], components
-        )
-        products = np.zeros((s21.shape[-1], components + 1, components + 1), s21.dtype)
-        for columns, traces, own in zip(rows, s21[turn], present[turn]):
-            both = np.concatenate([columns[:, own], traces[own][None]])
-            products += np.einsum("axf,bxf->fab", both.conj(), both)
-        factors = _fitted(products, int(counts[turn]))
-        is_fitted |= factors is not None
-        if factors is None:
-            # A polarization without a surface echo that follows the heights gets the mean.
-            factors = np.zeros((s21.shape[-1], components), dtype=np.complex128)
-            factors[:, 0] = products[:, 0, -1] / max(counts[turn], 1)
-        for row, columns in enumerate(rows):
-            cleaned[turn, row] = s21[turn, row] - np.einsum("axf,fa->xf", columns, factors)
-    return cleaned if is_fitted else None
-
-
-class _Components:
-    """Constant, surface and its change of one polarization, row by row (component, x, frequency).
-
-    All rows at once would be three times the survey.
-    """
-
-    def __init__(
-        self,
-        frequency_hz: np.ndarray,
-        height_m: np.ndarray,
-        advance_s: np.ndarray,
-        present: np.ndarray,
-        count: int,
-    ) -> None:
-        known_m = height_m[present] if present.any() else np.ones(1)
-        self._mean_m, self._spread_m = float(np.mean(known_m)), max(float(np.std(known_m)), EQUAL_M)
-        self._height_m = np.where(present, height_m, self._mean_m)
-        self._turn, self._advance_s, self._count = 2j * np.pi * frequency_hz, advance_s, count
-
-    def __iter__(self) -> Iterator[np.ndarray]:
-        for height_m, advance_s in zip(self._height_m[..., None], self._advance_s[..., None]):
-            constant = np.exp(self._turn * advance_s)
-            surface = constant * np.exp(-self._turn * two_way_delay_s(height_m))
-            surface *= self._mean_m / height_m
-            change = surface * (height_m - self._mean_m) / self._spread_m
-            yield np.stack([constant, surface, change])[: self._count]
-
-
-def _fitted(products: np.ndarray, traces: int) -> Optional[np.ndarray]:
-    """Return the factors (frequency, component) of a polarization; None if they gain too little.
+    None if the mean is as good: if the heights are equal or not all known, if there are few traces,
+    or if the surface echo does not follow the heights.
 
     Args:
-        products: Of components and traces with one another, summed over the traces (frequency,
-            component + 1, component + 1), of which the last row and column are the traces'.
-        traces: Number of traces.
+        s21: Spectra (y, x, frequency).
+        present: Which are not missing (y, x).
+        height_m: Heights (y, x) [m].
+        advance_s: Delays that were removed before [s].
+        turn: 2j pi times the frequencies [Hz].
     """
-    if traces == 0:
+    known_m = height_m[present]
+    count = len(known_m)
+    components = min(count // TRACES_PER_COMPONENT, MOST_COMPONENTS)
+    if components < 2 or not (known_m > 0.0).all() or not np.std(known_m) > EQUAL_M:
         return None
+    mean_m, spread_m = float(np.mean(known_m)), float(np.std(known_m))
+    height_m = np.where(present, height_m, mean_m)[..., None]
+
+    # Row by row: all at once would be three times the survey.
+    def columns(row: int) -> np.ndarray:
+        """Return constant, surface and its change (component, x, frequency)."""
+        constant = np.exp(turn * advance_s[row, :, None])
+        surface = constant * np.exp(-turn * two_way_delay_s(height_m[row]))
+        surface *= mean_m / height_m[row]
+        change = surface * (height_m[row] - mean_m) / spread_m
+        return np.stack([constant, surface, change])[:components]
+
+    # Of components and traces with one another, summed over the traces; the traces are the last.
+    products = np.zeros((s21.shape[-1], components + 1, components + 1), s21.dtype)
+    for row, own in enumerate(present):
+        both = np.concatenate([columns(row)[:, own], s21[row][own][None]])
+        products += np.einsum("axf,bxf->fab", both.conj(), both)
     among, with_traces = products[..., :-1, :-1], products[..., :-1, -1]
-    factors = _solved(among, with_traces)
+    inverse = np.linalg.pinv(among, rcond=SMALLEST_SHARE, hermitian=True)
+    factors = (inverse @ with_traces[..., None])[..., 0]
     energy = float(np.sum(products[..., -1, -1].real))
     explained = float(np.sum((factors * with_traces.conj()).real))
     by_mean = float(np.sum(np.abs(with_traces[..., 0]) ** 2 / among[..., 0, 0].real))
-    chance = (factors.shape[-1] - 1) / traces
-    enough = explained - by_mean > LEAST_GAIN * chance * (energy - by_mean)
-    return factors if enough else None
-
-
-def _solved(among: np.ndarray, with_traces: np.ndarray) -> np.ndarray:
-    """Return the factors of least squares (..., component) from the products."""
-    shares, vectors = np.linalg.eigh(among)
-    held = shares > SMALLEST_SHARE * shares[..., -1:]
-    inverse = np.where(held, 1.0 / np.where(held, shares, 1.0), 0.0)
-    turned = np.swapaxes(vectors, -1, -2).conj() @ with_traces[..., None]
-    solved: np.ndarray = (vectors @ (inverse[..., None] * turned))[..., 0]
-    return solved
+    chance = (components - 1) / count
+    if not explained - by_mean > LEAST_GAIN * chance * (energy - by_mean):
+        return None
+    return np.stack(
+        [one - np.einsum("axf,fa->xf", columns(row), factors) for row, one in enumerate(s21)]
+    )

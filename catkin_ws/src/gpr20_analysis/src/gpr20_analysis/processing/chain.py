@@ -94,14 +94,12 @@ def checked(name: str, parameters: Mapping[str, Any]) -> Step:
             )
     values = {}
     for key, (kind, default) in known.items():
-        if key in parameters:
-            values[key] = _plain(name, key, kind, parameters[key])
-        elif default is inspect.Parameter.empty:
+        value = parameters.get(key, default)
+        if value is inspect.Parameter.empty:
             raise StepError(
                 Message("step '{step}' needs the parameter '{parameter}'", step=name, parameter=key)
             )
-        else:
-            values[key] = default.value if isinstance(default, enum.Enum) else default
+        values[key] = _plain(name, key, kind, value)
     return Step(function, values)
 
 
@@ -126,7 +124,7 @@ def apply_steps(survey: xr.Dataset, steps: Sequence[Step], read: Reader) -> xr.D
         survey = with_surface_delay(survey)
     for step in steps:
         arguments = {
-            key: _argument(kind, step.parameters[key], read)
+            key: read(step.parameters[key]) if kind is xr.Dataset else kind(step.parameters[key])
             for key, (kind, _) in step.function.parameters.items()
         }
         recorded = recorded_steps(survey) + [step.recorded()]
@@ -183,9 +181,3 @@ def _plain(step: str, key: str, kind: Type[Any], value: Any) -> Any:
                 allowed=allowed,
             )
         ) from error
-
-
-def _argument(kind: Callable[[Any], Any], value: Any, read: Reader) -> Any:
-    if kind is xr.Dataset:
-        return read(value)
-    return kind(value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import numbers
 from typing import Optional
 
 import numpy as np
@@ -123,33 +124,29 @@ def known_height(survey: xr.Dataset) -> xr.DataArray:
 
 def recorded_delay_s(survey: xr.Dataset) -> float:
     """Return the delay that the spectra contain as far as the survey knows [s]; 0 if unknown."""
-    try:
-        delay_s = float(survey.attrs.get(ANTENNA_DELAY, 0.0))
-    except (TypeError, ValueError):
-        delay_s = math.nan
-    check_delay(delay_s)
-    return delay_s
+    return _recorded(survey, ANTENNA_DELAY, LONGEST_DELAY_S)
 
 
 def recorded_separation_m(survey: xr.Dataset) -> float:
-    """Return the distance between the antennas as far as the survey knows [m]; 0 if unknown.
+    """Return the distance between the antennas as far as the survey knows [m]; 0 if unknown."""
+    return _recorded(survey, ANTENNA_SEPARATION, WIDEST_SEPARATION_M)
 
-    Raises:
-        WrongDatasetError: It is no such distance.
-    """
-    found = survey.attrs.get(ANTENNA_SEPARATION, 0.0)
+
+def _recorded(survey: xr.Dataset, name: str, most: float) -> float:
+    found = survey.attrs.get(name, 0.0)
+    number = float(found) if isinstance(found, numbers.Real) else math.nan
     # Written so that NaN is refused too.
-    if not (isinstance(found, (int, float)) and 0.0 <= found <= WIDEST_SEPARATION_M):
+    if not abs(number) <= most:
         raise WrongDatasetError(
             Message(
-                "the survey says that its antennas are {found} m apart; give data with 0 to "
-                "{most:g} m",
+                "attribute {name} of the survey is {found}; give data with at most {most:g}",
+                name=name,
                 found=str(found),
-                most=WIDEST_SEPARATION_M,
+                most=most,
             ),
             fault=faults.INPUT,
         )
-    return float(found)
+    return number
 
 
 def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
@@ -174,23 +171,3 @@ def delay_to_remove_s(survey: xr.Dataset, given_s: Optional[float]) -> float:
             fault=NOT_ALLOWED,
         )
     return given_s
-
-
-def check_delay(delay_s: float) -> None:
-    """Check the range of a delay.
-
-    Raises:
-        WrongDatasetError: It is NaN or outside the range.
-    """
-    # Written so that NaN is refused too.
-    if not -LONGEST_DELAY_S <= delay_s <= LONGEST_DELAY_S:
-        raise WrongDatasetError(
-            Message(
-                "the delay of cables and antennas is {delay_ns:g} ns; it must lie between "
-                "{lower_ns:g} and {upper_ns:g} ns",
-                delay_ns=delay_s * 1e9,
-                lower_ns=-LONGEST_DELAY_S * 1e9,
-                upper_ns=LONGEST_DELAY_S * 1e9,
-            ),
-            fault=NOT_ALLOWED,
-        )

@@ -1,4 +1,4 @@
-"""Selection of one polarization, and the combination of two."""
+"""Polarizations: one selected, two combined, and a reference of the same ones."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ import enum
 import numpy as np
 import xarray as xr
 
+from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     A_SCAN,
-    HEIGHT,
+    FREQUENCY,
     POLARIZATION,
-    QUALITY,
     S21,
     SAMPLE_DIMS,
 )
@@ -21,6 +21,8 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 
 ROTATION_TOLERANCE_DEG = 0.5
+# Of the sweep's step.
+FREQUENCY_TOLERANCE = 1e-3
 COMBINED = "polarizations"
 """Attribute: how a polarization was combined of two."""
 
@@ -54,6 +56,45 @@ def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
     return survey.isel({POLARIZATION: near[:1]})
 
 
+def matched(reference: xr.Dataset, survey: xr.Dataset) -> xr.Dataset:
+    """Return those rotations of a reference that a survey has, with the survey's coordinates.
+
+    Raises:
+        WrongDatasetError: It has another sweep, or lacks a rotation.
+    """
+    own_hz, other_hz = (one[FREQUENCY].values for one in (survey, reference))
+    off_deg = np.abs(survey[POLARIZATION].values[:, None] - reference[POLARIZATION].values)
+    most_hz = FREQUENCY_TOLERANCE * float(np.ptp(own_hz)) / max(len(own_hz) - 1, 1)
+    # Written so that NaN is refused too.
+    if not (
+        own_hz.shape == other_hz.shape
+        and np.all(np.abs(own_hz - other_hz) <= most_hz)
+        and np.all(off_deg.min(axis=1) <= ROTATION_TOLERANCE_DEG)
+    ):
+        raise WrongDatasetError(
+            Message(
+                "the reference was measured at {reference}, the survey at {survey}; measure both "
+                "with the same sweep and rotations",
+                reference=_settings(reference),
+                survey=_settings(survey),
+            ),
+            fault=faults.INPUT,
+        )
+    found = reference.isel({POLARIZATION: off_deg.argmin(axis=1)})
+    return found.assign_coords({name: survey[name] for name in (POLARIZATION, FREQUENCY)})
+
+
+def _settings(data: xr.Dataset) -> Message:
+    frequency_hz = data[FREQUENCY].values
+    return Message(
+        "{start_hz:g} to {stop_hz:g} Hz, {count} points, {rotations} deg",
+        start_hz=frequency_hz[0],
+        stop_hz=frequency_hz[-1],
+        count=len(frequency_hz),
+        rotations=tuple(map(numeral, data[POLARIZATION].values)),
+    )
+
+
 def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.SUM) -> xr.Dataset:
     """Combine the two polarizations of a survey into one; its rotation is NaN.
 
@@ -69,22 +110,16 @@ def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.
                 "the data have {count} polarizations; a combination needs two", count=len(turns)
             )
         )
-    first, second = (survey.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
-    variable_name = S21 if S21 in survey else A_SCAN
     sign = 1.0 if method is Combination.SUM else -1.0
-    combined = xr.Dataset(
-        {
-            variable_name: (first[variable_name] + sign * second[variable_name]) / 2.0,
-            HEIGHT: (first[HEIGHT] + second[HEIGHT]) / 2.0,
-            QUALITY: first[QUALITY] | second[QUALITY],
-        },
-        attrs=dict(survey.attrs),
-    )
-    for kept, variable in survey.data_vars.items():
-        if kept not in combined and variable.dims == SAMPLE_DIMS and variable.dtype.kind == "f":
-            combined[kept] = (first[kept] + second[kept]) / 2.0
-        elif kept not in combined and variable.dtype.kind == "b":
-            combined[kept] = first[kept] | second[kept]
+    combined = xr.Dataset(attrs=dict(survey.attrs))
+    for name, variable in survey.data_vars.items():
+        if variable.dims != SAMPLE_DIMS and name not in (S21, A_SCAN):
+            continue
+        first, second = (variable.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
+        if variable.dtype.kind in "fc":
+            combined[name] = (first + (sign if name in (S21, A_SCAN) else 1.0) * second) / 2.0
+        elif variable.dtype.kind in "bu":
+            combined[name] = first | second
     combined = combined.expand_dims({POLARIZATION: [np.nan]})
     for kept in combined.variables:
         combined[kept].attrs.update(survey[kept].attrs)

@@ -9,7 +9,7 @@ import scipy.fft
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import FREQUENCY
+from gpr20_analysis.dataset import FREQUENCY, S21, S21_DIMS, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -43,6 +43,11 @@ class FrequencyGrid:
         """Longest unambiguous delay [s]: 1 / step."""
         return 1.0 / self.step_hz
 
+    @property
+    def resolution_s(self) -> float:
+        """Reciprocal of the bandwidth [s]."""
+        return 1.0 / (self.step_hz * (self.count - 1))
+
     @classmethod
     def of(cls, survey: xr.Dataset) -> FrequencyGrid:
         """Return the sweep of a survey.
@@ -50,36 +55,25 @@ class FrequencyGrid:
         Raises:
             WrongDatasetError: It has fewer than two frequencies, or uneven spacing.
         """
-        if FREQUENCY not in survey.coords:
+        require(survey, S21, S21_DIMS)
+        frequency_hz = np.asarray(survey.coords[FREQUENCY].values, dtype=np.float64)
+        count = frequency_hz.size
+        step_hz = float(frequency_hz[-1] - frequency_hz[0]) / (count - 1) if count > 1 else 0.0
+        off_hz = np.abs(frequency_hz - frequency_hz[:1] - step_hz * np.arange(count)).max(initial=0)
+        # Written so that NaN is refused too.
+        if not (step_hz > 0.0 and off_hz <= STEP_TOLERANCE * step_hz):
             raise WrongDatasetError(
                 Message(
-                    "the data have no coordinate 'frequency'; give spectra, before the step time"
-                )
-            )
-        frequency_hz = np.asarray(survey[FREQUENCY].values, dtype=np.float64)
-        if frequency_hz.size < 2 or not np.all(np.isfinite(frequency_hz)):
-            raise WrongDatasetError(
-                Message(
-                    "the sweep has {count} frequencies; two or more finite ones are needed",
-                    count=frequency_hz.size,
-                ),
-                fault=faults.INPUT,
-            )
-        step_hz = (frequency_hz[-1] - frequency_hz[0]) / (frequency_hz.size - 1)
-        ideal_hz = frequency_hz[0] + step_hz * np.arange(frequency_hz.size)
-        off_hz = float(np.max(np.abs(frequency_hz - ideal_hz)))
-        if not step_hz > 0.0 or off_hz > STEP_TOLERANCE * step_hz:
-            raise WrongDatasetError(
-                Message(
-                    "the frequencies are not evenly spaced and ascending: they differ by up to "
-                    "{off_hz:g} Hz at a step of {step_hz:g} Hz; measure with a linear sweep, or "
-                    "resample",
+                    "the {count} frequencies are not evenly spaced and ascending: they differ by "
+                    "up to {off_hz:g} Hz at a step of {step_hz:g} Hz; measure with a linear sweep "
+                    "of two or more, or resample",
+                    count=count,
                     off_hz=off_hz,
                     step_hz=step_hz,
                 ),
                 fault=faults.INPUT,
             )
-        return cls(float(frequency_hz[0]), float(step_hz), int(frequency_hz.size))
+        return cls(float(frequency_hz[0]), step_hz, count)
 
 
 def even_delays_s(sweep: FrequencyGrid, count: int) -> np.ndarray:
@@ -108,6 +102,19 @@ def summed(weighted: np.ndarray, sweep: FrequencyGrid, count: int) -> np.ndarray
     turns = sweep.start_hz * even_delays_s(sweep, count)
     samples *= (count * np.exp(2j * np.pi * turns)).astype(samples.dtype)
     return samples
+
+
+def steps_to_top(level: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Return where a parabola through the values beside a maximum has its top, in steps from it.
+
+    Args:
+        level: Values (row, step).
+        at: Step of each row's maximum, not the first nor the last.
+    """
+    rows = np.arange(len(level))
+    before, here, after = (level[rows, at + one] for one in (-1, 0, 1))
+    steps: np.ndarray = 0.5 * (before - after) / np.minimum(before - 2.0 * here + after, -1e-300)
+    return steps
 
 
 def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Dataset:

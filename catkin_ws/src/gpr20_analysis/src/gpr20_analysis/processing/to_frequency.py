@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List
+from typing import List, Tuple
 
 import numpy as np
 import xarray as xr
@@ -20,7 +20,6 @@ from gpr20_analysis.dataset import (
     usable,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -55,49 +54,23 @@ def to_frequency(
     """
     a_scans = require(survey, A_SCAN, (*SAMPLE_DIMS, DELAY))
     delay_s = np.asarray(survey[DELAY].values, dtype=np.float64)
-    step_s = _step_s(delay_s)
-    notes: List[Message] = []
-    if start_hz or stop_hz or points:
-        sweep = _given(start_hz, stop_hz, points, step_s)
-    else:
-        sweep = _found(a_scans, survey, step_s)
-        ends = sweep.frequency_hz[[0, -1]]
-        notes = [
-            Message(
-                "the frequencies of the A-scans are not recorded; the band {start_hz:.4g} to "
-                "{stop_hz:.4g} Hz was taken from the spectra; give --band if it is different",
-                start_hz=ends[0],
-                stop_hz=ends[1],
-            )
-        ]
-    frequency_hz = sweep.frequency_hz
-    # Traces of others may have many samples, at each of which there is a factor for each frequency.
-    needed = BYTES_PER_FACTOR * len(frequency_hz) * len(delay_s)
-    work.require_bytes(needed, Message("the transform to frequencies"))
-    matrix = phase_advance(frequency_hz, -delay_s)
-    # The unweighted transform of these spectra to time gives the A-scans back.
-    matrix *= step_s * sweep.step_hz * sweep.count
-
-    # A real trace has half of its spectrum at negative frequencies.
-    halves = 2.0 if not np.any(np.imag(a_scans.values)) else 1.0
-    spectra = (a_scans.values @ matrix) * halves
-    result = survey.drop_vars([A_SCAN, DELAY])
-    result = result.assign_coords({FREQUENCY: (FREQUENCY, frequency_hz, ATTRIBUTES[FREQUENCY])})
-    result = result.assign({S21: (S21_DIMS, spectra, ATTRIBUTES[S21])})
-    return result.assign_attrs(with_notes(result, notes)) if notes else result
-
-
-def _step_s(delay_s: np.ndarray) -> float:
-    step_s = (delay_s[-1] - delay_s[0]) / max(len(delay_s) - 1, 1)
+    step_s = float(np.ptp(delay_s)) / max(len(delay_s) - 1, 1)
     if len(delay_s) < 2 or np.ptp(np.diff(delay_s)) > EVEN * step_s:
         raise WrongDatasetError(
             Message("the times of the A-scans are not evenly spaced; two or more are needed"),
             fault=faults.INPUT,
         )
-    return float(step_s)
-
-
-def _given(start_hz: float, stop_hz: float, points: int, step_s: float) -> FrequencyGrid:
+    notes: List[Message] = []
+    if not (start_hz or stop_hz or points):
+        start_hz, stop_hz, points = _band_of(survey, a_scans.values, step_s)
+        notes = [
+            Message(
+                "the frequencies of the A-scans are not recorded; the band {start_hz:.4g} to "
+                "{stop_hz:.4g} Hz was taken from the spectra; give --band if it is different",
+                start_hz=start_hz,
+                stop_hz=stop_hz,
+            )
+        ]
     # Written so that NaN is refused too.
     if not (0.0 < start_hz < stop_hz <= 1.0 / step_s and points >= 2):
         raise WrongDatasetError(
@@ -111,26 +84,39 @@ def _given(start_hz: float, stop_hz: float, points: int, step_s: float) -> Frequ
             ),
             fault=NOT_ALLOWED,
         )
-    return FrequencyGrid(start_hz, (stop_hz - start_hz) / (points - 1), points)
+    step_hz = (stop_hz - start_hz) / (points - 1)
+    frequency_hz = start_hz + step_hz * np.arange(points)
+    # Traces of others may have many samples, at each of which there is a factor for each frequency.
+    needed = BYTES_PER_FACTOR * len(frequency_hz) * len(delay_s)
+    work.require_bytes(needed, Message("the transform to frequencies"))
+    matrix = phase_advance(frequency_hz, -delay_s)
+    # The unweighted transform of these spectra to time gives the A-scans back.
+    matrix *= step_s * step_hz * points
+
+    # A real trace has half of its spectrum at negative frequencies.
+    halves = 2.0 if not np.any(np.imag(a_scans.values)) else 1.0
+    spectra = (a_scans.values @ matrix) * halves
+    result = survey.drop_vars([A_SCAN, DELAY])
+    result = result.assign_coords({FREQUENCY: (FREQUENCY, frequency_hz, ATTRIBUTES[FREQUENCY])})
+    result = result.assign({S21: (S21_DIMS, spectra, ATTRIBUTES[S21])})
+    return result.assign_attrs(with_notes(result, notes)) if notes else result
 
 
-def _found(a_scans: xr.DataArray, survey: xr.Dataset, step_s: float) -> FrequencyGrid:
-    rows = np.asarray(a_scans.values)[usable(survey).transpose(*SAMPLE_DIMS).values]
-    count = a_scans.sizes[DELAY]
-    level = np.sqrt(np.mean(np.abs(np.fft.fft(rows, axis=-1)) ** 2, axis=0)) if len(rows) else None
-    if level is None or not np.any(level):
-        raise WrongDatasetError(
-            Message("every A-scan is zero or missing, so there is no spectrum; see gpr20 info"),
-            fault=faults.INPUT,
-        )
+def _band_of(survey: xr.Dataset, a_scans: np.ndarray, step_s: float) -> Tuple[float, float, int]:
+    """Return first and last frequency of the A-scans [Hz], and how many their duration resolves."""
+    rows = a_scans[usable(survey).transpose(*SAMPLE_DIMS).values]
+    level = np.sqrt(np.sum(np.abs(np.fft.fft(rows, axis=-1)) ** 2, axis=0))
     # The upper half are the negative frequencies; those of a complex trace may be weaker.
-    positive = level[: count // 2]
-    strong = np.flatnonzero(positive >= FAINTEST * positive.max())
-    first, last = max(int(strong[0]), 1), int(strong[-1])
-    if last <= first:
+    positive = level[: len(level) // 2]
+    strong = np.flatnonzero((positive >= FAINTEST * positive.max()) & (positive > 0.0))
+    if strong.size < 2 or strong[-1] <= max(strong[0], 1):
         raise WrongDatasetError(
-            Message("the A-scans contain a single frequency, which resolves no delay"),
+            Message(
+                "every A-scan is zero or missing, or contains a single frequency, so there is no "
+                "spectrum that resolves a delay; see gpr20 info"
+            ),
             fault=faults.INPUT,
         )
-    step_hz = 1.0 / (count * step_s)
-    return FrequencyGrid(first * step_hz, step_hz, last - first + 1)
+    first, last = max(int(strong[0]), 1), int(strong[-1])
+    step_hz = 1.0 / (len(level) * step_s)
+    return first * step_hz, last * step_hz, last - first + 1

@@ -120,7 +120,7 @@ def test_the_surface_is_the_mean_where_heights_say_nothing():
     # Of two polarizations only the one whose surface does not follow the heights.
     survey.s21.values[1], survey.height.values[:] = moved.s21.values[1], moved.height.values[1]
     cleaned, by_mean = remove_background(survey), remove_background(survey, Background.MEAN)
-    np.testing.assert_allclose(cleaned.s21[0], by_mean.s21[0], atol=1e-15)
+    np.testing.assert_allclose(cleaned.s21[0], by_mean.s21[0], atol=1e-13)
     assert float(abs(cleaned.s21[1]).max()) < 1e-9 < float(abs(by_mean.s21[1]).max())
 
 
@@ -171,6 +171,11 @@ def test_what_cannot_be_imaged_is_refused():
         (faults.STEPS, to_time(whole)),
         (faults.INPUT, whole.assign_coords(frequency=frequency_hz)),
         (NOT_ALLOWED, unknown),
+        (NOT_ALLOWED, whole.assign_coords(x=whole.x.values**2)),
+        (NOT_ALLOWED, whole.isel(x=[4], y=[4])),
+        # A step of 540 MHz repeats after 1.9 ns, and a band of 108 MHz resolves 9 ns.
+        (NOT_ALLOWED, whole.isel(frequency=slice(None, None, 10))),
+        (NOT_ALLOWED, whole.isel(frequency=slice(2))),
     ):
         with raises_fault(fault):
             image_survey(data, ImageOptions(permittivity=4.0))
@@ -180,7 +185,7 @@ def test_what_cannot_be_imaged_is_refused():
     for wrong in (
         *({"permittivity": 0.5}, {"permittivity": float("nan")}, {"height_m": 0.0}),
         *({"depth_m": (0.1,)}, {"depth_m": (0.2, 0.1)}),
-        *({"widest_angle_deg": 90.0}, {"separation_m": -1.0}),
+        {"separation_m": -1.0},
     ):
         with raises_fault(NOT_ALLOWED):
             ImageOptions(**wrong)
