@@ -13,13 +13,13 @@ import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.candidates.files import check_ending, output_paths
+from gpr20_analysis.candidates.files import JSON, check_ending, output_paths
 from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.commands.outputs import FORMATS, Output, save_figure
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.files import ENDINGS, read_hiding, write_hiding
+from gpr20_analysis.hiding.files import read_hiding, write_hiding
 from gpr20_analysis.hiding.search import Detector, HidingOptions, map_hidden
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.processing.delay import recorded_separation_m
@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "more give a finer map")  # fmt: skip
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
     add("--output", "-o", type=Path, action="append", default=[],
-        help="map as .json, which report and view read, or .geojson, or a picture "
+        help="map as .json, which report and view read, or a picture "
         f"({', '.join(FORMATS)}); may be given more than once")  # fmt: skip
     outputs.add_overwrite(parser)
 
@@ -72,7 +72,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         if path.suffix in FORMATS:
             written.append(Output(path))
         else:
-            check_ending(path, ENDINGS)
+            check_ending(path, (JSON,))
             written += [Output(one) for one in output_paths(path)]
     outputs.check(written, inputs.inputs_of(chosen, steps), chosen.overwrite)
     survey = with_height(inputs.load(chosen, catalogue), options.height_m)
@@ -137,7 +137,7 @@ def _options_of(chosen: argparse.Namespace) -> HidingOptions:
 def _write(found: HidingMap, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
     for path in chosen.output:
         if path.suffix in FORMATS:
-            from gpr20_analysis.plotting.hiding import hiding_figure
+            from gpr20_analysis.plotting.maps import hiding_figure
 
             with atomic_output(path) as place:
                 save_figure(hiding_figure(found, catalogue), place)

@@ -18,6 +18,7 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.catalogue import Catalogue
 
 FIGURES = ("projections_*.png", "slice_*.png")
+MOST_SLICES = 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -52,16 +53,16 @@ def _outputs(chosen: argparse.Namespace) -> List[Output]:
 
 
 def _draw(found: Answer, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.projections import marked_of, projection_figure
+    from gpr20_analysis.plotting.projections import projection_figure
     from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
-    image, candidates = found.image, found.found.candidates
+    image, places = found.image, found.found.shown()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, candidates, catalogue)
+        figure = projection_figure(image, turn, places, catalogue)
         word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
         save_figure(figure, folder / f"projections_{word}.png")
-    marked = [] if is_line(image) else marked_of(candidates)
+    marked = [] if is_line(image) else places[:MOST_SLICES]
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
         figure = c_scan_figure(image, depth_m, catalogue)

@@ -16,14 +16,14 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import work
-from gpr20_analysis.candidates.answer import answer, field_options
+from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.candidates.search import surveyed_m2
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Echo, Soil, echo_of
 from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
-from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.image_options import ImageOptions, check_range
 from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
 from gpr20_analysis.processing.sweep import FrequencyGrid
@@ -75,25 +75,19 @@ class HidingOptions:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the options.
+        rising = bool(self.depth_m) and bool(np.all(np.diff(self.depth_m) > 0.0))
+        # Written so that NaN is refused too.
+        if not (rising and self.depth_m[0] >= 0.0 and self.depth_m[-1] <= 1.0):
+            raise WrongDatasetError(
+                Message("the depths of the target must ascend, from 0 to 1 m"), fault=NOT_ALLOWED
+            )
+        check_range("rounds", self.rounds, 1, 100)
+        check_range("needed", self.needed, 0.01, 1.0)
+        check_range("loss_tangent", self.loss_tangent, 0.0, 1.0)
+        check_range("seed", self.seed, 0, 2**32)
 
-        Raises:
-            WrongDatasetError: A value is not allowed.
-        """
-        depths_m = np.asarray(self.depth_m)
-        right = {
-            Message("the depths of the target must ascend, from 0 to 1 m"): len(depths_m) > 0
-            and bool(np.all(np.diff(depths_m) > 0.0))
-            and depths_m[0] >= 0.0
-            and depths_m[-1] <= 1.0,
-            Message("rounds must be 1 to 100"): 1 <= self.rounds <= 100,
-            Message("the needed share must lie between 0.01 and 1"): 0.01 <= self.needed <= 1.0,
-            Message("the loss tangent must lie between 0 and 1"): 0.0 <= self.loss_tangent <= 1.0,
-            Message("the seed must not be negative"): self.seed >= 0,
-        }
-        for sentence, is_right in right.items():
-            if not is_right:
-                raise WrongDatasetError(sentence, fault=NOT_ALLOWED)
+
+STANDARD = HidingOptions()
 
 
 @dataclass(frozen=True)
@@ -117,7 +111,7 @@ def map_hidden(
     survey: xr.Dataset,
     detector: Detector,
     target: Target,
-    options: HidingOptions,
+    options: HidingOptions = STANDARD,
     antenna: Optional[xr.Dataset] = None,
     progress: Progress = no_progress,
 ) -> HidingMap:
@@ -154,23 +148,6 @@ def map_hidden(
     for job, hits in zip(jobs, on_threads(search, jobs, progress)):
         tried[job[0]] += zip(runs.places_m(*job), hits)
     return _counted(survey, listed, target, options, tried, runs.apart_m)
-
-
-def map_hidden_in_field(
-    survey: xr.Dataset, permittivity: Optional[float], target: Target
-) -> HidingMap:
-    """Return where a target could hide, as the robot's window searches surveys.
-
-    Args:
-        survey: The survey as measured.
-        permittivity: Relative permittivity of the ground; None: what the survey says.
-        target: What is put into the spectra.
-
-    Raises:
-        AnalysisError: The survey cannot be imaged, or its surface echo is not clear.
-    """
-    detector = Detector(field_options(permittivity, survey))
-    return map_hidden(survey, detector, target, HidingOptions())
 
 
 class _Runs:

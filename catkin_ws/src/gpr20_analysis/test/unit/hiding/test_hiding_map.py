@@ -24,7 +24,6 @@ from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample.sample_survey import sample_survey
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.hidden_target import Target, Targets
 
 SMALL = HidingOptions((0.03, 0.15), rounds=6 if LONG else 2, loss_tangent=0.0)
@@ -160,22 +159,6 @@ def written(sample_file, tmp_path_factory):
 @pytest.fixture(scope="module")
 def stored_map(written):
     return read_hiding(written / "a.json")
-
-
-def test_geojson_needs_a_place_on_the_earth_and_is_there(stored_map, tmp_path):
-    with raises_fault(NOT_ALLOWED):
-        write_hiding(stored_map, tmp_path / "a.geojson")
-    placed = replace(stored_map, position=AreaPosition(4.6, -74.1, 90.0))
-    write_hiding(placed, tmp_path / "a.geojson")
-    written = json.loads((tmp_path / "a.geojson").read_text(encoding="utf-8"))
-    features, warning = written["features"], written["gpr20"]["warning"]
-    assert "holds for this target only" in warning and "SIMULATED" in warning
-    assert len(features) == stored_map.missed_m.size
-    for feature in features:
-        ring = np.array(feature["geometry"]["coordinates"][0])
-        values = feature["properties"]
-        middle = placed.position.on_earth(values["x_m"], values["y_m"])
-        assert ring[:4].mean(axis=0) == pytest.approx(middle, abs=1e-9)
 
 
 @pytest.mark.usefixtures("blank_figures")
