@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 import xarray as xr
 
-from gpr20_analysis.candidates.files import Table, check_ending, json_content, write_table
+from gpr20_analysis.candidates.files import json_content, write_list
 from gpr20_analysis.candidates.table import text_lines
 from gpr20_analysis.dataset import MM_PER_M, description_of
 from gpr20_analysis.errors import AnalysisError
@@ -81,18 +81,16 @@ def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
     Raises:
         ExportError: The ending is unknown, or the output cannot be written.
     """
-    check_ending(Path(path))
-    write_table(_table(found), Path(path))
+    write_list(Path(path), _head(found), "markers", _records(found), COLUMNS)
 
 
 def json_text(found: MarkerList) -> str:
     """Return markers as JSON."""
-    table = _table(found)
-    return json_content({**table.head, table.name: table.records})
+    return json_content({**_head(found), "markers": _records(found)})
 
 
-def _table(found: MarkerList) -> Table:
-    head = {
+def _head(found: MarkerList) -> Dict[str, Any]:
+    return {
         "format": FORMAT,
         "warning": str(NO_CLEARANCE),
         "simulated": found.simulated,
@@ -101,7 +99,10 @@ def _table(found: MarkerList) -> Table:
         "coordinates": "X, Y and depth in metres, in the survey's area",
         "position": asdict(found.position) if found.position else None,
     }
-    return Table(head, "markers", [_record(one, found) for one in found.markers], COLUMNS)
+
+
+def _records(found: MarkerList) -> List[Dict[str, Any]]:
+    return [_record(one, found) for one in found.markers]
 
 
 def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:

@@ -201,36 +201,22 @@ def c_scan_figure(data: xr.Dataset, at: float, catalogue: Catalogue = ENGLISH) -
 def until(
     in_time: xr.Dataset, last_s: Optional[float] = None, permittivity: Optional[float] = None
 ) -> xr.Dataset:
-    """Return A-scans up to a delay.
+    """Return A-scans up to a delay, at least two.
 
     Args:
         in_time: Dataset with `a_scan`.
-        last_s: The last delay [s]; `math.inf` keeps all; None: `last_delay_s`.
-        permittivity: For `last_delay_s`.
-
-    Returns:
-        The Dataset with at least two delays.
+        last_s: The last delay [s]; `math.inf` keeps all; None: a little after the echo of the
+            deepest layer of an image.
+        permittivity: Relative permittivity of the soil above it; None: that of moist soil.
     """
-    end_s = last_delay_s(in_time, permittivity=permittivity) if last_s is None else last_s
-    count = int(np.searchsorted(in_time[DELAY].values, end_s, side="right"))
+    if last_s is None:
+        surface_s = _surface_delay_s(in_time)
+        if surface_s is None:
+            surface_s = float(in_time.attrs.get(ANTENNA_DELAY, 0.0)) + two_way_delay_s(HEIGHT_M)
+        soil_s = two_way_delay_s(DEEPEST_M * np.sqrt(permittivity or PERMITTIVITY))
+        last_s = surface_s + soil_s + MARGIN_S
+    count = int(np.searchsorted(in_time[DELAY].values, last_s, side="right"))
     return in_time.isel({DELAY: slice(None, max(count, 2))})
-
-
-def last_delay_s(
-    data: xr.Dataset, deepest_m: float = DEEPEST_M, permittivity: Optional[float] = None
-) -> float:
-    """Return the delay at which figures end: a little after the echo of the deepest layer [s].
-
-    Args:
-        data: A survey, or its A-scans.
-        deepest_m: Depth of the layer [m].
-        permittivity: Relative permittivity of the soil; None: that of moist soil.
-    """
-    surface_s = _surface_delay_s(data)
-    if surface_s is None:
-        surface_s = float(data.attrs.get(ANTENNA_DELAY, 0.0)) + two_way_delay_s(HEIGHT_M)
-    soil_s = two_way_delay_s(deepest_m * np.sqrt(permittivity or PERMITTIVITY))
-    return float(surface_s + soil_s + MARGIN_S)
 
 
 def _surface_delay_s(data: xr.Dataset) -> Optional[float]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import datetime
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import TYPE_CHECKING, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import __version__, dataset, faults
+from gpr20_analysis import __version__, dataset
 from gpr20_analysis.candidates.answer import Answer, answer
 from gpr20_analysis.candidates.markers import marker_heading, marker_rows, survey_markers
 from gpr20_analysis.candidates.table import candidate_table, places_sentence, weaker_sentence
@@ -20,10 +20,11 @@ from gpr20_analysis.imaging.permittivity import permittivity_line
 from gpr20_analysis.plotting import maps, projections, scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_attributes import NAME, SITE
 from gpr20_analysis.read.verification import FILES, verify_survey
 from gpr20_analysis.report.page import Report, Section, check_report_path, save_report
-from gpr20_analysis.report.summary import SIMULATED, settings_of, summary_of, warnings_of
+from gpr20_analysis.report.summary import SIMULATED, summary_of, warnings_of
 from gpr20_analysis.sentences import (
     DECISIONS,
     DOUBTS,
@@ -49,14 +50,6 @@ if TYPE_CHECKING:
 
 LISTED = 50
 """Number of sentences of a list that the report shows."""
-DRIFT = {
-    "z_deg": Message("rotation [deg]"),
-    "amplitude_rms_db": Message("amplitude [dB]"),
-    "phase_rms_deg": Message("phase [deg]"),
-    "gain_db": Message("gain [dB]"),
-    "delay_ps": Message("delay [ps]"),
-    "noise_db": Message("noise [dB]"),
-}
 
 
 def write_report(
@@ -90,7 +83,7 @@ def write_report(
     found: Optional[Answer] = None
     first: Section
     try:
-        found = answer(apply_steps(survey, steps, _no_other_survey), options, progress)
+        found = answer(apply_steps(survey, steps, load_survey), options, progress)
         first = places_section(found.found, catalogue)
         figure = projections.candidate_map_figure(found.image, found.found.shown(), catalogue)
         first.figures.append(figure)
@@ -134,16 +127,6 @@ def places_section(found: CandidateList, catalogue: Catalogue) -> Section:
             catalogue.text(weaker_sentence(found)) if found.weaker else "",
             rows[found.primary :],
         ),
-    )
-
-
-def _no_other_survey(path: str) -> xr.Dataset:
-    raise AnalysisError(
-        Message(
-            "a report cannot subtract another survey; leave out the step that names {path}",
-            path=path,
-        ),
-        fault=faults.STEPS,
     )
 
 
@@ -232,8 +215,7 @@ def _image(
         projections.projection_figure(image, turn, found.found.shown(), catalogue)
         for turn in range(image.sizes[dataset.POLARIZATION])
     ]
-    last_s = scans.last_delay_s(found.processed, options.depth_m[-1], permittivity)
-    section.figures += _b_scans(to_time(found.processed), last_s, permittivity, catalogue)
+    section.figures += _b_scans(to_time(found.processed), permittivity, catalogue)
     return section
 
 
@@ -243,10 +225,10 @@ def _step_text(step: Step) -> str:
 
 
 def _b_scans(
-    in_time: xr.Dataset, last_s: float, permittivity: Optional[float], catalogue: Catalogue
+    in_time: xr.Dataset, permittivity: Optional[float], catalogue: Catalogue
 ) -> List[Figure]:
     return [
-        scans.b_scan_figure(in_time, along, at_m, last_s, permittivity, catalogue)
+        scans.b_scan_figure(in_time, along, at_m, None, permittivity, catalogue)
         for along, at_m in zip((dataset.X, dataset.Y), reversed(_middle(in_time)))
         if in_time.sizes[along] > 1
     ]
@@ -275,25 +257,11 @@ def _quality(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     lines = [
         labelled(name, one) for name in (DECISIONS, NOTES) for one in sentences_of(survey, name)
     ]
-    turns = [
-        (visit, turn)
-        for visit in log_values(dataset.description_of(survey), Kind.DRIFT)
-        for turn in dataset.objects_of(visit, "rotations")
-    ]
-    lines += [*_remarks(survey), _drift(turns)]
+    lines += [*_remarks(survey), _drift(survey)]
     section = _section(Message("Coverage and quality"), warnings, lines, catalogue)
     section.figures.append(maps.coverage_figure(survey, catalogue))
     if np.isfinite(survey[dataset.HEIGHT]).any():
         section.figures.append(maps.height_figure(survey, catalogue))
-    if turns:
-        section.heading = (catalogue.tr("time"), *map(catalogue.text, DRIFT.values()))
-        section.rows = [
-            (
-                catalogue.text(moment_text(str(visit.get("time")))),
-                *(catalogue.text(numeral(_number(turn, name), ".4g")) for name in DRIFT),
-            )
-            for visit, turn in turns[-LISTED:]
-        ]
     return section
 
 
@@ -310,36 +278,32 @@ def _remarks(survey: xr.Dataset) -> List[Message]:
     ]
 
 
-def _drift(turns: Sequence[Tuple[Mapping[str, Any], Mapping[str, Any]]]) -> Message:
+def _drift(survey: xr.Dataset) -> Message:
     """Return how far the first stop differed when it was measured again."""
+    visits = log_values(dataset.description_of(survey), Kind.DRIFT)
+    turns = [turn for visit in visits for turn in dataset.objects_of(visit, "rotations")]
     if not turns:
         return Message("Drift was not measured: the survey did not return to its first stop.")
     worst: Dict[str, Message] = {}
     for name in ("amplitude_rms_db", "phase_rms_deg", "noise_db"):
-        known = [_number(turn, name) for _, turn in turns]
-        largest = max((one for one in known if math.isfinite(one)), default=math.nan)
-        worst[name] = numeral(largest, ".4g")
+        known = [turn[name] for turn in turns if isinstance(turn.get(name), (int, float))]
+        worst[name] = numeral(max(known, default=math.nan), ".4g")
     return Message(
-        "The first stop was measured again: the amplitude drifted by at most {amplitude_rms_db} "
-        "dB and the phase by at most {phase_rms_deg} deg, root mean square over the band. The "
-        "noise of one sweep, relative to its signal, is at most {noise_db} dB.",
+        "Visits of the first stop: {count}. The amplitude drifted by at most {amplitude_rms_db} dB "
+        "and the phase by at most {phase_rms_deg} deg, root mean square over the band. The noise "
+        "of one sweep, relative to its signal, is at most {noise_db} dB.",
+        count=len(visits),
         **worst,
     )
 
 
-def _number(entry: Mapping[str, Any], name: str) -> float:
-    found = entry.get(name)
-    return float(found) if isinstance(found, (int, float)) else math.nan
-
-
 def _measured(survey: xr.Dataset, options: ImageOptions, catalogue: Catalogue) -> Section:
     """Return A- and B-scans before any processing."""
-    in_time, last_s = to_time(survey), scans.last_delay_s(survey, options.depth_m[-1])
-    x_m, y_m = _middle(survey)
+    in_time, (x_m, y_m) = to_time(survey), _middle(survey)
     section = _section(Message("Data as measured"), [], [], catalogue)
     if dataset.usable(survey).sel(x=x_m, y=y_m).values.any():
-        section.figures.append(scans.a_scan_figure(in_time, x_m, y_m, last_s, catalogue))
-    section.figures += _b_scans(in_time, last_s, options.permittivity, catalogue)
+        section.figures.append(scans.a_scan_figure(in_time, x_m, y_m, catalogue=catalogue))
+    section.figures += _b_scans(in_time, options.permittivity, catalogue)
     return section
 
 
@@ -348,7 +312,6 @@ def _settings(survey: xr.Dataset, catalogue: Catalogue) -> Section:
     now = datetime.datetime.now(datetime.timezone.utc)
     rows = [
         *summary_of(survey),
-        *settings_of(survey),
         (Message("report created"), moment_text(now.isoformat(timespec="seconds"))),
         (Message("software of the report"), verbatim(f"gpr20_analysis {__version__}")),
     ]

@@ -1,4 +1,4 @@
-"""A summary of a survey in a few lines, and its settings."""
+"""A summary of a survey in a few lines."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.utc_time import moment_text
 
 MM, NS, GHZ, MHZ = 1e-3, 1e-9, 1e9, 1e6
-ENDS = ("start_mm", "stop_mm", "points")
+PLANNED = ("start_mm", "stop_mm", "points")
 SAME_STEP_MM = 0.02  # two motor steps
 SIMULATED = Message("SIMULATED: the data show no real ground")
 RECORDED = {
@@ -67,15 +67,6 @@ INSTRUMENT = {
     "identity": Message("VNA"),
     "address": Message("VNA address"),
     "calibration": Message("VNA calibration"),
-}
-SETTINGS = {
-    "settle_s": Message("settling time before a sweep [s]"),
-    "height_s": Message("duration of a height measurement [s]"),
-    "attempts": Message("attempts before a pause"),
-    "on_height_failure": Message("if the height cannot be measured"),
-    "reference_interval_s": Message("time between visits of the first stop [s]"),
-    "drift_limit_db": Message("largest drift of the amplitude [dB]"),
-    "drift_limit_deg": Message("largest drift of the phase [deg]"),
 }
 
 Row = Tuple[Message, Message]
@@ -128,11 +119,20 @@ def _lines(survey: xr.Dataset) -> Iterator[Row]:
         yield Message("depth"), _axis(survey[dataset.DEPTH].values)
     turns = (f"{one:g}°" for one in survey[dataset.POLARIZATION].values)
     yield Message("polarizations"), verbatim(", ".join(turns))
-    yield verbatim("x"), _axis(survey[dataset.X].values)
-    yield verbatim("y"), _axis(survey[dataset.Y].values)
+    for axis in (dataset.X, dataset.Y):
+        yield verbatim(axis), _axis(survey[axis].values)
+        planned = [mapping_of(described, "parameters").get(f"{axis}_{end}") for end in PLANNED]
+        if None not in planned:
+            texts = dict(zip(PLANNED, planned))
+            text = Message("{points} stops from {start_mm} to {stop_mm} mm", **texts)
+            yield Message("planned {axis}", axis=axis), text
     if dataset.FREQUENCY in survey.coords:
         yield Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)
-    yield from _rows(mapping_of(described, "instrument"), INSTRUMENT)
+    instrument = mapping_of(described, "instrument")
+    for name, title in INSTRUMENT.items():
+        if name in instrument:
+            own = Message("{value}", value=instrument[name])
+            yield title, CALIBRATIONS.get(str(instrument[name]), own)
     if dataset.HEIGHT in survey:
         yield Message("height"), _spread(survey[dataset.HEIGHT].values / MM, "mm")
     for name in dataset.aux_names(survey):
@@ -220,29 +220,6 @@ def _spread(values: np.ndarray, unit: str) -> Message:
         unit=unit,
         count=known.size,
     )
-
-
-def _rows(values: Mapping[str, Any], titles: Mapping[str, Message]) -> List[Row]:
-    return [
-        (title, CALIBRATIONS.get(str(values[key]), Message("{value}", value=values[key])))
-        for key, title in titles.items()
-        if key in values
-    ]
-
-
-def settings_of(survey: xr.Dataset) -> List[Row]:
-    """Return title and text of each recorded setting; none without survey.json."""
-    described = dataset.description_of(survey)
-    parameters = mapping_of(described, "parameters")
-    rows: List[Row] = []
-    for axis in ("x", "y"):
-        start, stop, points = (parameters.get(f"{axis}_{end}") for end in ENDS)
-        if points is not None:
-            text = Message(
-                "{count} stops from {start} to {stop} mm", count=points, start=start, stop=stop
-            )
-            rows.append((Message("planned {axis}", axis=axis), text))
-    return [*rows, *_rows(mapping_of(described, "settings"), SETTINGS)]
 
 
 def warnings_of(survey: xr.Dataset) -> List[Message]:
