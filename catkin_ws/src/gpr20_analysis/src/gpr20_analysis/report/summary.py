@@ -31,9 +31,9 @@ from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.utc_time import moment_text
 
-MM, NS, GHZ, MHZ = 1e-3, 1e-9, 1e9, 1e6
+MM, NS, MHZ = 1e-3, 1e-9, 1e6
 PLANNED = ("start_mm", "stop_mm", "points")
-SAME_STEP_MM = 0.02  # two motor steps
+SAME_STEP = 0.02  # two motor steps [mm], or far less than a step of a sweep [MHz]
 SIMULATED = Message("SIMULATED: the data show no real ground")
 RECORDED = {
     NAME: Message("survey name"),
@@ -116,18 +116,18 @@ def _lines(survey: xr.Dataset) -> Iterator[Row]:
         yield Message("method"), Message("{value}", value=method)
         permittivity = known.get("permittivity", Message("unknown"))
         yield Message("permittivity"), Message("{value}", value=permittivity)
-        yield Message("depth"), _axis(survey[dataset.DEPTH].values)
+        yield Message("depth"), _axis(survey[dataset.DEPTH].values, MM, "mm")
     turns = (f"{one:g}°" for one in survey[dataset.POLARIZATION].values)
     yield Message("polarizations"), verbatim(", ".join(turns))
     for axis in (dataset.X, dataset.Y):
-        yield verbatim(axis), _axis(survey[axis].values)
+        yield verbatim(axis), _axis(survey[axis].values, MM, "mm")
         planned = [mapping_of(described, "parameters").get(f"{axis}_{end}") for end in PLANNED]
         if None not in planned:
             texts = dict(zip(PLANNED, planned))
             text = Message("{points} stops from {start_mm} to {stop_mm} mm", **texts)
             yield Message("planned {axis}", axis=axis), text
     if dataset.FREQUENCY in survey.coords:
-        yield Message("frequency"), _frequency(survey[dataset.FREQUENCY].values)
+        yield Message("frequency"), _axis(survey[dataset.FREQUENCY].values, MHZ, "MHz")
     instrument = mapping_of(described, "instrument")
     for name, title in INSTRUMENT.items():
         if name in instrument:
@@ -179,32 +179,23 @@ def _samples(quality: np.ndarray) -> Message:
     )
 
 
-def _axis(values_m: np.ndarray) -> Message:
+def _axis(values: np.ndarray, scale: float, unit: str) -> Message:
+    known = values / scale
     ends = Message(
-        "{count} from {first_mm:g} to {last_mm:g} mm",
-        count=len(values_m),
-        first_mm=values_m[0] / MM,
-        last_mm=values_m[-1] / MM,
+        "{count} from {first:g} to {last:g} {unit}",
+        count=len(known),
+        first=known[0],
+        last=known[-1],
+        unit=unit,
     )
-    if len(values_m) < 2:
+    if len(known) < 2:
         return ends
-    spacings = np.diff(values_m) / MM
-    step = numeral(spacings.mean(), ".4g")
-    if np.ptp(spacings) >= SAME_STEP_MM:
+    spacings = np.diff(known)
+    step = numeral(spacings.mean(), ".5g")
+    if np.ptp(spacings) >= SAME_STEP:
         low, high = spacings.min(), spacings.max()
-        step = Message("{low:.4g} to {high:.4g}", low=low, high=high)
-    return Message("{range}, every {step} mm", range=ends, step=step)
-
-
-def _frequency(values_hz: np.ndarray) -> Message:
-    step = (values_hz[-1] - values_hz[0]) / max(len(values_hz) - 1, 1)
-    return Message(
-        "{count} from {first_ghz:g} to {last_ghz:g} GHz, every {step_mhz:.5g} MHz",
-        count=len(values_hz),
-        first_ghz=values_hz[0] / GHZ,
-        last_ghz=values_hz[-1] / GHZ,
-        step_mhz=step / MHZ,
-    )
+        step = Message("{low:.5g} to {high:.5g}", low=low, high=high)
+    return Message("{range}, every {step} {unit}", range=ends, step=step, unit=unit)
 
 
 def _spread(values: np.ndarray, unit: str) -> Message:

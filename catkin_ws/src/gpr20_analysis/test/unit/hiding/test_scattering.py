@@ -62,29 +62,16 @@ def test_a_disc_is_as_bright_as_by_an_exact_integral():
     )
 
 
-@pytest.mark.parametrize(
-    ("number", "body"),
-    [(1, 3), *(pytest.param(*one, marks=pytest.mark.release) for one in ((3, 1), (4, 2), (4, 3)))],
-)
-def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
-    survey, truth = area(UNIANDES, number)
-    ball, permittivity = truth["bodies"][body], truth["permittivity"]
-    assert ball["name"] == "sphere"
+def test_a_metal_ball_is_as_bright_as_by_finite_differences():
+    survey, truth = area(UNIANDES, 1)
+    ball, permittivity = truth["bodies"][3], truth["permittivity"]
     target = Target("ball", ball["height_m"], ball["height_m"])
-    echo = echo_of(
-        target,
-        ball["top_m"],
-        Soil(permittivity),
-        truth["height_m"],
-        survey["frequency"].values,
-        1.0,
-    )
+    soil, place_m = Soil(permittivity), (ball["x_m"], ball["y_m"])
+    frequency_hz = survey["frequency"].values
+    echo = echo_of(target, ball["top_m"], soil, truth["height_m"], frequency_hz, 1.0)
     transmission = SurfaceReference(survey, 0.06).transmission(permittivity)
-    place_m = (ball["x_m"], ball["y_m"])
-    alone = with_targets(
-        survey.assign(s21=survey["s21"] * 0.0 + 1e-9), echo, [place_m], permittivity, transmission,
-        0.06,
-    )  # fmt: skip
+    empty = survey.assign(s21=survey["s21"] * 0.0 + 1e-9)
+    alone = with_targets(empty, echo, [place_m], permittivity, transmission, 0.06)
     levels_db = [peak_db(one, truth, ball) for one in (alone, survey)]
     assert levels_db[0] == pytest.approx(levels_db[1], abs=3.0)
 

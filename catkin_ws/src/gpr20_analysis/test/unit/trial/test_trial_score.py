@@ -17,8 +17,7 @@ from scipy.stats import binom, poisson
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.trial import plan as plans
-from gpr20_analysis.trial.plan import Lane, Mark, MarkList, Plan, Target, read_targets
+from gpr20_analysis.trial.plan import Lane, Mark, MarkList, Plan, read_targets
 from gpr20_analysis.trial.score import score_trial
 from gpr20_analysis.trial.statistics import alarm_interval, detection_interval, shown_detection
 from gpr20_common.errors import Gpr20Error, InvalidValueError
@@ -226,7 +225,6 @@ def test_any_table_is_read_or_refused_with_a_sentence(rows, comma):
 
 
 OUTSIDE, EXACT = 0.025, 1e-9
-TRIALS = 10_000
 
 
 @each_case(
@@ -257,29 +255,3 @@ def test_what_is_shown_is_the_one_sided_limit_of_95_percent():
     for detection, missed, needed in ((0.90, 0, 29), (0.95, 0, 59), (0.99, 1, 473)):
         for targets, shows in ((needed, True), (needed - 1, False)):
             assert (shown_detection(targets - missed, targets) >= detection) is shows
-
-
-@pytest.mark.release
-def test_intervals_of_the_scorer_cover_the_truth_in_95_of_100_trials(monkeypatch):
-    chance, halo_m = np.random.default_rng(29), 0.1
-    lane = Lane(0.0, 10.0, 0.0, 2.0)
-    places = [(0.5 + at, 0.5) for at in range(10)]
-    targets = [Target(f"T{at}", "L", *one, 0.1) for at, one in enumerate(places)]
-    trial_plan = Plan(halo_m, "", {"L": lane})
-    area_m2 = lane.area_outside(places, halo_m)
-    assert area_m2 == pytest.approx(20.0 - 10 * math.pi * halo_m**2, abs=3e-3)
-    # The targets of all trials are the same, so it is computed once.
-    monkeypatch.setattr(plans.Lane, "area_outside", lambda *_: area_m2)
-    hits = {"share": 0, "density": 0}
-    for share, density in zip(chance.uniform(0.3, 1.0, TRIALS), chance.uniform(0.0, 0.5, TRIALS)):
-        seen = [one for one in places if chance.random() < share]
-        false = [(one, 1.5) for one in chance.uniform(0.0, 10.0, chance.poisson(density * area_m2))]
-        seen_marks = tuple(Mark(f"C{at}", *one, -at) for at, one in enumerate([*seen, *false]))
-        (scored,) = score_trial(
-            trial_plan, targets, [MarkList("radar", "L", seen_marks, 20.0)]
-        ).groups
-        assert (scored.found, scored.alarms) == (len(seen), len(false))
-        for name, truth, ends in (("share", share, scored.detection_range),
-                                  ("density", density, scored.alarms_range)):  # fmt: skip
-            hits[name] += ends[0] <= truth <= ends[1]
-    assert min(hits.values()) >= 0.95 * TRIALS, hits
