@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Dict, List, Optional, Sequence, Tuple, Union
 
@@ -81,18 +80,19 @@ def write_report(
     options, known = options or ImageOptions(), language_from_code(language)
     catalogue = read_catalogue(known)
     found: Optional[Answer] = None
-    first: Section
     try:
         found = answer(apply_steps(survey, steps, load_survey), options, progress)
-        first = places_section(found.found, catalogue)
-        figure = projections.candidate_map_figure(found.image, found.found.shown(), catalogue)
-        first.figures.append(figure)
     except AnalysisError as error:
         # The survey gets a report too, which says why it cannot be imaged.
         none = Message("No image was made: {reason}", reason=error.message)
-        first = _section(Message("Places to check"), [none], [], catalogue)
+        places = _section(Message("Places to check"), [none], [], catalogue)
+        places.notice = catalogue.text(NO_CLEARANCE)
+    else:
+        places = places_section(found.found, catalogue)
+        figure = projections.candidate_map_figure(found.image, found.found.shown(), catalogue)
+        places.figures.append(figure)
     sections = [
-        first,
+        places,
         _missed(survey, hiding, catalogue),
         _believed(survey, Path(path), found, catalogue),
         *([] if found is None else [_image(found, steps, options, catalogue)]),
@@ -287,7 +287,7 @@ def _drift(survey: xr.Dataset) -> Message:
     worst: Dict[str, Message] = {}
     for name in ("amplitude_rms_db", "phase_rms_deg", "noise_db"):
         known = [turn[name] for turn in turns if isinstance(turn.get(name), (int, float))]
-        worst[name] = numeral(max(known, default=math.nan), ".4g")
+        worst[name] = numeral(max(known), ".4g") if known else verbatim("-")
     return Message(
         "Visits of the first stop: {count}. The amplitude drifted by at most {amplitude_rms_db} dB "
         "and the phase by at most {phase_rms_deg} deg, root mean square over the band. The noise "

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import csv
 import hashlib
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Dict, List, Mapping, Sequence, Tuple, Type, TypeVar, Union
 
@@ -27,6 +27,7 @@ from gpr20_survey.results.candidates import list_from
 
 LEAST_M, MOST_M, MOST_DEPTH_M = 0.01, 1000.0, 10.0
 CELLS = 1000
+NUMBERS = ("x_m", "y_m", "depth_m")
 Place = Tuple[float, float]
 Record = TypeVar("Record")
 
@@ -204,7 +205,6 @@ def _read_table(
     if not set(needed) <= set(heading) or len(set(heading)) < len(heading):
         wanted = Message("the heading must name each column once, among them {names}", names=names)
         raise _refused(f"{file}, line 1", wanted)
-    numbers = {one.name for one in fields(kind) if one.type == "float"}  # type: ignore[arg-type]
     records: Dict[str, Record] = {}
     for line, cells in found:
         place, name = f"{file}, line {line}", cells[needed[0]]
@@ -214,7 +214,7 @@ def _read_table(
             )
         if name in records:
             raise _refused(place, Message("there are two rows of {name}", name=repr(name)))
-        values = {key: _number(cell) if key in numbers else cell for key, cell in cells.items()}
+        values = {key: _number(cells[key]) if key in NUMBERS else cells[key] for key in needed}
         records[name] = record_from(kind, {**values, "cells": cells}, place, others=True)
     return list(records.values())
 
