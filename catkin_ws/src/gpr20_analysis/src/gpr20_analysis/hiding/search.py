@@ -22,7 +22,7 @@ from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, echo_of
-from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
+from gpr20_analysis.hiding.transmission import of_model, of_surface
 from gpr20_analysis.imaging.image_options import ImageOptions, check_range
 from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
@@ -135,11 +135,11 @@ def map_hidden(
     survey = survey.assign({S21: measured.compute()})
     listed = detector.search(survey)
     soils = [Soil(one, options.loss_tangent) for one in _permittivities(listed, target)]
-    if antenna is None:
-        surface = SurfaceReference(survey, options.separation_m)
-        transmissions = [surface.transmission(one.permittivity) for one in soils]
-    else:
-        transmissions = [of_model(antenna)] * len(soils)
+    transmissions = (
+        [of_model(antenna)] * len(soils)
+        if antenna is not None
+        else of_surface(survey, options.separation_m, [one.permittivity for one in soils])
+    )
     frequency_hz = FrequencyGrid.of(survey).frequency_hz
     height_m = float(survey[HEIGHT].where(usable(survey)).mean())
     reach_m = float(np.hypot(*(np.ptp(survey[name].values) for name in (X, Y))))
