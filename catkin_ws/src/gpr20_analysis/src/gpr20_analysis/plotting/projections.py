@@ -149,8 +149,15 @@ def _view(
 
 def _mark(axes: Axes, name: str, across_mm: float, down_mm: float) -> None:
     outline = [withStroke(linewidth=OUTLINE_PT, foreground="black")]
-    circle = {"markersize": MARK_PT, "markerfacecolor": "none", "markeredgecolor": "white"}
-    axes.plot(across_mm, down_mm, marker="o", path_effects=outline, **circle)
+    axes.plot(
+        across_mm,
+        down_mm,
+        marker="o",
+        markersize=MARK_PT,
+        markerfacecolor="none",
+        markeredgecolor="white",
+        path_effects=outline,
+    )
     # Towards the middle, where there is room.
     side = -1.0 if across_mm > np.mean(axes.get_xlim()) else 1.0
     axes.annotate(

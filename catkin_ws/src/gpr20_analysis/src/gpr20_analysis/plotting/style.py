@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from typing import Any, List, Sequence, Tuple
+from typing import Any, Dict, List, Literal, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -116,7 +116,7 @@ def draw(
     values: np.ndarray,
     across: np.ndarray,
     down: np.ndarray,
-    shading: str = "nearest",
+    shading: Literal["nearest", "gouraud"] = "nearest",
     **options: Any,
 ) -> Any:
     """Draw values (down, across) as cells, or "gouraud" between them; NaN is grey."""
@@ -157,7 +157,7 @@ class DecibelScale:
         reach_db = -float(decibels(middle / self._reference, SMALLEST_PART))
         steps = RANGE_STEP_DB * np.ceil(reach_db / RANGE_STEP_DB)
         lowest_db = -float(np.clip(steps, SMALLEST_RANGE_DB, LARGEST_RANGE_DB))
-        self.colours = {"cmap": MAGNITUDE_MAP, "vmin": lowest_db, "vmax": 0.0}
+        self.colours: Dict[str, Any] = {"cmap": MAGNITUDE_MAP, "vmin": lowest_db, "vmax": 0.0}
         is_brighter = known.max(initial=0.0) > self._reference * LEAST_CLIPPED
         self._extend = "both" if is_brighter else "min"
 

@@ -110,7 +110,7 @@ def froc_figure(groups: Sequence[GroupScore], catalogue: Catalogue) -> Figure:
         if one.detection is not None and one.alarms_per_m2 is not None:
             place = one.alarms_per_m2, one.detection
             ends = np.array([one.detection_range, one.alarms_range])
-            spans = np.abs(ends - [place[1:], place[:1]])[..., None]
-            axes.errorbar(*place, *spans, fmt="o", color=f"C{at}", capsize=3)
+            up_down, aside = np.abs(ends - [place[1:], place[:1]])[..., None]
+            axes.errorbar(*place, yerr=up_down, xerr=aside, fmt="o", color=f"C{at}", capsize=3)
     axes.legend()
     return figure
