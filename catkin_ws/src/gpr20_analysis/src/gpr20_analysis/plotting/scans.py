@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional
+from typing import Any, Optional
 
 import numpy as np
 import xarray as xr
@@ -151,14 +151,15 @@ def _add_depth_axis(
 ) -> None:
     surface_ns = surface_s * NS_PER_S
     mm_per_ns = one_way_path_m(1.0 / NS_PER_S, permittivity) * MM_PER_M
-    depths = axes.secondary_yaxis(
-        "right",
-        functions=(
-            lambda ns: (ns - surface_ns) * mm_per_ns,
-            lambda mm: surface_ns + mm / mm_per_ns,
-        ),
-    )
-    deepest_mm = (max(axes.get_ylim()) - surface_ns) * mm_per_ns
+
+    def depth_mm(delay_ns: Any) -> Any:
+        return (delay_ns - surface_ns) * mm_per_ns
+
+    def delay_ns(depth_mm: Any) -> Any:
+        return surface_ns + depth_mm / mm_per_ns
+
+    depths = axes.secondary_yaxis("right", functions=(depth_mm, delay_ns))
+    deepest_mm = depth_mm(max(axes.get_ylim()))
     # Above the surface there is no depth.
     depths.set_yticks(MaxNLocator(DEPTH_TICKS).tick_values(0.0, max(deepest_mm, 1.0)))
     depths.set_ylabel(
