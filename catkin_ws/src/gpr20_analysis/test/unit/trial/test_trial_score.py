@@ -76,7 +76,8 @@ def test_candidates_outside_the_lane_are_listed_and_count_only_in_a_halo():
 
 
 def test_weaker_echoes_count_only_in_the_curve_which_goes_from_the_most_certain_to_the_last():
-    own = group(score(marks([(0.5, 0.5), (2.5, 0.5), (1.5, 0.1)], weaker=(1, 2))))
+    places = [(0.5, 0.5), (2.5, 0.5), (1.5, 0.1), (0.51, 0.5)]
+    own = group(score(marks(places, weaker=(1, 2, 3))))
     assert (own.found, own.alarms) == (1, 0)
     assert [share for _, share in own.curve] == [0.0, 0.5, 1.0, 1.0] and own.curve[-1][0] > 0.0
     result = score(marks([(1.5, 0.1), (0.5, 0.5), (1.7, 0.1), (2.5, 0.5)]))
