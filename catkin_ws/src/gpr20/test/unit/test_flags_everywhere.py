@@ -14,7 +14,6 @@ from candidate_examples import POSITIONS, candidate, candidate_list, candidate_l
 from hypothesis import HealthCheck, given, settings
 from visualization_msgs.msg import Marker
 
-from gpr20_analysis.candidates.answer import Answer
 from gpr20_analysis.candidates.files import write_candidates
 from gpr20_analysis.candidates.table import (
     WEAKER_TITLE,
@@ -23,8 +22,7 @@ from gpr20_analysis.candidates.table import (
     places_sentence,
 )
 from gpr20_analysis.high import candidate_topics
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.report import places
+from gpr20_analysis.report.sections import places_section
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
@@ -87,7 +85,7 @@ def check(found, folder):
         assert (str(WEAKER_TITLE) in lines) == (all_of_them and bool(weaker))
         said = f"{len(weaker) + found.omitted} weaker echoes; show them"
         assert any(said in one for one in lines) == (not all_of_them and found.weaker > 0)
-    section = report_section(found)
+    section = places_section(found, ENGLISH)
     assert [row[0] for row in section.rows] == shown
     assert [row[0] for row in section.more[1]] == [one for one in flags if one in weaker]
     for row in (*section.rows, *(candidate_row(one) for one in found.candidates)):
@@ -117,15 +115,6 @@ def check(found, folder):
     assert list(colours) == list(flags)
     for name, colour in colours.items():
         assert (colour == candidate_topics.DOUBTFUL) == (name in weaker)
-
-
-def report_section(found):
-    no_figure = places.projections.candidate_map_figure, places._finer
-    places.projections.candidate_map_figure = places._finer = lambda *_: None
-    try:
-        return places.places_section(Answer(None, None, found), None, ImageOptions(), ENGLISH)
-    finally:
-        places.projections.candidate_map_figure, places._finer = no_figure
 
 
 @each_case("flag", Flag)

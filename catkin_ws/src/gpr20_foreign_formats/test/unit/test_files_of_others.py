@@ -16,7 +16,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.plotting.ranges import until
+from gpr20_analysis.plotting.scans import until
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.replay import describe

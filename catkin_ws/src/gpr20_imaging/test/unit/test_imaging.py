@@ -316,7 +316,8 @@ def test_where_a_mine_could_hide_is_that_of_the_analysis(process, tmp_path):
     )
     gpr20_analysis.write_dataset(corner, file)
     found = made_by(process, "map_hidden", file, PERMITTIVITY, "pmn")
-    here = gpr20_analysis.map_hidden_in_field(corner, PERMITTIVITY, Targets.PMN.value)
+    detector = gpr20_analysis.Detector(gpr20_analysis.field_options(PERMITTIVITY, corner))
+    here = gpr20_analysis.map_hidden(corner, detector, Targets.PMN.value)
     assert found.target == Targets.PMN.value and found.tried.sum() > 0
     assert (found.tried == here.tried).all() and (found.found == here.found).all()
     # A reason comes with its fault.

@@ -9,9 +9,8 @@ from __future__ import annotations
 import csv
 import io
 import json
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, Sequence, Tuple, Union
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import ExportError, wrong_ending
@@ -19,7 +18,6 @@ from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import CandidateList, candidate_record, list_record
 
 CSV, JSON, GEOJSON = ".csv", ".json", ".geojson"
@@ -31,23 +29,7 @@ COLUMNS = (
     *("rotations_deg", "polarization_ratio_db", "flags", "doubtful"),
     *("longitude_deg", "latitude_deg"),
 )
-
-
-@dataclass(frozen=True)
-class Table:
-    """A list as a file holds it.
-
-    Attributes:
-        head: What holds for all of it.
-        name: Key of the records in JSON.
-        records: The places; each has an id, and a longitude and latitude, which may be None.
-        columns: What CSV has of them.
-    """
-
-    head: Dict[str, Any]
-    name: str
-    records: Sequence[Dict[str, Any]]
-    columns: Sequence[str]
+Record = Dict[str, Any]
 
 
 def write_candidates(found: CandidateList, path: Union[str, Path]) -> None:
@@ -62,18 +44,45 @@ def write_candidates(found: CandidateList, path: Union[str, Path]) -> None:
             does not have, or the output cannot be written.
     """
     path = Path(path)
-    check_ending(path)
-    require_place(path, found.position)
+    if path.suffix == GEOJSON and found.position is None:
+        raise ExportError(
+            Message(
+                "{file} needs the survey's place on the earth, because GeoJSON has WGS 84 "
+                "coordinates only; set it with {command}, or write another format",
+                file=path.name,
+                command="gpr20 annotate --position --heading",
+            ),
+            fault=NOT_ALLOWED,
+        )
     records = [candidate_record(one, found) for one in found.candidates]
+    write_list(path, list_record(found), "candidates", records, COLUMNS)
+
+
+def write_list(
+    path: Path, head: Record, name: str, records: Sequence[Record], columns: Sequence[str]
+) -> None:
+    """Write a list in the format of the path's ending, and its checksum.
+
+    Args:
+        path: The file; its ending is .csv, .json or .geojson.
+        head: What holds for all of it.
+        name: Key of the records in JSON.
+        records: The places; each has an id, and a longitude and latitude, which may be None.
+        columns: What CSV has of them.
+
+    Raises:
+        ExportError: The ending is unknown, or the output cannot be written.
+    """
+    check_ending(path)
     if path.suffix == CSV:
-        records = [_flat(one) for one in records]
-    write_table(Table(list_record(found), "candidates", records, COLUMNS), path)
-
-
-def write_table(table: Table, path: Path) -> None:
-    """Write a list in the format of the path's ending, and its checksum."""
-    form = {CSV: _csv, JSON: _json, GEOJSON: _geojson}[path.suffix]
-    write_with_checksum(path, form(table))
+        write_with_checksum(path, _csv(head, records, columns))
+    elif path.suffix == GEOJSON:
+        features = [_feature(one) for one in records]
+        write_with_checksum(
+            path, json_content({"type": "FeatureCollection", "features": features, "gpr20": head})
+        )
+    else:
+        write_with_checksum(path, json_content({**head, name: records}))
 
 
 def write_with_checksum(path: Path, text: str) -> None:
@@ -107,61 +116,36 @@ def check_ending(path: Path, endings: Sequence[str] = ENDINGS) -> None:
         raise ExportError(wrong_ending(path, tuple(endings)))
 
 
-def require_place(path: Path, position: Optional[AreaPosition]) -> None:
-    """Check that a survey that is written as GeoJSON has a place on the earth.
-
-    Raises:
-        ExportError: It has none.
-    """
-    if path.suffix == GEOJSON and position is None:
-        raise ExportError(
-            Message(
-                "{file} needs the survey's place on the earth, because GeoJSON has WGS 84 "
-                "coordinates only; set it with {command}, or write another format",
-                file=path.name,
-                command="gpr20 annotate --position --heading",
-            ),
-            fault=NOT_ALLOWED,
-        )
-
-
 def json_content(values: Dict[str, Any]) -> str:
     """Return the content of a JSON file."""
     return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _json(table: Table) -> str:
-    return json_content({**table.head, table.name: table.records})
+def _feature(record: Record) -> Record:
+    degrees = [record[name] for name in ("longitude_deg", "latitude_deg")]
+    place = None
+    # Without a place on the earth the geometry is null: x_m and y_m are in the properties.
+    if None not in degrees:
+        place = {"type": "Point", "coordinates": [round(one, 9) for one in degrees]}
+    return {"type": "Feature", "id": record["id"], "geometry": place, "properties": record}
 
 
-def _geojson(table: Table) -> str:
-    features: List[Dict[str, Any]] = []
-    for record in table.records:
-        degrees = [record[name] for name in ("longitude_deg", "latitude_deg")]
-        place = None
-        # Without a place on the earth the geometry is null: x_m and y_m are in the properties.
-        if None not in degrees:
-            place = {"type": "Point", "coordinates": [round(one, 9) for one in degrees]}
-        features.append(
-            {"type": "Feature", "id": record["id"], "geometry": place, "properties": record}
-        )
-    return json_content({"type": "FeatureCollection", "features": features, "gpr20": table.head})
-
-
-def _csv(table: Table) -> str:
+def _csv(head: Record, records: Sequence[Record], columns: Sequence[str]) -> str:
     lines = io.StringIO()
-    for name, value in table.head.items():
+    for name, value in head.items():
         for one in value if isinstance(value, list) else [value]:
             text = one if isinstance(one, str) else json.dumps(one)
             lines.write(f"# {name}: {csv_cell(' '.join(text.split()))}\n")
     writer = csv.writer(lines)
-    writer.writerow(table.columns)
-    for record in table.records:
-        writer.writerow([csv_cell(record[name]) for name in table.columns])
+    writer.writerow(columns)
+    for record in records:
+        writer.writerow([csv_cell(_flat(record[name])) for name in columns])
     return lines.getvalue()
 
 
-def _flat(record: Dict[str, Any]) -> Dict[str, Any]:
-    turns = ["combined" if one is None else f"{one:g}" for one in record["rotations_deg"]]
-    texts = {"flags": " ".join(record["flags"]), "rotations_deg": " ".join(turns)}
-    return {**record, **texts, "doubtful": int(record["doubtful"])}
+def _flat(value: Any) -> Any:
+    """Return a value as a cell holds it: flags and rotations are separated by spaces."""
+    if isinstance(value, list):
+        return " ".join("combined" if one is None else f"{one:g}" if isinstance(one, float) else one
+                        for one in value)  # fmt: skip
+    return int(value) if isinstance(value, bool) else value

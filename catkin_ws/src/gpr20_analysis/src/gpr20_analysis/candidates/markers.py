@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional, Tuple, Union
 
 import xarray as xr
 
-from gpr20_analysis.candidates.files import Table, check_ending, write_table
+from gpr20_analysis.candidates.files import write_list
 from gpr20_analysis.candidates.table import text_lines
 from gpr20_analysis.dataset import MM_PER_M, description_of
 from gpr20_analysis.errors import AnalysisError
@@ -81,12 +81,11 @@ def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
     Raises:
         ExportError: The ending is unknown, or the output cannot be written.
     """
-    check_ending(Path(path))
-    write_table(_table(found), Path(path))
+    write_list(Path(path), _head(found), "markers", _records(found), COLUMNS)
 
 
-def _table(found: MarkerList) -> Table:
-    head = {
+def _head(found: MarkerList) -> Dict[str, Any]:
+    return {
         "format": FORMAT,
         "warning": str(NO_CLEARANCE),
         "simulated": found.simulated,
@@ -95,7 +94,10 @@ def _table(found: MarkerList) -> Table:
         "coordinates": "X, Y and depth in metres, in the survey's area",
         "position": asdict(found.position) if found.position else None,
     }
-    return Table(head, "markers", [_record(one, found) for one in found.markers], COLUMNS)
+
+
+def _records(found: MarkerList) -> List[Dict[str, Any]]:
+    return [_record(one, found) for one in found.markers]
 
 
 def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:

@@ -27,6 +27,8 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.results.candidates import json_text
 
+MOST_SLICES = 12
+
 
 def _add_process(parser: argparse.ArgumentParser) -> None:
     inputs.add_survey(parser)
@@ -110,16 +112,16 @@ def _print(found: Answer, chosen: argparse.Namespace, catalogue: Catalogue) -> N
 
 
 def _draw(found: Answer, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.projections import marked_of, projection_figure
+    from gpr20_analysis.plotting.projections import projection_figure
     from gpr20_analysis.plotting.scans import c_scan_figure
 
     folder.mkdir()
-    image, candidates = found.image, found.found.candidates
+    image, places = found.image, found.found.shown()
     for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, candidates, catalogue)
+        figure = projection_figure(image, turn, places, catalogue)
         word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
         outputs.save_figure(figure, folder / f"projections_{word}.png")
-    marked = [] if is_line(image) else marked_of(candidates)
+    marked = [] if is_line(image) else places[:MOST_SLICES]
     depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
     for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
         figure = c_scan_figure(image, depth_m, catalogue)

@@ -12,11 +12,11 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.candidates.files import output_paths
+from gpr20_analysis.candidates.files import JSON, output_paths
 from gpr20_analysis.commands import image_options, inputs, outputs, steps
 from gpr20_analysis.commands.command import Command, per
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.files import ENDINGS, read_hiding, write_hiding
+from gpr20_analysis.hiding.files import read_hiding, write_hiding
 from gpr20_analysis.hiding.search import Detector, HidingOptions, map_hidden
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.processing.delay import recorded_separation_m
@@ -83,8 +83,8 @@ def _add_hiding_map(parser: argparse.ArgumentParser) -> None:
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
     outputs.add_output(
         parser,
-        [*ENDINGS, *outputs.PICTURES],
-        "map as .json, which report and view read, or .geojson, or a picture "
+        [JSON, *outputs.PICTURES],
+        "map as .json, which report and view read, or a picture "
         f"({', '.join(outputs.PICTURES)}); may be given more than once",
         action="append",
         default=[],
@@ -114,7 +114,7 @@ def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     found = map_hidden(survey, detector, target, hiding, antenna, progress)
     for path in chosen.output:
         if path.suffix in outputs.PICTURES:
-            from gpr20_analysis.plotting.hiding import hiding_figure
+            from gpr20_analysis.plotting.maps import hiding_figure
 
             outputs.save_figure(hiding_figure(found, catalogue), path)
         else:

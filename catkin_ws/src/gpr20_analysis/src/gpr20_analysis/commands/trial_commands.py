@@ -39,19 +39,16 @@ def _score(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     lists = [read_list(method, lane, Path(one), plan) for method, lane, one in chosen.list]
     score = score_trial(plan, targets, lists)
     report = trial_report(plan, score, language_from_code(chosen.language), catalogue)
-    first, second = report.sections
-    rows = [" | ".join(row) for row in (first.heading, *first.rows)]
-    said = (*first.warnings, *first.lines, *rows, *second.lines, report.footer)
-    say(*filter(None, (report.title, report.banner, *said)))
-    if output and output.suffix == JSON:
-        warnings = [*filter(None, [report.banner]), *first.warnings, report.footer]
-        values = {"format": FORMAT, "warnings": warnings, **asdict(score)}
+    (section,) = report.sections
+    rows = [" | ".join(row) for row in (section.heading, *section.rows)]
+    notices = [*filter(None, [report.banner]), section.notice, *section.warnings]
+    say(report.title, *notices, *section.lines, *rows)
+    if output is not None and output.suffix == JSON:
+        values = {"format": FORMAT, "warnings": notices, **asdict(score)}
         with atomic_output(output) as place:
             place.write_text(json.dumps(values, indent=2, allow_nan=False), encoding="utf-8")
-    elif output:
-        drawn = [one for one in score.groups if one.targets or not one.stratum]
-        figure = froc_figure(drawn, [report.banner] if report.banner else [], catalogue)
-        first.figures.append((catalogue.tr("FROC with intervals (95 %)"), figure))
+    elif output is not None:
+        section.figures.append(froc_figure(score.groups, catalogue))
         save_report(report, output)
     return DONE
 

@@ -16,14 +16,14 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis import work
-from gpr20_analysis.candidates.answer import answer, field_options
+from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.candidates.search import surveyed_m2
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.injection import with_targets
-from gpr20_analysis.hiding.scattering import Echo, Soil, echo_of
-from gpr20_analysis.hiding.transmission import SurfaceReference, of_model
-from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.hiding.scattering import Soil, echo_of
+from gpr20_analysis.hiding.transmission import of_model, of_surface
+from gpr20_analysis.imaging.image_options import ImageOptions, check_range
 from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
 from gpr20_analysis.processing.sweep import FrequencyGrid
@@ -75,25 +75,19 @@ class HidingOptions:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        """Check the options.
+        rising = bool(self.depth_m) and bool(np.all(np.diff(self.depth_m) > 0.0))
+        # Written so that NaN is refused too.
+        if not (rising and self.depth_m[0] >= 0.0 and self.depth_m[-1] <= 1.0):
+            raise WrongDatasetError(
+                Message("the depths of the target must ascend, from 0 to 1 m"), fault=NOT_ALLOWED
+            )
+        check_range("rounds", self.rounds, 1, 100)
+        check_range("needed", self.needed, 0.01, 1.0)
+        check_range("loss_tangent", self.loss_tangent, 0.0, 1.0)
+        check_range("seed", self.seed, 0, 2**32)
 
-        Raises:
-            WrongDatasetError: A value is not allowed.
-        """
-        depths_m = np.asarray(self.depth_m)
-        right = {
-            Message("the depths of the target must ascend, from 0 to 1 m"): len(depths_m) > 0
-            and bool(np.all(np.diff(depths_m) > 0.0))
-            and depths_m[0] >= 0.0
-            and depths_m[-1] <= 1.0,
-            Message("rounds must be 1 to 100"): 1 <= self.rounds <= 100,
-            Message("the needed share must lie between 0.01 and 1"): 0.01 <= self.needed <= 1.0,
-            Message("the loss tangent must lie between 0 and 1"): 0.0 <= self.loss_tangent <= 1.0,
-            Message("the seed must not be negative"): self.seed >= 0,
-        }
-        for sentence, is_right in right.items():
-            if not is_right:
-                raise WrongDatasetError(sentence, fault=NOT_ALLOWED)
+
+STANDARD = HidingOptions()
 
 
 @dataclass(frozen=True)
@@ -117,7 +111,7 @@ def map_hidden(
     survey: xr.Dataset,
     detector: Detector,
     target: Target,
-    options: HidingOptions,
+    options: HidingOptions = STANDARD,
     antenna: Optional[xr.Dataset] = None,
     progress: Progress = no_progress,
 ) -> HidingMap:
@@ -140,118 +134,92 @@ def map_hidden(
     work.require_bytes(COPIES * measured.nbytes, Message("a map of hidden targets"))
     survey = survey.assign({S21: measured.compute()})
     listed = detector.search(survey)
-    runs = _Runs(survey, listed, target, options, antenna)
+    soils = [Soil(one, options.loss_tangent) for one in _permittivities(listed, target)]
+    transmissions = (
+        [of_model(antenna)] * len(soils)
+        if antenna is not None
+        else of_surface(survey, options.separation_m, [one.permittivity for one in soils])
+    )
+    frequency_hz = FrequencyGrid.of(survey).frequency_hz
+    height_m = float(survey[HEIGHT].where(usable(survey)).mean())
+    reach_m = float(np.hypot(*(np.ptp(survey[name].values) for name in (X, Y))))
+    echoes = {
+        (depth_m, soil): echo_of(target, depth_m, soil, height_m, frequency_hz, reach_m)
+        for depth_m in options.depth_m
+        for soil in soils
+    }
 
-    def search(job: Tuple[float, int]) -> List[bool]:
-        places_m = runs.places_m(*job)
-        if not places_m:
-            return []
-        found = detector.search(runs.survey_with(places_m, *job))
-        return [is_found(found, listed, one, job[0], target) for one in places_m]
+    def search(run: _Run) -> List[bool]:
+        at = run.number % len(soils)
+        echo = echoes[run.depth_m, soils[at]]
+        injected = with_targets(
+            survey,
+            echo,
+            run.places_m,
+            soils[at].permittivity,
+            transmissions[at],
+            options.separation_m,
+        )
+        found = detector.search(injected)
+        return [is_found(found, listed, one, run.depth_m, target) for one in run.places_m]
 
-    jobs = [(depth_m, number) for depth_m in options.depth_m for number in range(options.rounds)]
+    middle_m = SPEED_OF_LIGHT_M_S / float(np.mean(frequency_hz))
+    apart_m = max(APART_M, APART_WAVELENGTHS * middle_m, 2.0 * target.diameter_m)
+    runs = _runs(survey, options, apart_m)
     tried: Dict[float, List[Tuple[Place, bool]]] = {one: [] for one in options.depth_m}
-    for job, hits in zip(jobs, on_threads(search, jobs, progress)):
-        tried[job[0]] += zip(runs.places_m(*job), hits)
-    return _counted(survey, listed, target, options, tried, runs.apart_m)
+    for run, hits in zip(runs, on_threads(search, runs, progress)):
+        tried[run.depth_m] += zip(run.places_m, hits)
+    return _counted(survey, listed, target, options, tried, apart_m)
 
 
-def map_hidden_in_field(
-    survey: xr.Dataset, permittivity: Optional[float], target: Target
-) -> HidingMap:
-    """Return where a target could hide, as the robot's window searches surveys.
-
-    Args:
-        survey: The survey as measured.
-        permittivity: Relative permittivity of the ground; None: what the survey says.
-        target: What is put into the spectra.
-
-    Raises:
-        AnalysisError: The survey cannot be imaged, or its surface echo is not clear.
-    """
-    detector = Detector(field_options(permittivity, survey))
-    return map_hidden(survey, detector, target, HidingOptions())
+def _permittivities(listed: CandidateList, target: Target) -> List[float]:
+    """Return what the soil may have: the best, the lowest and the highest likely permittivity."""
+    if _may_be_invisible(listed, target):
+        return [target.permittivity or 1.0]
+    return [listed.permittivity, listed.permittivity_lowest, listed.permittivity_highest]
 
 
-class _Runs:
-    """The surveys with targets in them.
+def _may_be_invisible(listed: CandidateList, target: Target) -> bool:
+    """Return whether the soil may be like the target; what may be invisible is taken as that."""
+    lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
+    return target.permittivity is not None and lowest <= target.permittivity <= highest
 
-    Args:
-        survey: The survey as measured.
-        listed: Its candidates.
-        target: What is put into the spectra.
-        options: How many targets, and where.
-        antenna: Model of the antennas; None: the survey's surface gives their transmission.
+
+@dataclass(frozen=True)
+class _Run:
+    """A survey with targets in it that is searched.
 
     Attributes:
-        apart_m: Distance of the targets of one lattice [m].
+        depth_m: Depth of their tops [m].
+        number: Of the run at that depth.
+        places_m: X and Y of each target [m].
     """
 
-    def __init__(
-        self,
-        survey: xr.Dataset,
-        listed: CandidateList,
-        target: Target,
-        options: HidingOptions,
-        antenna: Optional[xr.Dataset],
-    ) -> None:
-        self._survey, self._target, self._options = survey, target, options
-        self._frequency_hz = FrequencyGrid.of(survey).frequency_hz
-        lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
-        self._permittivities = [listed.permittivity, lowest, highest]
-        if target.permittivity is not None and lowest <= target.permittivity <= highest:
-            # What may be invisible is taken as invisible.
-            self._permittivities = [target.permittivity]
-        if antenna is None:
-            surface = SurfaceReference(survey, options.separation_m)
-            self._transmissions = [surface.transmission(one) for one in self._permittivities]
-        else:
-            self._transmissions = [of_model(antenna)] * len(self._permittivities)
-        self._height_m = float(survey[HEIGHT].where(usable(survey)).mean())
-        self._reach_m = float(np.hypot(*(np.ptp(survey[name].values) for name in (X, Y))))
-        middle_m = SPEED_OF_LIGHT_M_S / float(np.mean(self._frequency_hz))
-        self.apart_m = max(APART_M, APART_WAVELENGTHS * middle_m, 2.0 * target.diameter_m)
-        area_m2 = surveyed_m2(*(survey[name].values for name in (X, Y)))
-        self._at_once = max(1, int(AT_ONCE_PER_M2 * area_m2))
-        self._echoes: Dict[Tuple[float, int], Echo] = {}
+    depth_m: float
+    number: int
+    places_m: Sequence[Place]
 
-    def places_m(self, depth_m: float, number: int) -> List[Place]:
-        """Return the places of the targets of one run [m]."""
-        options = self._options
-        random = np.random.default_rng([options.seed, options.depth_m.index(depth_m), number])
-        axes_m = [self._survey[name].values for name in (X, Y)]
-        x_m, y_m = (self._lattice(axis_m, random.random()) for axis_m in axes_m)
-        places_m = [(float(one), float(other)) for other in y_m for one in x_m]
-        every = max(1, -(-len(places_m) // self._at_once))
-        return places_m[number % every :: every]
 
-    def survey_with(self, places_m: Sequence[Place], depth_m: float, number: int) -> xr.Dataset:
-        """Return the survey with targets at places."""
-        of_soil = number % len(self._permittivities)
-        return with_targets(
-            self._survey,
-            self._echo(depth_m, of_soil),
-            places_m,
-            self._permittivities[of_soil],
-            self._transmissions[of_soil],
-            self._options.separation_m,
-        )
+def _runs(survey: xr.Dataset, options: HidingOptions, apart_m: float) -> List[_Run]:
+    """Return all runs that have targets: every time some of a lattice with a random origin."""
+    axes_m = [survey[name].values for name in (X, Y)]
+    at_once = max(1, int(AT_ONCE_PER_M2 * surveyed_m2(*axes_m)))
+    found = []
+    for layer, depth_m in enumerate(options.depth_m):
+        for number in range(options.rounds):
+            random = np.random.default_rng([options.seed, layer, number])
+            x_m, y_m = (_lattice(axis_m, apart_m, random.random()) for axis_m in axes_m)
+            places_m = [(float(one), float(other)) for other in y_m for one in x_m]
+            every = max(1, -(-len(places_m) // at_once))
+            found.append(_Run(depth_m, number, places_m[number % every :: every]))
+    return [one for one in found if one.places_m]
 
-    def _lattice(self, axis_m: np.ndarray, origin: float) -> np.ndarray:
-        """Return places along an axis; of a single line its place."""
-        if len(axis_m) == 1:
-            return axis_m
-        first_m, last_m = float(axis_m.min()), float(axis_m.max())
-        return np.arange(first_m + origin * self.apart_m, last_m, self.apart_m)
 
-    def _echo(self, depth_m: float, of_soil: int) -> Echo:
-        # Two threads may compute the same echo, which is the same.
-        if (depth_m, of_soil) not in self._echoes:
-            soil = Soil(self._permittivities[of_soil], self._options.loss_tangent)
-            self._echoes[depth_m, of_soil] = echo_of(
-                self._target, depth_m, soil, self._height_m, self._frequency_hz, self._reach_m
-            )
-        return self._echoes[depth_m, of_soil]
+def _lattice(axis_m: np.ndarray, apart_m: float, origin: float) -> np.ndarray:
+    """Return places along an axis; of a single line its place."""
+    if len(axis_m) == 1:
+        return axis_m
+    return np.arange(float(axis_m.min()) + origin * apart_m, float(axis_m.max()), apart_m)
 
 
 def is_found(
@@ -333,19 +301,17 @@ def _counted(
 
 
 def _notes(listed: CandidateList, target: Target) -> Sequence[Message]:
-    lowest, highest = listed.permittivity_lowest, listed.permittivity_highest
     known = Source(listed.permittivity_source).message
     notes = [Message("permittivity of the soil: {source}", source=known)]
-    if target.permittivity is None or not lowest <= target.permittivity <= highest:
-        return notes
-    return [
-        *notes,
-        Message(
-            "the soil may have the permittivity of the target, {value:g}, which is then invisible; "
-            "measure that of the soil",
-            value=target.permittivity,
-        ),
-    ]
+    if _may_be_invisible(listed, target):
+        notes.append(
+            Message(
+                "the soil may have the permittivity of the target, {value:g}, which is then "
+                "invisible; measure that of the soil",
+                value=target.permittivity,
+            )
+        )
+    return notes
 
 
 def _places(axis_m: np.ndarray, step_m: float) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Tuple
+from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -46,51 +46,42 @@ def of_model(model: xr.Dataset) -> np.ndarray:
     return values
 
 
-class SurfaceReference:
-    """The echo of a survey's surface, which gives the transmission for a permittivity.
+def of_surface(
+    survey: xr.Dataset, separation_m: float, permittivities: Sequence[float]
+) -> List[np.ndarray]:
+    """Return the transmission by the echo of a survey's surface, for each permittivity [m].
 
     The traces are turned so that their surface echoes lie at one delay, and averaged. Coupling and
     surface are separated by their delay. Level soil reflects as Fresnel says; a rough surface
     reflects less, so the transmission comes out smaller and targets fainter than they are.
 
-    Args:
-        survey: The survey as measured.
-        separation_m: Distance between the antennas [m].
-
     Raises:
         WrongDatasetError: The echo of the surface is not clear.
     """
-
-    def __init__(self, survey: xr.Dataset, separation_m: float) -> None:
-        sweep = FrequencyGrid.of(survey)
-        known = usable(survey).transpose(*SAMPLE_DIMS).values
-        path_m = np.hypot(2.0 * known_height(survey).values, separation_m)
-        turn = 2j * np.pi * sweep.frequency_hz
-        unclear: Optional[WrongDatasetError] = None
-        try:
-            delay_s = fit_delay(survey, separation_m).delay_s
-        except WrongDatasetError as error:
-            # A strong coupling hides the surface from that, but not where the heights say it is.
-            delay_s, unclear = recorded_delay_s(survey), error
-        echoes = []
-        for spectra, own_m, present in zip(survey[S21].transpose(*S21_DIMS).values, path_m, known):
-            present = present & np.isfinite(spectra).all(axis=-1)
-            paths_m = own_m[present][:, None]
-            back = np.exp(turn * (paths_m / SPEED_OF_LIGHT_M_S + delay_s)) * paths_m
-            mean = np.mean(spectra[present] * back, axis=0)
-            air_s = float(paths_m.mean()) / SPEED_OF_LIGHT_M_S
-            _check_separate(air_s, sweep)
-            echo, rest = _surface(mean, air_s, sweep)
-            if unclear is not None and not _is_clear(rest, sweep):
-                raise unclear
-            echoes.append(echo * np.exp(-turn * delay_s))
-        self._echoes = np.stack(echoes)
-
-    def transmission(self, permittivity: float) -> np.ndarray:
-        """Return the transmission (polarization, frequency) [m]."""
-        index = np.sqrt(permittivity)
-        found: np.ndarray = self._echoes * (1.0 + index) / (1.0 - index)
-        return found
+    sweep = FrequencyGrid.of(survey)
+    known = usable(survey).transpose(*SAMPLE_DIMS).values
+    path_m = np.hypot(2.0 * known_height(survey).values, separation_m)
+    turn = 2j * np.pi * sweep.frequency_hz
+    unclear: Optional[WrongDatasetError] = None
+    try:
+        delay_s = fit_delay(survey, separation_m).delay_s
+    except WrongDatasetError as error:
+        # A strong coupling hides the surface from that, but not where the heights say it is.
+        delay_s, unclear = recorded_delay_s(survey), error
+    echoes = []
+    for spectra, own_m, present in zip(survey[S21].transpose(*S21_DIMS).values, path_m, known):
+        present = present & np.isfinite(spectra).all(axis=-1)
+        paths_m = own_m[present][:, None]
+        back = np.exp(turn * (paths_m / SPEED_OF_LIGHT_M_S + delay_s)) * paths_m
+        mean = np.mean(spectra[present] * back, axis=0)
+        air_s = float(paths_m.mean()) / SPEED_OF_LIGHT_M_S
+        _check_separate(air_s, sweep)
+        echo, rest = _surface(mean, air_s, sweep)
+        if unclear is not None and not _is_clear(rest, sweep):
+            raise unclear
+        echoes.append(echo * np.exp(-turn * delay_s))
+    indices = np.sqrt(permittivities)
+    return [np.stack(echoes) * (1.0 + index) / (1.0 - index) for index in indices]
 
 
 def _check_separate(air_s: float, sweep: FrequencyGrid) -> None:

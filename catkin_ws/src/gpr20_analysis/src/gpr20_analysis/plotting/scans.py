@@ -1,8 +1,7 @@
-"""A-, B- and C-scans."""
+"""A-, B- and C-scans; A- and B-scans end where no ground is seen any more."""
 
 from __future__ import annotations
 
-import enum
 from typing import Any, Optional
 
 import numpy as np
@@ -15,6 +14,7 @@ from gpr20_analysis.dataset import (
     A_SCAN,
     DELAY,
     DEPTH,
+    HEIGHT,
     IMAGE,
     MM_PER_M,
     POLARIZATION,
@@ -24,32 +24,30 @@ from gpr20_analysis.dataset import (
     require,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.plotting.ranges import brightest, surface_delay_s, until
 from gpr20_analysis.plotting.style import (
-    PANEL_TITLE_PT,
-    SIGNED_MAP,
     DecibelScale,
     draw,
+    draw_plan,
     in_mm,
     new_figure,
-    plan_axes,
     rotation_name,
+    turn_panels,
 )
+from gpr20_analysis.processing.delay import ADVANCE
+from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import one_way_path_m
+from gpr20_survey.radar.depth import one_way_path_m, two_way_delay_s
 
 NS_PER_S = 1e9
 DEPTH_TICKS = 8
-
-
-class Value(enum.Enum):
-    """The part of a complex trace that is drawn."""
-
-    MAGNITUDE = "magnitude"
-    REAL = "real"
+# Without other values: depth of a default image, moist soil, antennas as high as usual.
+DEEPEST_M, PERMITTIVITY, HEIGHT_M = 0.3, 9.0, 0.3
+MARGIN_S = 0.5e-9
+# A few disturbed traces are brighter than the scale, instead of hiding all others.
+PART_OF_TRACES = 0.95
 
 
 def a_scan_figure(
@@ -106,18 +104,16 @@ def b_scan_figure(
     in_time: xr.Dataset,
     along: str,
     at_m: float,
-    value: Value = Value.MAGNITUDE,
     last_s: Optional[float] = None,
     permittivity: Optional[float] = None,
     catalogue: Catalogue = ENGLISH,
 ) -> Figure:
-    """Draw all traces of a line.
+    """Draw the envelopes of all traces of a line.
 
     Args:
         in_time: Dataset with `a_scan`.
         along: "x" or "y".
         at_m: Position of the line on the other axis [m]; the nearest line is drawn.
-        value: Envelope in dB, or the real part.
         last_s: Last delay [s]; None: that of an echo from a depth of 0.3 m; `math.inf`: all delays.
         permittivity: Relative permittivity of the soil; adds an axis of depth if heights are known.
         catalogue: Language of the texts.
@@ -128,37 +124,25 @@ def b_scan_figure(
     other = {X: Y, Y: X}[along]
     shown = until(in_time, last_s, permittivity)
     line = require(shown, A_SCAN, (*SAMPLE_DIMS, DELAY)).sel({other: at_m}, method="nearest")
-    turns = in_time[POLARIZATION].values
     title = catalogue.tr(
         "B-scan along {axis} at {other} {position_mm:g} mm",
         axis=along,
         other=other,
         position_mm=float(in_mm(line[other])),
     )
-    figure = new_figure(in_time, len(turns), title, catalogue)
     traces = line.compute().values
-    reference = brightest(traces)
+    scale = DecibelScale(traces, _brightest(traces))
+    figure, panels = turn_panels(in_time, title, catalogue, sharey=True)
     across, down = in_mm(in_time[along]), shown[DELAY].values * NS_PER_S
-    panels = figure.subplots(1, len(turns), squeeze=False, sharey=True)[0]
-    scale = DecibelScale(traces, reference)
-    for axes, turn, values in zip(panels, turns, traces):
-        if value is Value.REAL:
-            limits = {"cmap": SIGNED_MAP, "vmin": -reference, "vmax": reference}
-            drawn = draw(axes, values.real.T, across, down, **limits)
-        else:
-            scale.draw(axes, values.T, across, down)
+    for axes, values in zip(panels, traces):
+        drawn = draw(axes, scale.levels_db(values.T), across, down, **scale.colours)
         axes.set_xlabel(f"{along} [mm]")
-        axes.set_title(rotation_name(float(turn), in_time, catalogue), fontsize=PANEL_TITLE_PT)
     panels[0].invert_yaxis()  # that of all of them
     panels[0].set_ylabel(catalogue.tr("two-way delay [ns]"))
-    surface_s = surface_delay_s(shown)
+    surface_s = _surface_delay_s(shown)
     if permittivity is not None and surface_s is not None:
         _add_depth_axis(panels[-1], surface_s, permittivity, catalogue)
-    if value is Value.REAL:
-        label = catalogue.tr("real part of S21, linear")
-        figure.colorbar(drawn, ax=list(panels), label=label, extend="both")
-    else:
-        scale.add_bar(figure, panels, catalogue.tr("magnitude [dB relative to brightest traces]"))
+    scale.add_bar(figure, drawn, panels, catalogue)
     return figure
 
 
@@ -166,20 +150,17 @@ def _add_depth_axis(
     axes: Axes, surface_s: float, permittivity: float, catalogue: Catalogue
 ) -> None:
     surface_ns = surface_s * NS_PER_S
-    air_mm_per_ns, soil_mm_per_ns = (
-        one_way_path_m(1.0 / NS_PER_S, one) * MM_PER_M for one in (1.0, permittivity)
-    )
+    mm_per_ns = one_way_path_m(1.0 / NS_PER_S, permittivity) * MM_PER_M
 
     def depth_mm(delay_ns: Any) -> Any:
-        below_ns = np.asarray(delay_ns, dtype=np.float64) - surface_ns
-        return below_ns * np.where(below_ns > 0.0, soil_mm_per_ns, air_mm_per_ns)
+        return (delay_ns - surface_ns) * mm_per_ns
 
     def delay_ns(depth_mm: Any) -> Any:
-        below_mm = np.asarray(depth_mm, dtype=np.float64)
-        return surface_ns + below_mm / np.where(below_mm > 0.0, soil_mm_per_ns, air_mm_per_ns)
+        return surface_ns + depth_mm / mm_per_ns
 
     depths = axes.secondary_yaxis("right", functions=(depth_mm, delay_ns))
-    deepest_mm = float(depth_mm(np.array(max(axes.get_ylim()))))
+    deepest_mm = depth_mm(max(axes.get_ylim()))
+    # Above the surface there is no depth.
     depths.set_yticks(MaxNLocator(DEPTH_TICKS).tick_values(0.0, max(deepest_mm, 1.0)))
     depths.set_ylabel(
         catalogue.tr("depth at permittivity {permittivity:.3g} [mm]", permittivity=permittivity)
@@ -198,29 +179,59 @@ def c_scan_figure(data: xr.Dataset, at: float, catalogue: Catalogue = ENGLISH) -
         WrongDatasetError: There is neither an image nor A-scans.
     """
     if IMAGE in data:
-        volume, level = require(data, IMAGE, (POLARIZATION, Y, X, DEPTH)), DEPTH
-    else:
-        volume, level = require(data, A_SCAN, (*SAMPLE_DIMS, DELAY)), DELAY
-    taken = volume.sel({level: at}, method="nearest").transpose(POLARIZATION, Y, X)
-    turns = data[POLARIZATION].values
-    if level == DEPTH:
-        depth_mm = float(in_mm(taken[level]))
-        title = catalogue.tr("C-scan at depth {depth_mm:.4g} mm", depth_mm=depth_mm)
-        label = catalogue.tr("magnitude [dB relative to the whole image]")
+        volume = require(data, IMAGE, (POLARIZATION, Y, X, DEPTH))
+        taken = volume.sel({DEPTH: at}, method="nearest").transpose(*SAMPLE_DIMS)
+        title = catalogue.tr(
+            "C-scan at depth {depth_mm:.4g} mm", depth_mm=float(in_mm(taken[DEPTH]))
+        )
         # Slices of one image can be compared.
-        every = volume.values
-        scale = DecibelScale(every, float(np.nanmax(np.abs(every), initial=0.0)))
+        scale = DecibelScale(volume.values, float(np.abs(volume).max()))
     else:
-        delay_ns = float(taken[level]) * NS_PER_S
+        volume = require(data, A_SCAN, (*SAMPLE_DIMS, DELAY))
+        taken = volume.sel({DELAY: at}, method="nearest")
+        delay_ns = float(taken[DELAY]) * NS_PER_S
         title = catalogue.tr("C-scan at delay {delay_ns:.4g} ns", delay_ns=delay_ns)
-        label = catalogue.tr("magnitude [dB relative to brightest traces]")
-        every = taken.values
-        scale = DecibelScale(every, brightest(every[..., np.newaxis]))
-    figure = new_figure(data, len(turns), title, catalogue)
-    panels = figure.subplots(1, len(turns), squeeze=False)[0]
-    for axes, turn, values in zip(panels, turns, taken.values):
-        scale.draw(axes, values, in_mm(data[X]), in_mm(data[Y]))
-        plan_axes(axes, data)
-        axes.set_title(rotation_name(float(turn), data, catalogue), fontsize=PANEL_TITLE_PT)
-    scale.add_bar(figure, panels, label)
+        scale = DecibelScale(taken.values, _brightest(taken.values[..., np.newaxis]))
+    figure, panels = turn_panels(data, title, catalogue)
+    for axes, values in zip(panels, taken.values):
+        drawn = draw_plan(axes, data, scale.levels_db(values), **scale.colours)
+    scale.add_bar(figure, drawn, panels, catalogue)
     return figure
+
+
+def until(
+    in_time: xr.Dataset, last_s: Optional[float] = None, permittivity: Optional[float] = None
+) -> xr.Dataset:
+    """Return A-scans up to a delay, at least two.
+
+    Args:
+        in_time: Dataset with `a_scan`.
+        last_s: The last delay [s]; `math.inf` keeps all; None: a little after the echo of the
+            deepest layer of an image.
+        permittivity: Relative permittivity of the soil above it; None: that of moist soil.
+    """
+    if last_s is None:
+        surface_s = _surface_delay_s(in_time)
+        if surface_s is None:
+            surface_s = float(in_time.attrs.get(ANTENNA_DELAY, 0.0)) + two_way_delay_s(HEIGHT_M)
+        soil_s = two_way_delay_s(DEEPEST_M * np.sqrt(permittivity or PERMITTIVITY))
+        last_s = surface_s + soil_s + MARGIN_S
+    count = int(np.searchsorted(in_time[DELAY].values, last_s, side="right"))
+    return in_time.isel({DELAY: slice(None, max(count, 2))})
+
+
+def _surface_delay_s(data: xr.Dataset) -> Optional[float]:
+    """Return the mean two-way delay of the surface [s]; None if no height is known."""
+    antennas_s = float(data.attrs.get(ANTENNA_DELAY, 0.0))
+    if ADVANCE in data:
+        return antennas_s
+    heights_m = data[HEIGHT].values if HEIGHT in data else np.array([])
+    known = heights_m[np.isfinite(heights_m)]
+    return antennas_s + two_way_delay_s(float(known.mean())) if known.size else None
+
+
+def _brightest(traces: np.ndarray) -> float:
+    """Return the magnitude of 0 dB: the largest, except for a few disturbed traces; 0 if none."""
+    magnitudes = np.abs(traces).reshape(-1, traces.shape[-1])
+    largest = magnitudes[np.isfinite(magnitudes).all(axis=1)].max(axis=1, initial=0.0)
+    return float(np.quantile(largest, PART_OF_TRACES, method="lower")) if largest.size else 0.0

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional, Sequence
+import textwrap
+from typing import Any, Dict, List, Literal, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from gpr20_analysis.dataset import DISPLAY_ONLY, MM_PER_M, is_line
-from gpr20_analysis.plotting.noted_figure import NotedFigure
-from gpr20_analysis.plotting.ranges import range_db
+from gpr20_analysis.dataset import DISPLAY_ONLY, MM_PER_M, POLARIZATION, is_line
 from gpr20_analysis.processing.samples import COMBINED
 from gpr20_analysis.sentences import (
     DOUBTS,
@@ -27,12 +27,15 @@ from gpr20_survey.radar.frequency_to_delay import decibels
 
 # A perceptually uniform map, readable by the colour-blind.
 MAGNITUDE_MAP = "viridis"
-SIGNED_MAP = "RdBu_r"
 NOT_MEASURED = "lightgrey"
 WIDTH_IN, HEIGHT_IN, COLOUR_BAR_IN = 4.3, 3.9, 0.9
-PANEL_TITLE_PT = 9.0
+TITLE_PT, PANEL_TITLE_PT, NOTE_PT = 10.0, 9.0, 7.0
+# Of the size of letters: their mean width in a wide text, and the distance of lines.
+LETTER_WIDTH, LINE_SPACING = 0.66, 1.3
+POINTS_PER_IN = 72.0
 # Two halves of the cell of a single position, whose width is arbitrary.
 LONE_MM = np.array([-2.5, 2.5])
+RANGE_STEP_DB, SMALLEST_RANGE_DB, LARGEST_RANGE_DB = 5.0, 20.0, 50.0
 # What is brighter than the scale by less is not marked at its end.
 LEAST_CLIPPED = 1.01
 SMALLEST_PART = 1e-15  # of the reference, where nothing has no logarithm
@@ -46,7 +49,7 @@ def new_figure(
     title: str = "",
     catalogue: Catalogue = ENGLISH,
     rows: float = 1.0,
-) -> NotedFigure:
+) -> Figure:
     """Return an empty figure with notes on the data below it.
 
     Args:
@@ -57,7 +60,25 @@ def new_figure(
         rows: Height in rows of panels.
     """
     notes = [shown(one, catalogue) for one in remarks_of(data)]
-    return NotedFigure((WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows), title, notes)
+    return noted_figure((WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows), title, notes)
+
+
+def noted_figure(size_in: Tuple[float, float], title: str, notes: Sequence[str]) -> Figure:
+    """Return a figure that is higher by the lines of its title and notes than its size [inches]."""
+    width_in, axes_height_in = size_in
+    heading, remarks = _wrapped([title], width_in, TITLE_PT), _wrapped(notes, width_in, NOTE_PT)
+    points = LINE_SPACING * (len(heading) * TITLE_PT + len(remarks) * NOTE_PT)
+    height_in = axes_height_in + points / POINTS_PER_IN
+    figure = Figure(figsize=(width_in, height_in), layout="compressed")
+    # A dollar sign is no formula.
+    figure.suptitle("\n".join(heading), fontsize=TITLE_PT, parse_math=False)
+    figure.supxlabel("\n".join(remarks), fontsize=NOTE_PT, color="firebrick", parse_math=False)
+    return figure
+
+
+def _wrapped(texts: Sequence[str], width_in: float, size_pt: float) -> List[str]:
+    letters = int(width_in * POINTS_PER_IN / (LETTER_WIDTH * size_pt))
+    return [line for one in texts for line in textwrap.wrap(one, letters)]
 
 
 def remarks_of(data: xr.Dataset) -> List[Message]:
@@ -71,15 +92,6 @@ def remarks_of(data: xr.Dataset) -> List[Message]:
     return [*remarks, *sentences_of(data, DOUBTS), *limited(sentences_of(data, NOTES), LISTED)]
 
 
-def relative_db(values: np.ndarray, reference: Optional[float] = None) -> np.ndarray:
-    """Return magnitudes in dB relative to a reference, by default the maximum; NaN stays NaN."""
-    magnitude = np.abs(values)
-    largest = float(np.nanmax(magnitude)) if reference is None else reference
-    if not largest > 0.0:
-        return decibels(magnitude, 1.0)
-    return decibels(magnitude / largest, SMALLEST_PART)
-
-
 def rotation_name(turn_deg: float, data: xr.Dataset, catalogue: Catalogue = ENGLISH) -> str:
     """Return the name of a polarization."""
     if np.isnan(turn_deg):
@@ -87,14 +99,27 @@ def rotation_name(turn_deg: float, data: xr.Dataset, catalogue: Catalogue = ENGL
     return f"{turn_deg:g}°"
 
 
+def turn_panels(
+    data: xr.Dataset, title: str, catalogue: Catalogue, **options: Any
+) -> Tuple[Figure, List[Axes]]:
+    """Return a figure with a panel for each polarization beside each other."""
+    turns = data[POLARIZATION].values
+    figure = new_figure(data, len(turns), title, catalogue)
+    panels = list(figure.subplots(1, len(turns), squeeze=False, **options)[0])
+    for axes, turn in zip(panels, turns):
+        axes.set_title(rotation_name(float(turn), data, catalogue), fontsize=PANEL_TITLE_PT)
+    return figure, panels
+
+
 def draw(
     axes: Axes,
     values: np.ndarray,
     across: np.ndarray,
     down: np.ndarray,
+    shading: Literal["nearest", "gouraud"] = "nearest",
     **options: Any,
 ) -> Any:
-    """Draw values (down, across) as cells; NaN is grey."""
+    """Draw values (down, across) as cells, or "gouraud" between them; NaN is grey."""
     axes.set_facecolor(NOT_MEASURED)
     if len(across) == 1:
         axes.set_xticks(across)
@@ -104,42 +129,48 @@ def draw(
         down, values = down + LONE_MM, np.repeat(values, 2, axis=0)
     # As a bitmap also in PDF and SVG, since viewers draw thin lines between vector cells.
     return axes.pcolormesh(
-        across, down, np.ma.masked_invalid(values), shading="nearest", rasterized=True, **options
+        across, down, np.ma.masked_invalid(values), shading=shading, rasterized=True, **options
     )
+
+
+def draw_plan(axes: Axes, data: xr.Dataset, values: np.ndarray, **options: Any) -> Any:
+    """Draw values (y, x) as a map, which is to scale unless it is that of a single line."""
+    axes.set_xlabel("x [mm]")
+    axes.set_ylabel("y [mm]")
+    axes.set_aspect("auto" if is_line(data) else "equal")
+    return draw(axes, values, in_mm(data["x"]), in_mm(data["y"]), **options)
 
 
 class DecibelScale:
     """One colour scale for all panels of a figure.
 
     Args:
-        values: Everything that the scale is for; its median is the darkest colour.
+        values: Everything that the scale is for; half of it is darkest, within limits.
         reference: Magnitude of 0 dB.
     """
 
     def __init__(self, values: np.ndarray, reference: float) -> None:
         magnitudes = np.abs(values)
-        self._reference = reference
-        self._range_db = range_db(magnitudes, reference)
-        brighter = np.nanmax(magnitudes, initial=0.0) > reference * LEAST_CLIPPED
-        self._extend = "both" if brighter else "min"
-        self._drawn: Any = None
+        known = magnitudes[np.isfinite(magnitudes)]
+        self._reference = reference or 1.0
+        middle = float(np.median(known)) if known.size else 0.0
+        reach_db = -float(decibels(middle / self._reference, SMALLEST_PART))
+        steps = RANGE_STEP_DB * np.ceil(reach_db / RANGE_STEP_DB)
+        lowest_db = -float(np.clip(steps, SMALLEST_RANGE_DB, LARGEST_RANGE_DB))
+        self.colours: Dict[str, Any] = {"cmap": MAGNITUDE_MAP, "vmin": lowest_db, "vmax": 0.0}
+        is_brighter = known.max(initial=0.0) > self._reference * LEAST_CLIPPED
+        self._extend = "both" if is_brighter else "min"
 
-    def draw(self, axes: Axes, values: np.ndarray, across: np.ndarray, down: np.ndarray) -> None:
-        """Draw magnitudes (down, across)."""
-        limits = {"cmap": MAGNITUDE_MAP, "vmin": -self._range_db, "vmax": 0.0}
-        self._drawn = draw(axes, relative_db(values, self._reference), across, down, **limits)
+    def levels_db(self, values: np.ndarray) -> np.ndarray:
+        """Return magnitudes in dB relative to the reference; NaN stays NaN."""
+        return decibels(np.abs(values) / self._reference, SMALLEST_PART)
 
-    def add_bar(self, figure: NotedFigure, panels: Sequence[Axes], label: str) -> None:
+    def add_bar(
+        self, figure: Figure, drawn: Any, panels: Sequence[Axes], catalogue: Catalogue
+    ) -> None:
         """Add the colour bar beside the panels."""
-        bar = figure.colorbar(self._drawn, ax=list(panels), extend=self._extend)
-        bar.set_label(label, fontsize=PANEL_TITLE_PT)
-
-
-def plan_axes(axes: Axes, data: xr.Dataset) -> None:
-    """Label the axes of a map, which is to scale unless it is that of a single line."""
-    axes.set_xlabel("x [mm]")
-    axes.set_ylabel("y [mm]")
-    axes.set_aspect("auto" if is_line(data) else "equal")
+        bar = figure.colorbar(drawn, ax=list(panels), extend=self._extend)
+        bar.set_label(catalogue.tr("magnitude [dB]"), fontsize=PANEL_TITLE_PT)
 
 
 def in_mm(values_m: Any) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from typing import TYPE_CHECKING, Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
@@ -18,17 +17,16 @@ from gpr20_survey.results.candidates import SIMULATED
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-FOOTER = Message(
+NOTICE = Message(
     "A trial counts targets that were buried for it. It says nothing about any other ground."
 )
 HEADING = Message("stratum|method|found|PD|interval|PD shown|false alarms|m2|per m2|interval")
 LEAST_PART = 0.95  # of the area of a lane; where it is less, false alarms per m2 are too few
-PANEL_COLUMNS, MOST_PANELS = 3, 12
 
 
 def trial_report(plan: Plan, score: Score, language: Language, catalogue: Catalogue) -> Report:
     """Return the report of a score, without figures."""
-    promise = Message(
+    promise = catalogue.tr(
         "The truth is the one whose SHA-256 is in the plan: {sum}. Halo radius {halo_m:g} m. "
         "Intervals: 95 %, Clopper-Pearson, Poisson. PD shown: one-sided, 95 %. A stratum of "
         "targets has the false alarms of all lanes.",
@@ -42,15 +40,18 @@ def trial_report(plan: Plan, score: Score, language: Language, catalogue: Catalo
         )
         for one in score.lanes
     ]
-    rows = [_row(one, catalogue.tr("all targets")) for one in score.groups]
-    heading = tuple(catalogue.text(HEADING).split("|"))
-    said = list(map(catalogue.text, _warnings(plan, score)))
-    first = Section(catalogue.tr("Score"), "", said, [catalogue.text(promise)], rows, heading)
-    second = Section(catalogue.tr("Lists"), lines=lists)
+    first = Section(
+        catalogue.tr("Score"),
+        catalogue.text(NOTICE),
+        warnings=list(map(catalogue.text, _warnings(plan, score))),
+        lines=[promise, *lists],
+        heading=tuple(catalogue.text(HEADING).split("|")),
+        rows=[_row(one, catalogue.tr("all targets")) for one in score.groups],
+    )
     simulated = any(one.listed.simulated for one in score.lanes)
-    marks = (catalogue.tr("SIMULATED"), catalogue.text(SIMULATED)) if simulated else ("", "")
+    banner = catalogue.text(SIMULATED) if simulated else ""
     title = catalogue.tr("Trial {plan}", plan=plan.truth_sha256[:16])
-    return Report(title, [first, second], language, *marks, catalogue.text(FOOTER))
+    return Report(title, [first], language, banner)
 
 
 def _warnings(plan: Plan, score: Score) -> List[Message]:
@@ -91,33 +92,25 @@ def _numbers(*values: Optional[float]) -> str:
     return " \u2013 ".join("-" if one is None else f"{one:.3f}" for one in values)
 
 
-def froc_figure(groups: Sequence[GroupScore], notes: Sequence[str], catalogue: Catalogue) -> Figure:
-    """Draw the share of targets found over false alarms per m2, a panel for each stratum.
+def froc_figure(groups: Sequence[GroupScore], catalogue: Catalogue) -> Figure:
+    """Draw the share of all targets that each method found over its false alarms per m2.
 
     A dot with its intervals is what counts; the curve also has what is below the cut of a list.
     """
-    from gpr20_analysis.plotting.noted_figure import NotedFigure  # its library is optional
-    from gpr20_analysis.plotting.style import HEIGHT_IN, PANEL_TITLE_PT, WIDTH_IN
+    from gpr20_analysis.plotting.style import HEIGHT_IN, WIDTH_IN, noted_figure  # optional library
 
-    strata = list(dict.fromkeys(one.stratum for one in groups))[:MOST_PANELS]
-    columns = min(len(strata), PANEL_COLUMNS)
-    rows = math.ceil(len(strata) / columns)
-    figure = NotedFigure((WIDTH_IN * 0.8 * columns, HEIGHT_IN * 0.75 * rows), "", notes)
-    panels = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
-    for panel, stratum in zip(panels, strata):
-        panel.set_title(stratum or catalogue.tr("all targets"), fontsize=PANEL_TITLE_PT)
-        panel.set_xlabel(catalogue.tr("false alarms per m2"), fontsize=PANEL_TITLE_PT)
-        panel.tick_params(labelbottom=True)
-        panel.set_ylim(0.0, 1.03)
-        for at, one in enumerate(own for own in groups if own.stratum == stratum):
-            panel.step(*np.transpose(one.curve), where="post", color=f"C{at}", label=one.method)
-            if one.detection is not None and one.alarms_per_m2 is not None:
-                place = one.alarms_per_m2, one.detection
-                ends = np.array([one.detection_range, one.alarms_range])
-                spans = np.abs(ends - [place[1:], place[:1]])[..., None]
-                panel.errorbar(*place, *spans, fmt="o", color=f"C{at}", capsize=3)
-    for panel in panels[len(strata) :]:
-        panel.set_visible(False)
-    panels[0].legend(fontsize=PANEL_TITLE_PT)
-    figure.supylabel(catalogue.tr("share of targets found"), fontsize=PANEL_TITLE_PT)
+    title = catalogue.tr("FROC with intervals (95 %)")
+    figure = noted_figure((2.0 * WIDTH_IN, 1.3 * HEIGHT_IN), title, [])
+    axes = figure.subplots()
+    axes.set_xlabel(catalogue.tr("false alarms per m2"))
+    axes.set_ylabel(catalogue.tr("share of targets found"))
+    axes.set_ylim(0.0, 1.03)
+    for at, one in enumerate(own for own in groups if not own.stratum):
+        axes.step(*np.transpose(one.curve), where="post", color=f"C{at}", label=one.method)
+        if one.detection is not None and one.alarms_per_m2 is not None:
+            place = one.alarms_per_m2, one.detection
+            ends = np.array([one.detection_range, one.alarms_range])
+            up_down, aside = np.abs(ends - [place[1:], place[:1]])[..., None]
+            axes.errorbar(*place, yerr=up_down, xerr=aside, fmt="o", color=f"C{at}", capsize=3)
+    axes.legend()
     return figure

@@ -11,15 +11,13 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from dataclasses import dataclass
-from typing import Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.trial import statistics
-from gpr20_analysis.trial.plan import Mark, MarkList, Place, Plan, Target
+from gpr20_analysis.trial.plan import Mark, MarkList, Plan, Target
 from gpr20_common.message import Message
-
-Range = Tuple[float, Optional[float]]
 
 
 @dataclass(frozen=True)
@@ -34,29 +32,20 @@ class LaneScore:
 
 
 @dataclass(frozen=True)
-class Group:
-    """Targets that are counted together, and the lanes whose false alarms go with them."""
-
-    name: str  # such as "type PMN"; empty: all
-    targets: List[str]
-    lanes: List[str]
-
-
-@dataclass(frozen=True)
 class GroupScore:
     """The counts of a method for a group of targets; ranges are 95 % intervals."""
 
-    stratum: str  # name of the group; empty: all
+    stratum: str  # such as "type PMN"; empty: all
     method: str
     targets: int  # in lanes that the method has a list of
     found: int
     detection: Optional[float]  # share that was found; None without targets
-    detection_range: Range
+    detection_range: Tuple[float, float]
     detection_shown: float  # the one-sided lower limit
     alarms: int
     area_m2: float  # outside the halos of these lanes [m2]
     alarms_per_m2: Optional[float]  # None without ground
-    alarms_range: Range
+    alarms_range: Tuple[float, Optional[float]]
     curve: Tuple[Tuple[float, float], ...]  # false alarms per m2, share found
 
 
@@ -96,45 +85,40 @@ def score_trial(plan: Plan, targets: Sequence[Target], lists: Sequence[MarkList]
         lanes[listed.method, listed.lane] = _score_lane(listed, own, plan)
     methods = list(dict.fromkeys(method for method, _ in lanes))
     groups = [
-        _score_group(group, method, lanes)
-        for group in groups_of(plan, targets)
+        _score_group(
+            stratum, method, names, [lanes[method, one] for one in near if (method, one) in lanes]
+        )
+        for stratum, names, near in _strata(plan, targets)
         for method in methods
     ]
     return Score(groups, list(lanes.values()))
 
 
-def groups_of(plan: Plan, targets: Sequence[Target]) -> List[Group]:
-    """Return all targets, then those of each value of each column of the lanes or targets."""
-    groups = [Group("", [one.name for one in targets], list(plan.lanes))]
+def _strata(plan: Plan, targets: Sequence[Target]) -> Iterator[Tuple[str, List[str], List[str]]]:
+    """Yield what targets are counted together, and the lanes whose false alarms go with them."""
+    yield "", [one.target for one in targets], list(plan.lanes)
     for column in plan.strata:
         of_lanes = {
             name: one.notes[column] for name, one in plan.lanes.items() if column in one.notes
         }
-        values = [of_lanes.get(one.lane) if of_lanes else one.row[column] for one in targets]
+        values = [of_lanes.get(one.lane) if of_lanes else one.cells[column] for one in targets]
         for value in sorted({*values, *of_lanes.values()}, key=str):
-            names = [one.name for one, own in zip(targets, values) if own == value]
+            names = [one.target for one, own in zip(targets, values) if own == value]
             # A value of a lane limits the false alarms, one of a target does not.
             near = [one for one in plan.lanes if not of_lanes or of_lanes.get(one) == value]
-            groups.append(Group(f"{column} {value}", names, near))
-    return groups
-
-
-def _nearest(place_m: Place, targets: Sequence[Target], halo_m: float) -> str:
-    """Return the name of the nearest target within a distance; empty: there is none."""
-    near = [(math.dist(place_m, one.place_m), one.name) for one in targets]
-    distance_m, name = min(near, default=(math.inf, ""))
-    return name if distance_m <= halo_m else ""
+            yield f"{column} {value}", names, near
 
 
 def _score_lane(listed: MarkList, targets: Sequence[Target], plan: Plan) -> LaneScore:
     lane = plan.lanes[listed.lane]
-    found: Dict[str, Optional[Mark]] = {one.name: None for one in targets}
+    found: Dict[str, Optional[Mark]] = {one.target: None for one in targets}
     alarms: List[Mark] = []
     outside: List[Mark] = []
     for mark in sorted(listed.marks, key=lambda one: one.rank):
         place_m = mark.x_m, mark.y_m
-        name = _nearest(place_m, targets, plan.halo_m)
-        if name:
+        near = [(math.dist(place_m, one.place_m), one.target) for one in targets]
+        distance_m, name = min(near, default=(math.inf, ""))
+        if distance_m <= plan.halo_m:
             found[name] = found[name] or mark
         else:
             (alarms if lane.contains(place_m) else outside).append(mark)
@@ -142,21 +126,27 @@ def _score_lane(listed: MarkList, targets: Sequence[Target], plan: Plan) -> Lane
     return LaneScore(listed, area_m2, found, alarms, outside)
 
 
-def _score_group(group: Group, method: str, lanes: Lanes) -> GroupScore:
-    own = [lanes[method, one] for one in group.lanes if (method, one) in lanes]
-    best = [mark for lane in own for name, mark in lane.found.items() if name in group.targets]
-    false = [mark for lane in own for mark in lane.alarms]
-    targets, area_m2 = len(best), sum(lane.area_m2 for lane in own)
+def _score_group(
+    stratum: str, method: str, names: Sequence[str], lanes: Sequence[LaneScore]
+) -> GroupScore:
+    best = [mark for lane in lanes for name, mark in lane.found.items() if name in names]
+    false = [mark for lane in lanes for mark in lane.alarms]
+    targets, area_m2 = len(best), sum(lane.area_m2 for lane in lanes)
     found, alarms = sum(map(counts, best)), sum(map(counts, false))
     low, high = statistics.alarm_interval(alarms, area_m2)
     return GroupScore(
-        *(group.name, method, targets, found),
-        found / targets if targets else None,
-        statistics.detection_interval(found, targets),
-        statistics.shown_detection(found, targets),
-        *(alarms, area_m2, alarms / area_m2 if area_m2 > 0.0 else None),
-        (low, high if math.isfinite(high) else None),
-        _curve([one for one in best if one], false, targets, area_m2),
+        stratum=stratum,
+        method=method,
+        targets=targets,
+        found=found,
+        detection=found / targets if targets else None,
+        detection_range=statistics.detection_interval(found, targets),
+        detection_shown=statistics.shown_detection(found, targets),
+        alarms=alarms,
+        area_m2=area_m2,
+        alarms_per_m2=alarms / area_m2 if area_m2 > 0.0 else None,
+        alarms_range=(low, high if math.isfinite(high) else None),
+        curve=_curve([one for one in best if one], false, targets, area_m2),
     )
 
 

@@ -7,7 +7,7 @@ from recorded_worlds import UNIANDES, area, dataset, disc
 
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, ball_amplitude_m, echo_of
-from gpr20_analysis.hiding.transmission import SurfaceReference
+from gpr20_analysis.hiding.transmission import of_surface
 from gpr20_survey.results.hidden_target import Target, Targets, target_of
 
 FREQUENCY_HZ = np.linspace(0.6e9, 3.5e9, 30)
@@ -53,7 +53,7 @@ def test_a_disc_is_as_bright_as_by_an_exact_integral():
     exact, level = disc(name, top_m)
     exact = exact[13:28, 13:28]
     empty = dataset(np.broadcast_to(level, exact.shape), height_m, place_m, place_m, frequency_hz)
-    transmission = SurfaceReference(empty, 0.06).transmission(permittivity)
+    (transmission,) = of_surface(empty, 0.06, [permittivity])
     echo = echo_of(target_of(name), top_m, Soil(permittivity), height_m, frequency_hz, 0.5)
     injected = with_targets(empty, echo, [(middle_m, middle_m)], permittivity, transmission, 0.06)
     direct = dataset(level + exact, height_m, place_m, place_m, frequency_hz)
@@ -62,29 +62,16 @@ def test_a_disc_is_as_bright_as_by_an_exact_integral():
     )
 
 
-@pytest.mark.parametrize(
-    ("number", "body"),
-    [(1, 3), *(pytest.param(*one, marks=pytest.mark.release) for one in ((3, 1), (4, 2), (4, 3)))],
-)
-def test_a_metal_ball_is_as_bright_as_by_finite_differences(number, body):
-    survey, truth = area(UNIANDES, number)
-    ball, permittivity = truth["bodies"][body], truth["permittivity"]
-    assert ball["name"] == "sphere"
+def test_a_metal_ball_is_as_bright_as_by_finite_differences():
+    survey, truth = area(UNIANDES, 1)
+    ball, permittivity = truth["bodies"][3], truth["permittivity"]
     target = Target("ball", ball["height_m"], ball["height_m"])
-    echo = echo_of(
-        target,
-        ball["top_m"],
-        Soil(permittivity),
-        truth["height_m"],
-        survey["frequency"].values,
-        1.0,
-    )
-    transmission = SurfaceReference(survey, 0.06).transmission(permittivity)
-    place_m = (ball["x_m"], ball["y_m"])
-    alone = with_targets(
-        survey.assign(s21=survey["s21"] * 0.0 + 1e-9), echo, [place_m], permittivity, transmission,
-        0.06,
-    )  # fmt: skip
+    soil, place_m = Soil(permittivity), (ball["x_m"], ball["y_m"])
+    frequency_hz = survey["frequency"].values
+    echo = echo_of(target, ball["top_m"], soil, truth["height_m"], frequency_hz, 1.0)
+    (transmission,) = of_surface(survey, 0.06, [permittivity])
+    empty = survey.assign(s21=survey["s21"] * 0.0 + 1e-9)
+    alone = with_targets(empty, echo, [place_m], permittivity, transmission, 0.06)
     levels_db = [peak_db(one, truth, ball) for one in (alone, survey)]
     assert levels_db[0] == pytest.approx(levels_db[1], abs=3.0)
 

@@ -20,8 +20,7 @@ from gpr20_analysis.formats.plain_csv import write_plain_csv
 from gpr20_analysis.formats.touchstone import write_touchstone
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_grid import grid_of
-from gpr20_analysis.report.sections import _sensors
-from gpr20_analysis.sentences import ENGLISH
+from gpr20_analysis.report.summary import summarize
 from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes.axis_id import ZeroEpoch
@@ -168,8 +167,7 @@ def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
         rows = {int(row["index"]): row for row in csv.DictReader(stream)}
     assert rows[CELSIUS]["aux_soil_2 [K]"] == "6.0"
     assert rows[KELVIN]["aux_period [seconds]"] == "nan"
-    section = _sensors(survey, ENGLISH)
-    assert section.rows[1] == ("soil", "\N{DEGREE SIGN}C", "12/18", "0", "2.75", "5.5")
+    assert summarize(survey)["sensor soil"] == "0 to 5.5 °C, mean 2.75 °C (samples: 12)"
 
 
 def test_the_settings_of_the_analyzer_are_in_summary_and_exports(folder, tmp_path, capsys):

@@ -28,9 +28,9 @@ class Analysis:
 
     def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:
         """Return where a target could hide in a survey."""
-        found: HidingMap = gpr20_analysis.map_hidden_in_field(
-            self._load(folder), permittivity, target_of(target)
-        )
+        survey = self._load(folder)
+        detector = gpr20_analysis.Detector(gpr20_analysis.field_options(permittivity, survey))
+        found: HidingMap = gpr20_analysis.map_hidden(survey, detector, target_of(target))
         return found
 
     def write_candidates(
