@@ -1,6 +1,6 @@
 """How many bodies are found, against false candidates, in ground that the imaging did not make.
 
-Usage: scripts/bench.sh detection [--lines 200] [--permittivity] [--half 1]
+Usage: scripts/bench.sh detection [--permittivity] [--half 1]
 
 Lines: cuts of 0.96 m computed from Maxwell's equations in two dimensions (benchmarks/worlds), over
 clean, cluttered (stones, roots), rough (3 to 10 mm), lossy ground, and all of it at once. None to
@@ -12,7 +12,7 @@ line is a GSSI record over 14 bars (tools/kits/recorded_worlds.py).
 Each is imaged with the default command's steps and method and its true permittivity. A candidate
 within 30 mm of a body's width and between 30 mm above its top and 60 mm below its bottom is that
 body; all other places to check are false. "Listed" is a place to check. The settings of the list
-were chosen on the scenes with even numbers; --half reports the others. Intervals are 95 %:
+were chosen on the scenes with even numbers; --half 1 scores the others only. Intervals are 95 %:
 Clopper-Pearson for shares, Poisson's for densities. Per m2 of a line is per 0.3 m of its width.
 """
 
@@ -21,7 +21,7 @@ from __future__ import annotations
 import argparse
 from collections import defaultdict
 from dataclasses import dataclass, field
-from typing import Any, Dict, List, Optional, Sequence, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
@@ -79,6 +79,14 @@ class Score:
     errors: List[Tuple[float, float]] = field(default_factory=list)
 
 
+class Scene(NamedTuple):
+    """A kind of ground, the bodies in it, and what the default command lists."""
+
+    ground: str
+    bodies: List[Body]
+    found: CandidateList
+
+
 def candidates(survey: xr.Dataset, permittivity: Optional[float]) -> CandidateList:
     """Return what the default command lists; None: the permittivity is not known."""
     # It is the true one, so depths must not be said to be less certain.
@@ -97,111 +105,96 @@ def is_at(one: Candidate, body: Body) -> bool:
     return near and -ABOVE_M < deeper_m < body["thickness_m"] + BELOW_M
 
 
-def add(
-    scores: Dict[str, Score], found: CandidateList, bodies: Sequence[Body], ground: str
-) -> None:
-    """Add what was found in one scene."""
-    used = set()
-    for body in bodies:
-        near = [place for place, one in enumerate(found.candidates) if is_at(one, body)]
-        used.update(near)
-        first = found.candidates[near[0]] if near else None
-        for name in (ground, body["kind"], "all"):
-            scores[name].bodies += 1
-            scores[name].leading += bool(near) and near[0] < 3
-            if first is not None and not first.is_doubtful:
-                scores[name].found += 1
-                scores[name].errors.append(
-                    (
-                        (first.x_m - body["x_m"]) / first.x_uncertainty_m,
-                        (first.depth_m - body["top_m"]) / first.depth_uncertainty_m,
-                    )
-                )
-    others = [one for place, one in enumerate(found.candidates) if place not in used]
-    for name in (ground, "all"):
-        scores[name].false += sum(not one.is_doubtful for one in others)
-        scores[name].area_m2 += found.area_m2
+def scores(scenes: Sequence[Scene]) -> Dict[str, Score]:
+    """Return the scores of each kind of ground and body."""
+    found: Dict[str, Score] = defaultdict(Score)
+    for scene in scenes:
+        listed = scene.found.candidates
+        false = [not one.is_doubtful for one in listed]
+        for body in scene.bodies:
+            near = [place for place, one in enumerate(listed) if is_at(one, body)]
+            for name in (scene.ground, body["kind"], "all"):
+                found[name].bodies += 1
+                found[name].leading += bool(near) and near[0] < 3
+                if near and not listed[near[0]].is_doubtful:
+                    first = listed[near[0]]
+                    found[name].found += 1
+                    of_place = (first.x_m - body["x_m"]) / first.x_uncertainty_m
+                    of_depth = (first.depth_m - body["top_m"]) / first.depth_uncertainty_m
+                    found[name].errors.append((of_place, of_depth))
+            false = [is_false and at not in near for at, is_false in enumerate(false)]
+        for name in (scene.ground, "all"):
+            found[name].false += sum(false)
+            found[name].area_m2 += scene.found.area_m2
+    return found
 
 
-def scene(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any], List[Body]]:
-    """Return a scene, its truth, and its bodies."""
-    if name in (LINES, GPRMAX):
-        survey, truth = line(number, name)
-        return (
-            survey,
-            truth,
-            [
-                {**body, "y_m": 0.0, "half_m": (body["half_width_m"], 0.0)}
-                for body in truth["bodies"]
-            ],
-        )
-    survey, truth = area(name, number)
-    return (
-        survey,
-        truth,
-        [
-            {
-                **body,
-                "kind": body["name"],
-                "half_m": (body["size_m"][0] / 2.0, body["size_m"][1] / 2.0),
-                "thickness_m": body["height_m"],
-            }
-            for body in truth["bodies"]
-        ],
-    )
+def survey_of(name: str, number: int) -> Tuple[xr.Dataset, Dict[str, Any], List[Body]]:
+    """Return a survey, its truth, and its bodies."""
+    is_line = name in (LINES, GPRMAX)
+    survey, truth = line(number, name) if is_line else area(name, number)
+    bodies = []
+    for body in truth["bodies"]:
+        about = {"y_m": 0.0, "half_m": (body["half_width_m"], 0.0)} if is_line else {
+            "kind": body["name"],
+            "half_m": (body["size_m"][0] / 2.0, body["size_m"][1] / 2.0),
+            "thickness_m": body["height_m"],
+        }  # fmt: skip
+        bodies.append({**body, **about})
+    return survey, truth, bodies
 
 
-def of_scenes(name: str, count: int, is_known: bool = True) -> Dict[str, Score]:
-    """Return the scores of a file of scenes, with their permittivity or without it."""
-    scores: Dict[str, Score] = defaultdict(Score)
-    for number in range(min(count, len(truths(name)))):
-        survey, truth, bodies = scene(name, number)
-        permittivity = truth["permittivity"] if is_known else None
-        add(scores, candidates(survey, permittivity), bodies, truth.get("ground", name))
-    return scores
+def searched(name: str, numbers: Sequence[int], is_known: bool = True) -> List[Scene]:
+    """Return scenes of a file with their candidates, with their permittivity or without it."""
+    scenes = []
+    for number in numbers:
+        survey, truth, bodies = survey_of(name, number)
+        found = candidates(survey, truth["permittivity"] if is_known else None)
+        scenes.append(Scene(truth.get("ground", name), bodies, found))
+    return scenes
 
 
-def of_mines(half: int) -> List[str]:
-    """Return how the list serves who looks for mines, on every second scene, as a table."""
-    lines = [
-        "| scenes | with a mine | listed | among the first five | first is one | bodies | places "
-        "per m2 | false per m2 |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    parts: Dict[str, List[Tuple[CandidateList, List[Body]]]] = defaultdict(list)
-    for name in (LINES, UNIANDES, AREAS, BORN, GPRMAX):
-        for number in range(half, len(truths(name)), 2):
-            survey, truth, bodies = scene(name, number)
-            found = candidates(survey, truth["permittivity"])
-            parts[name if bodies else "ground without bodies"].append((found, bodies))
+def white_noise(half: int) -> List[Scene]:
+    """Return lists of surveys of nothing but noise."""
+    scenes = []
     for seed in range(15):
         random = np.random.default_rng([99, seed, half])
         for shape in ((1, 81), (21, 21), (41, 3)):
             noise = random.standard_normal((*shape, 81, 2)) @ np.array([1e-3, 1e-3j])
             axes_m = [0.012 * np.arange(one) for one in shape]
             survey = dataset(noise, 0.1, axes_m[1], axes_m[0], np.linspace(0.6e9, 6e9, 81))
-            parts["white noise"].append((candidates(survey, 4.0), []))
+            scenes.append(Scene("white noise", [], candidates(survey, 4.0)))
+    return scenes
+
+
+def of_mines(every: Dict[str, List[Scene]]) -> List[str]:
+    """Return how the lists serve who looks for mines, as a table."""
+    lines = [
+        "| scenes | with a mine | listed | among the first five | first is one | bodies | places "
+        "per m2 | false per m2 |",
+        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    parts: Dict[str, List[Scene]] = defaultdict(list)
+    for name, scenes in every.items():
+        for scene in scenes:
+            is_empty = name != "white noise" and not scene.bodies
+            parts["ground without bodies" if is_empty else name].append(scene)
     for name, own in parts.items():
-        ranks, area_m2 = [], sum(found.area_m2 for found, _ in own)
-        counts = np.zeros(4, int)  # scenes with a mine, first is one, bodies listed, false
-        for found, bodies in own:
-            places = found.shown()
-            mines = [one for one in bodies if one["kind"] in MINES]
-            ranks += [next((at for at, one in enumerate(places) if is_at(one, body)), None)
-                      for body in mines]  # fmt: skip
-            hits = [any(is_at(one, body) for one in places) for body in bodies]
-            counts += (
-                bool(mines),
-                bool(places) and any(is_at(places[0], one) for one in mines),
-                sum(hits),
-                sum(not any(is_at(one, body) for body in bodies) for one in places),
-            )
-        listed = [one for one in ranks if one is not None]
-        bodies_there = sum(len(bodies) for _, bodies in own)
+        area_m2, ranks = sum(scene.found.area_m2 for scene in own), []
+        counts = np.zeros(6, int)
+        for scene in own:
+            places = scene.found.shown()
+            hits = [{at for at, one in enumerate(places) if is_at(one, body)}
+                    for body in scene.bodies]  # fmt: skip
+            mines = [at for at, body in zip(hits, scene.bodies) if body["kind"] in MINES]
+            ranks += [min(at, default=np.inf) for at in mines]
+            false = len(places) - len(set().union(*hits))
+            counts += (bool(mines), any(0 in at for at in mines), len(hits),
+                       sum(map(bool, hits)), len(places), false)  # fmt: skip
         lines.append(
-            f"| {name} | {counts[0]} of {len(own)} | {len(listed)} of {len(ranks)} | "
-            f"{sum(one < 5 for one in listed)} | {counts[1]} | {counts[2]} of {bodies_there} | "
-            f"{sum(found.primary for found, _ in own) / area_m2:.1f} | {counts[3] / area_m2:.1f} |"
+            f"| {name} | {counts[0]} of {len(own)} | {np.isfinite(ranks).sum()} of {len(ranks)} | "
+            f"{sum(one < 5 for one in ranks)} | {counts[1]} | {counts[3]} of {counts[2]} | "
+            f"{counts[4] / area_m2:.1f} | {counts[5] / area_m2:.1f} |"
         )
     return lines
 
@@ -242,19 +235,18 @@ def of_real_line() -> str:
     )
 
 
-def of_buried_metal(count: int) -> str:
+def of_buried_metal() -> str:
     """Return how often a buried metal body gives the permittivity, and its range holds."""
-    scenes = [(LINES, number, *line(number)) for number in range(count)]
-    for name in (UNIANDES, AREAS):
-        scenes += [(name, one, *area(name, one)) for one in range(len(truths(name)))]
+    files = (LINES, UNIANDES, AREAS)
     bodies, accepted, wrong = 0, 0, []
-    for name, number, survey, truth in scenes:
-        for body in truth["bodies"]:
-            kind = body.get("kind", body.get("name"))
-            if not ("metal" in kind or kind == "plate") or body["top_m"] < SHALLOWEST_M:
+    for name, number in ((one, at) for one in files for at in range(len(truths(one)))):
+        survey, truth, there = survey_of(name, number)
+        for body in there:
+            is_metal = {"metal", "plate"} & {*body["kind"].split()}
+            if not is_metal or body["top_m"] < SHALLOWEST_M:
                 continue
             bodies += 1
-            reference = BuriedReference(body["x_m"], body.get("y_m", 0.0), body["top_m"])
+            reference = BuriedReference(body["x_m"], body["y_m"], body["top_m"])
             options = ImageOptions(buried=reference, ground=Ground.LEVEL, separation_m=SEPARATION_M)
             try:
                 cleaned = process_survey(survey, *DEFAULT_STEPS)
@@ -274,23 +266,24 @@ def of_buried_metal(count: int) -> str:
 def main() -> None:
     """Print the scores."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--lines", type=int, default=200)
     parser.add_argument(
         "--permittivity", action="store_true", help="score it by buried metal, and unknown, too"
     )
-    parser.add_argument("--half", type=int, choices=(0, 1), help="score the list of every second")
+    parser.add_argument("--half", type=int, choices=(0, 1), help="score every second scene")
     chosen = parser.parse_args()
-    if chosen.half is not None:
-        print(*of_mines(chosen.half), sep="\n")
-        return
-    every = {name: of_scenes(name, chosen.lines) for name in (LINES, UNIANDES, AREAS, BORN, GPRMAX)}
-    for name, scores in every.items():
-        print(f"\n{name}\n", *rows(scores), sep="\n")
-    print("\n" + of_real_line())
+    part = slice(None) if chosen.half is None else slice(chosen.half, None, 2)
+    every = {
+        name: searched(name, range(len(truths(name)))[part])
+        for name in (LINES, UNIANDES, AREAS, BORN, GPRMAX)
+    }
+    for name, scenes in every.items():
+        print(f"\n{name}\n", *rows(scores(scenes)), sep="\n")
+    every["white noise"] = white_noise(1 if chosen.half is None else chosen.half)
+    print("", *of_mines(every), "", of_real_line(), sep="\n")
     if chosen.permittivity:
-        print(of_buried_metal(chosen.lines))
-        unknown = of_scenes(LINES, chosen.lines, is_known=False)
-        print("\nlines, permittivity unknown\n", *rows(unknown), sep="\n")
+        print(of_buried_metal())
+        unknown = searched(LINES, range(len(truths(LINES)))[part], is_known=False)
+        print("\nlines, permittivity unknown\n", *rows(scores(unknown)), sep="\n")
 
 
 if __name__ == "__main__":

@@ -1,15 +1,16 @@
 """The candidates in an image: the places that are stronger than the clutter of their ground.
 
-Echoes near each other are one place. Places are ranked by how far they are above the clutter around
-them, and the list is cut where ground without bodies has as many as the stated rate of false
-alarms: what is weaker cannot be told from clutter at that rate.
+Echoes near each other are one place. The list is cut where ground without bodies has as many places
+as the stated rate of false alarms: what is weaker cannot be told from clutter at that rate. Places
+are ranked by how far their echoes together are above the clutter around them, because a mine is
+wider than a fragment, and its echo is several.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Dict, List, Optional, Sequence
+from dataclasses import replace
+from typing import Iterator, Tuple
 
 import numpy as np
 import xarray as xr
@@ -22,7 +23,7 @@ from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import DOUBTS, NOTES, sentences_of
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import USUAL_FALSE_ALARMS_PER_M2
-from gpr20_survey.results.candidates import DOUBTFUL, Candidate, CandidateList, Flag
+from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 
 # How many places per m2 of ground without its bodies are so far above the clutter around them,
 # measured on every second scene of benchmarks/detection.py; between them the logarithm is linear.
@@ -100,21 +101,20 @@ def find_candidates(
     area_m2 = surveyed_m2(image[X].values, image[Y].values)
     maxima_per_m2 = len(echoes.above_db) / max(area_m2, LEAST_M2)
     least_db = least_level_db(false_alarms_per_m2, maxima_per_m2)
-    places = _places(echoes)
-    flags = _flags(places, echoes, image, least_db)
-    doubtful = np.any([flags[one] for one in DOUBTFUL], axis=0)
-    score_db = np.array([one.score_db for one in places])
-    order = np.lexsort((-score_db, flags[Flag.BRIGHTEST], doubtful))
-    kept = order[: np.count_nonzero(~doubtful) + MOST_WEAKER]
-    listed = tuple(
-        replace(
-            _candidate(places[one], echoes, image),
-            id=f"C{number:02d}",
-            flags=tuple(flag for flag, is_set in flags.items() if is_set[one]),
-        )
-        for number, one in enumerate(kept, 1)
+    found = [_candidate(*place, echoes, image, least_db) for place in _places(echoes)]
+    found.sort(
+        key=lambda one: (one.is_doubtful, Flag.BRIGHTEST in one.flags, -one.above_clutter_db)
     )
+    listed = found[: sum(not one.is_doubtful for one in found) + MOST_WEAKER]
     permittivity_lowest, permittivity_highest = permittivity_range(image)
+    notes = [one for name in (DOUBTS, NOTES) for one in sentences_of(image, name)]
+    if np.count_nonzero(~echoes.fitted) < FEWEST_ECHOES:
+        notes.append(
+            Message(
+                "the clutter of so small an area or so coarse an image is known from a few echoes "
+                "only; any candidate may be clutter"
+            )
+        )
     return CandidateList(
         survey_id=str(image.attrs.get("survey_id", "")),
         simulated=bool(image.attrs.get("simulated", False)),
@@ -126,19 +126,25 @@ def find_candidates(
         area_m2=area_m2,
         false_alarms_per_m2=false_alarms_per_m2,
         least_db=least_db,
-        omitted=len(order) - len(listed),
-        candidates=listed,
-        notes=(
-            *(one for name in (DOUBTS, NOTES) for one in sentences_of(image, name)),
-            *_notes(echoes),
-        ),
+        omitted=len(found) - len(listed),
+        candidates=tuple(replace(one, id=f"C{number:02d}") for number, one in enumerate(listed, 1)),
+        notes=tuple(notes),
         position=area_position(image.attrs),
         length_m=area_m2 / STRIP_M if is_line(image) else None,
     )
 
 
 class _Echoes:
-    """The echoes of an image, as columns."""
+    """The echoes of an image, as columns, the one furthest above clutter first.
+
+    Attributes:
+        turn: Number of the polarization of each.
+        place_m: Depth, y and x (echo, 3) [m].
+        above_db: Level above the clutter around it [dB].
+        level_db: Level [dB].
+        fitted: Whether it was fitted as a point; the others are weak.
+        brightest: Which is the brightest; -1: none is brighter than noise.
+    """
 
     def __init__(self, image: xr.Dataset) -> None:
         require(image, IMAGE, (POLARIZATION, DEPTH, Y, X))
@@ -156,6 +162,10 @@ class _Echoes:
         self.place_m = rows[:, 1:4]
         self.above_db, self.level_db = rows[:, 4], rows[:, 5]
         self.fitted = rows[:, 6] > 0.0
+        weak_db = self.level_db[~self.fitted]
+        self.brightest = -1
+        if len(weak_db) and self.level_db.max() >= np.median(weak_db) + NOISE_DB:
+            self.brightest = int(np.argmax(self.level_db))
 
     def near(self, one: int) -> np.ndarray:
         """Return which echoes are at the place of one."""
@@ -164,119 +174,46 @@ class _Echoes:
         return found
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Echoes at one place.
-
-    Attributes:
-        members: Indices of the echoes, the one furthest above clutter first.
-        body: Index of the one that gives the place.
-        score_db: What the place is ranked by: how far it is above the clutter [dB], less for an
-            echo of the surface that is not the brightest of all.
-    """
-
-    members: np.ndarray
-    body: int
-    score_db: float
-
-
-def _places(echoes: _Echoes) -> List[_Place]:
+def _places(echoes: _Echoes) -> Iterator[Tuple[np.ndarray, int]]:
+    """Yield the echoes of each place, the first furthest above clutter, and the one of the body."""
     left = np.ones(len(echoes.above_db), dtype=bool)
-    brightest = int(np.argmax(echoes.level_db)) if len(left) else 0
-    found = []
     for first in range(len(left)):
-        if not left[first]:
-            continue
-        own = left & echoes.near(first)
-        strong = own & (echoes.above_db >= echoes.above_db[first] - NEARLY_DB)
-        body = int(np.argmax(np.where(strong, echoes.level_db, -np.inf)))
-        own |= left & echoes.near(body)
-        left[own] = False
-        is_surface = echoes.place_m[body, 0] < SURFACE_M and not own[brightest]
-        score_db = float(echoes.above_db[first]) - (OF_SURFACE_DB if is_surface else 0.0)
-        found.append(_Place(np.flatnonzero(own), body, score_db))
-    return found
+        if left[first]:
+            own = left & echoes.near(first)
+            strong = own & (echoes.above_db >= echoes.above_db[first] - NEARLY_DB)
+            body = int(np.argmax(np.where(strong, echoes.level_db, -np.inf)))
+            own |= left & echoes.near(body)
+            left[own] = False
+            yield np.flatnonzero(own), body
 
 
-def _flags(
-    places: Sequence[_Place], echoes: _Echoes, image: xr.Dataset, least_db: float
-) -> Dict[Flag, np.ndarray]:
-    """Return for each flag whether the places have it."""
-    body = np.array([one.body for one in places], dtype=int)
-    place_m, level_db = echoes.place_m[body], echoes.level_db[body]
-    depth_m = place_m[:, 0]
-    at_edge = np.isin(depth_m, image[DEPTH].values[[0, -1]])
-    for at_m, name in zip(place_m.T[1:], (Y, X)):
-        axis_m = image[name].values
-        if len(axis_m) > 1:
-            nearest_m = np.minimum(at_m - axis_m.min(), axis_m.max() - at_m)
-            at_edge |= nearest_m < _step_m(axis_m)
-    seen = [
-        len(set(echoes.turn[one.members[echoes.above_db[one.members] >= least_db]].tolist()))
-        for one in places
-    ]
-    is_weak = np.array([one.score_db for one in places]) < least_db
-    is_sidelobe = _beside_stronger(place_m, level_db)
-    brightest = _brightest(places, echoes)
-    return {
-        Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
-        Flag.EDGE: at_edge,
-        Flag.ONE_POLARIZATION: (np.array(seen) == 1) & (image.sizes[POLARIZATION] > 1),
-        Flag.CLUTTER: is_weak & ~brightest,
-        Flag.SIDELOBE: is_sidelobe & ~brightest,
-        Flag.BRIGHTEST: is_weak & brightest,
-    }
-
-
-def _brightest(places: Sequence[_Place], echoes: _Echoes) -> np.ndarray:
-    """Return which place has the brightest echo; none if it is no brighter than noise."""
-    found = np.zeros(len(places), dtype=bool)
-    weak_db = echoes.level_db[~echoes.fitted]
-    if places and len(weak_db):
-        one = int(np.argmax(echoes.level_db))
-        if echoes.level_db[one] >= np.median(weak_db) + NOISE_DB:
-            found[:] = [one in place.members for place in places]
-    return found
-
-
-def _beside_stronger(place_m: np.ndarray, level_db: np.ndarray) -> np.ndarray:
-    """Return whether each place is so near to a so much stronger one that it may be its rest."""
-    found = np.zeros(len(level_db), dtype=bool)
-    for one, (own_m, own_db) in enumerate(zip(place_m, level_db)):
-        near = np.hypot(*(place_m[:, 1:] - own_m[1:]).T) <= SIDELOBE_REACH_M
-        found[one] = bool(np.any(level_db[near] >= own_db + SIDELOBE_DB))
-    return found
-
-
-def _notes(echoes: _Echoes) -> List[Message]:
-    if np.count_nonzero(~echoes.fitted) >= FEWEST_ECHOES:
-        return []
-    return [
-        Message(
-            "the clutter of so small an area or so coarse an image is known from a few echoes "
-            "only; any candidate may be clutter"
-        )
-    ]
-
-
-def _candidate(place: _Place, echoes: _Echoes, image: xr.Dataset) -> Candidate:
-    """Return a candidate without its name and flags."""
-    depth_m, y_m, x_m = (float(one) for one in echoes.place_m[place.body])
+def _candidate(
+    members: np.ndarray, body: int, echoes: _Echoes, image: xr.Dataset, least_db: float
+) -> Candidate:
+    """Return the candidate of the echoes at a place, without its name."""
+    above_db, turns = echoes.above_db[members], echoes.turn[members]
+    # What is below the cut adds nothing, unless all is.
+    counted = above_db >= min(least_db, above_db[0])
+    rotations_deg = image[POLARIZATION].values[list(dict.fromkeys(turns.tolist()))]
+    ratio_db = None
+    if image.sizes[POLARIZATION] == 2 and len(rotations_deg) == 2:
+        first_db, second_db = (echoes.level_db[members[turns == one]].max() for one in (0, 1))
+        ratio_db = float(first_db - second_db)
+    depth_m, y_m, x_m = (float(one) for one in echoes.place_m[body])
     permittivity = float(image.attrs["permittivity"])
     of_permittivity_m = depth_m * depth_shares(permittivity, *permittivity_range(image))[0]
-    of_height_m = HEIGHT_UNCERTAINTY_M / math.sqrt(permittivity)
-    # The surface above a body may be as much higher or lower as the heights differ.
-    of_relief_m = float(image.attrs.get("relief_m", 0.0))
-    of_depth_m = OF_RESOLUTION * float(image.attrs["depth_resolution_m"])
     across = str(image.attrs.get("across_lines", ""))
-    beside_m = {name: BESIDE_LINE_M if name == across else 0.0 for name in (X, Y)}
+    of_depth_m = (
+        OF_RESOLUTION * float(image.attrs["depth_resolution_m"]),
+        HEIGHT_UNCERTAINTY_M / math.sqrt(permittivity),
+        # The surface above a body may be as much higher or lower as the heights differ.
+        float(image.attrs.get("relief_m", 0.0)),
+        DEEPER_BESIDE_M if across else 0.0,
+    )
     of_place_m = {
-        name: float(np.linalg.norm([OF_BODY_M, _step_m(image[name].values) / 2.0, beside_m[name]]))
-        for name in (X, Y)
+        name: math.hypot(OF_BODY_M, step_m / 2.0, BESIDE_LINE_M if name == across else 0.0)
+        for name, step_m in ((X, _step_m(image[X].values)), (Y, _step_m(image[Y].values)))
     }
-    of_line_m = DEEPER_BESIDE_M if across else 0.0
-    turns = [int(one) for one in dict.fromkeys(echoes.turn[place.members].tolist())]
-    rotations_deg = [float(image[POLARIZATION].values[one]) for one in turns]
     return Candidate(
         id="",
         x_m=x_m,
@@ -284,25 +221,37 @@ def _candidate(place: _Place, echoes: _Echoes, image: xr.Dataset) -> Candidate:
         depth_m=depth_m,
         x_uncertainty_m=of_place_m[X],
         y_uncertainty_m=of_place_m[Y],
-        depth_uncertainty_m=float(np.linalg.norm([of_depth_m, of_height_m, of_relief_m, of_line_m]))
-        + max(of_permittivity_m, 0.0),
-        above_clutter_db=float(echoes.above_db[place.members[0]]),
-        rotations_deg=tuple(None if math.isnan(one) else one for one in rotations_deg),
-        polarization_ratio_db=_polarization_ratio_db(place, echoes, image),
-        flags=(),
+        depth_uncertainty_m=math.hypot(*of_depth_m) + max(of_permittivity_m, 0.0),
+        above_clutter_db=10.0 * math.log10(np.sum(10.0 ** (above_db[counted] / 10.0))),
+        rotations_deg=tuple(None if math.isnan(one) else float(one) for one in rotations_deg),
+        polarization_ratio_db=ratio_db,
+        flags=_flags(members, body, echoes, image, least_db),
     )
 
 
-def _polarization_ratio_db(place: _Place, echoes: _Echoes, image: xr.Dataset) -> Optional[float]:
-    """Return the level of the first polarization above the second [dB]."""
-    if image.sizes[POLARIZATION] != 2:
-        return None
-    levels_db = [
-        echoes.level_db[place.members[echoes.turn[place.members] == one]] for one in (0, 1)
-    ]
-    if min(len(one) for one in levels_db) == 0:
-        return None
-    return float(levels_db[0].max() - levels_db[1].max())
+def _flags(
+    members: np.ndarray, body: int, echoes: _Echoes, image: xr.Dataset, least_db: float
+) -> Tuple[Flag, ...]:
+    """Return what to know about the echoes at a place."""
+    depth_m, y_m, x_m = echoes.place_m[body]
+    at_edge = depth_m in image[DEPTH].values[[0, -1]]
+    for at_m, axis_m in ((x_m, image[X].values), (y_m, image[Y].values)):
+        at_edge |= min(at_m - axis_m.min(), axis_m.max() - at_m) < _step_m(axis_m)
+    turns = set(echoes.turn[members[echoes.above_db[members] >= least_db]].tolist())
+    is_brightest = echoes.brightest in members
+    lower_db = OF_SURFACE_DB if depth_m < SURFACE_M and not is_brightest else 0.0
+    is_weak = echoes.above_db[members[0]] - lower_db < least_db
+    away_m = np.hypot(*(echoes.place_m[:, 1:] - (y_m, x_m)).T)
+    strongest_db = echoes.level_db[away_m <= SIDELOBE_REACH_M].max()
+    flags = {
+        Flag.SURFACE_RESIDUE: depth_m < float(image.attrs["depth_resolution_m"]),
+        Flag.EDGE: at_edge,
+        Flag.ONE_POLARIZATION: image.sizes[POLARIZATION] > 1 and len(turns) == 1,
+        Flag.CLUTTER: is_weak and not is_brightest,
+        Flag.SIDELOBE: not is_brightest and strongest_db >= echoes.level_db[body] + SIDELOBE_DB,
+        Flag.BRIGHTEST: is_weak and is_brightest,
+    }
+    return tuple(flag for flag, is_set in flags.items() if is_set)
 
 
 def _step_m(axis_m: np.ndarray) -> float:

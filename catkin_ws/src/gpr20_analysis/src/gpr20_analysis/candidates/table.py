@@ -76,12 +76,6 @@ def weaker_sentence(found: CandidateList) -> Message:
     return Message("{count} weaker echoes", count=found.weaker)
 
 
-def head_sentences(found: CandidateList) -> List[Message]:
-    """Return what comes before the table: what the list is not, and how many places it has."""
-    first = [SIMULATED] if found.simulated else []
-    return [*first, NO_CLEARANCE, places_sentence(found)]
-
-
 def candidate_lines(
     found: CandidateList, catalogue: Catalogue = ENGLISH, weaker: bool = False
 ) -> List[str]:
@@ -92,19 +86,16 @@ def candidate_lines(
         catalogue: Language of the text.
         weaker: Whether the weaker echoes are listed too.
     """
-    places = found.primary
     listed = found.candidates if weaker else found.shown()
     lines = text_lines(candidate_table(found, listed, catalogue), 0) if listed else []
-    if places < len(listed):
-        lines.insert(1 + places, catalogue.text(WEAKER_TITLE))
-    below = [] if weaker or not found.weaker else [
-        Message("{echoes}; show them with --weaker", echoes=weaker_sentence(found))
-    ]  # fmt: skip
-    return [
-        *(catalogue.text(one) for one in head_sentences(found)),
-        *lines,
-        *(catalogue.text(one) for one in below),
-    ]
+    if found.primary < len(listed):
+        lines.insert(1 + found.primary, catalogue.text(WEAKER_TITLE))
+    elif found.weaker and not weaker:
+        more = Message("{echoes}; show them with --weaker", echoes=weaker_sentence(found))
+        lines.append(catalogue.text(more))
+    first = [SIMULATED] if found.simulated else []
+    head = [*first, NO_CLEARANCE, places_sentence(found)]
+    return [*(catalogue.text(one) for one in head), *lines]
 
 
 def text_lines(rows: Sequence[Sequence[str]], left: int) -> List[str]:

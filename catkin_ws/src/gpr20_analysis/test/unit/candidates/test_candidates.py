@@ -44,7 +44,8 @@ def test_echoes_of_both_polarizations_are_one_candidate_where_they_are():
         assert one.id == "C01" and one.flags == () and set(one.rotations_deg) == {0.0, 90.0}
         found = np.array([one.x_m, one.y_m, one.depth_m])
         assert np.abs(found - place).max() < 0.008
-        assert one.above_clutter_db == max(above_db)
+        together_db = 10.0 * np.log10(np.sum(10.0 ** (above_db / 10.0)))
+        assert one.above_clutter_db == pytest.approx(together_db)
         assert one.polarization_ratio_db == pytest.approx(above_db[0] - above_db[1])
         # No two candidates are nearer than a place.
         listed = find_candidates(image_of(peaks, seed)).candidates
@@ -73,6 +74,17 @@ def test_echoes_below_each_other_are_one_place_at_the_depth_of_the_brightest():
     peaks = [(0, 0.3, 0.3, 0.08, 38.0), (0, 0.31, 0.3, 0.16, 30.0), (0, 0.33, 0.33, 0.1, 25.0)]
     (one,) = places(image_of(peaks), STRICT)
     assert (one.x_m, one.depth_m) == (0.3, 0.08)
+
+
+def test_a_wide_body_is_ranked_above_a_narrow_one_that_is_a_little_brighter():
+    wide = [(0, 0.3, 0.3, 0.1, 34.0), (0, 0.33, 0.3, 0.1, 33.5), (0, 0.27, 0.3, 0.12, 29.0)]
+    narrow = (0, 0.1, 0.1, 0.1, 35.0)
+    first, second = places(image_of([*wide, narrow], rotations=(0.0,)), STRICT)
+    assert (first.x_m, second.x_m) == (0.3, 0.1)
+    # What is itself below the cut, at 30 dB, does not count.
+    together_db = 10.0 * np.log10(10.0**3.4 + 10.0**3.35)
+    assert first.above_clutter_db == pytest.approx(together_db)
+    assert second.above_clutter_db == pytest.approx(35.0)
 
 
 def test_places_are_ranked_by_strength_above_clutter_whatever_their_flags():

@@ -68,7 +68,7 @@ class Candidate:
     Attributes:
         id: Name within its list: "C01" is the first.
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
-        above_clutter_db: Level above the standard magnitude of the clutter around it [dB].
+        above_clutter_db: Level of its echoes together above the clutter around them [dB].
         rotations_deg: Rotations of the antennas at which it is seen, the one where it is strongest
             first [deg]; None for a combination of polarizations.
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
