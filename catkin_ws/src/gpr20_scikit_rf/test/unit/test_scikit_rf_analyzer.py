@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer, wait_until
+from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
+from wait_kit import wait_until
 
 from gpr20_common import faults as common_faults
 from gpr20_common.faults import CONFIGURATION

@@ -27,7 +27,8 @@ import rosgraph
 import rospkg
 import rospy
 import rostest
-from touched_window import LIMIT_S, Screen, TouchedWindow, wait_until
+from touched_window import LIMIT_S, Screen, TouchedWindow
+from wait_kit import wait_until
 
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus

@@ -15,6 +15,7 @@ from typing import Any, Callable, Dict, Iterator
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 from robot_kit import running
+from wait_kit import wait_until
 from window_kit import virtual_screen
 
 # As long as the window takes no touch after something has opened or closed, and a little more.
@@ -23,15 +24,6 @@ QUIET_S = 0.5
 TAP_S = 0.06
 HOLD_S = 1.3
 LIMIT_S = 60.0
-
-
-def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Return when the condition holds; fail with `what` if it does not within the limit."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise AssertionError(f"not within {LIMIT_S:g} s: {what}")
-        time.sleep(0.02)
 
 
 class Screen:

@@ -6,7 +6,6 @@ import json
 import stat
 import tempfile
 import threading
-import time
 from pathlib import Path
 from typing import Any, List, Mapping
 from unittest import mock
@@ -15,6 +14,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
+from wait_kit import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -170,8 +170,7 @@ def test_a_file_that_cannot_be_written_is_reported_kept_and_written_later(tmp_pa
     audit.add(CALL, "pause")
     # Also those that are not written yet.
     assert [one["command"] for one in audit.entries(0, 9)] == ["pause", "stop"]
-    while audit.problems or len(_lines(tmp_path)) < 2:
-        time.sleep(0.01)
+    wait_until(lambda: not audit.problems and len(_lines(tmp_path)) == 2)
     audit.close(LIMIT_S)
     assert [one["command"] for one in _lines(tmp_path)] == ["stop", "pause"]
     assert len(heard.messages) == 1

@@ -52,7 +52,7 @@ from gpr20_web.roles import Role
 
 PEOPLE = {Role.VIEW: "vera", Role.OPERATE: "otto", Role.ADMIN: "ada"}
 ADDRESS = "127.0.0.1"
-CLOSE_LIMIT_S = 5.0
+CLOSE_LIMIT_S = 100.0
 
 
 class CountedAudit(Audit):
