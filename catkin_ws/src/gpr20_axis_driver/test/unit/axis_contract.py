@@ -12,7 +12,7 @@ from gpr20_axis_driver.faults import AxisException, EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 
 
 class AxisContract(ABC):

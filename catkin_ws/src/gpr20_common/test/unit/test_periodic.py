@@ -9,7 +9,7 @@ pytest.importorskip("rospy")
 
 from gpr20_common.high.periodic import Periodic
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 
 
 class Counter:

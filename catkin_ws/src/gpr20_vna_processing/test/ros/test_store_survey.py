@@ -56,7 +56,7 @@ SERVICES = {
     "close_survey": CloseSurvey,
     "read_traces": ReadTraces,
 }
-TIME_LIMIT_S = 60.0
+TIME_LIMIT_S = 200.0
 TRACES = 6
 MEASURED_US = (math.floor(time.time()) - 1) * 10**6
 

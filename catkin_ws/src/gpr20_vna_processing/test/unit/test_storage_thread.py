@@ -12,7 +12,7 @@ from wait_kit import wait_until
 from gpr20_survey.errors import StorageFailedError
 from gpr20_vna_processing.mid.storage_thread import MESSAGE_BYTES, StorageThread
 
-TIME_LIMIT_S = 30.0
+TIME_LIMIT_S = 100.0
 
 
 class Disk:

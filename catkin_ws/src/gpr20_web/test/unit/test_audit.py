@@ -27,7 +27,7 @@ from gpr20_web.low import outbox
 from gpr20_web.mid.audit import Audit, AuditPage
 from gpr20_web.roles import Role
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 ANA = calls.Person("ana", Role.OPERATE, "secret-of-the-session", "10.0.0.7")
 CALL = calls.Call(ANA, "10.0.0.7")
 

@@ -16,7 +16,7 @@ from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
 from gpr20_web.roles import Role
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 
 
 class Browser:

@@ -32,7 +32,7 @@ from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.watch import Watch
 from gpr20_web.news import News, Occasion
 
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 NEWS = News(1, Occasion.FAULT, Message("the VNA"), Message("it is silent"), Message("look"), 34)
 
 

@@ -25,7 +25,7 @@ from gpr20_web.mid.accounts import Accounts
 from gpr20_web.roles import Role
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 SESSIONS = {role.word: role for role in Role if role is not Role.NOBODY}
 
 
