@@ -53,8 +53,8 @@ def robot(tmp_path, vna, server):
         model=vna.model,
         accepted_calibrations=(5,),
         clear_on_connect=False,
-        answer_timeout_s=1.0,
-        sweep_timeout_s=1.0,
+        answer_timeout_s=30.0,
+        sweep_timeout_s=30.0,
         max_level_db=100.0,
         antenna_delay_ns=0.3,
     )
