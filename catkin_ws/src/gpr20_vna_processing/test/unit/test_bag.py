@@ -33,7 +33,7 @@ from gpr20_vna_processing.low import bag_processes
 from gpr20_vna_processing.low.bag_processes import BagProcesses, bag_bytes
 
 FREE_BYTES = 10**12
-LIMIT_S = 60.0  # far more than a process needs
+LIMIT_S = 200.0  # far more than a process needs
 
 
 @pytest.fixture

@@ -159,7 +159,7 @@ def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(
         return waited(*arguments, **named)
 
     monkeypatch.setattr(batch_command, "wait", wait)
-    with Client(cluster.scheduler_address, timeout=0.5) as client:
+    with Client(cluster.scheduler_address, timeout=5.0) as client:
         found = dict(lost_surveys(client, tmp_path, 60.0))
     assert found == dict.fromkeys("ab", NOT_ALLOWED.code)
 
