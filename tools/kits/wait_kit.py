@@ -29,6 +29,6 @@ def wait_until(
     deadline_s = time.monotonic() + limit_s
     while not condition():
         for one in alive:
-            assert one.poll() is None, f"{one.args} ended before {what}"
+            assert one.poll() is None, f"{one.args!r} ended before {what}"
         assert time.monotonic() < deadline_s, f"not within {limit_s:g} s: {what}"
         meanwhile()
