@@ -118,14 +118,14 @@ def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
     assert "code:" in printed_by("timeout", "30", "rostopic", "echo", "-n", "1", "/control_status")
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_survey_goes_on_beside_a_second_launch_that_finds_an_empty_master(robot):
     client, uri = robot.client("--x-points=40", "--y-points=40"), f"http://127.0.0.1:{free_port()}"
     wait_until(lambda: stored(robot, 1) > 2, alive=[client])
     # A simulated robot is the same one under a master of the same run.
     run = rosgraph.Master(NAME).getParam("/run_id")
     launch = ("gpr20", "survey.launch", "ui:=false", f"data:={robot.data}", "--run_id", run)
-    said = printed_by("timeout", "-s", "INT", "90", "roslaunch", *launch, ROS_MASTER_URI=uri)
+    said = printed_by("timeout", "-s", "INT", "400", "roslaunch", *launch, ROS_MASTER_URI=uri)
     assert "cannot start: another process drives this axis" in said
     before, (folder,) = stored(robot, 1), folders(robot)
     with raises_fault("survey.locked", error=SurveyRefusedError), locked(folder):
