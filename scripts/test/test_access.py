@@ -6,9 +6,9 @@ import contextlib
 import ipaddress
 
 import psutil
-import pytest
 from robot_kit import free_port
-from user_shell import Terminal, is_ready, user_environment, wait_until
+from user_shell import Terminal, is_ready, user_environment
+from wait_kit import wait_until
 
 # A word of the command line of each process of the system.
 NODES = ["x_axis-axis_driver", "y_axis-axis_driver", "z_axis-axis_driver", "name:=height_sensor"]
@@ -42,7 +42,6 @@ def reachable_at(processes):
                 yield command_line, one.laddr.ip
 
 
-@pytest.mark.timeout(180)
 def test_a_running_survey_can_be_reached_from_this_machine_alone(tmp_path):
     port = free_port()
     environment = user_environment(
@@ -54,10 +53,10 @@ def test_a_running_survey_can_be_reached_from_this_machine_alone(tmp_path):
         terminal = Terminal(log, environment)
         stack.callback(terminal.close)
         system = terminal.start(f"roslaunch -p {port} gpr20 survey.launch time_scale:=20")
-        wait_until(lambda: is_ready(tmp_path / "printed.log"), system)
+        wait_until(lambda: is_ready(tmp_path / "printed.log"), alive=[system])
         client = terminal.start(SURVEY)
         stored = (tmp_path / "surveys").glob
-        wait_until(lambda: len(list(stored("*/traces/*.json"))) >= 2, system, client)
+        wait_until(lambda: len(list(stored("*/traces/*.json"))) >= 2, alive=[system, client])
         processes = processes_below(system, client)
         found = list(reachable_at(processes))
     for word in NODES:

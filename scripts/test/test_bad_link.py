@@ -28,7 +28,7 @@ from two_machine_survey import (
     stored_traces,
     survey_folder,
 )
-from user_shell import wait_until
+from wait_kit import wait_until
 
 SEEDS = int(os.environ.get("GPR20_LINK_SEEDS", "1"))
 POINTS = int(os.environ.get("GPR20_LINK_POINTS", "3"))
@@ -59,7 +59,7 @@ def check_complete(folder):
 def check_stop(on_robot, folder):
     """Stop a survey by Ctrl-C at its client."""
     client = on_robot.start(SURVEY)
-    wait_until(lambda: statuses(folder)[-1][0] == "SURVEYING", client)
+    wait_until(lambda: statuses(folder)[-1][0] == "SURVEYING", alive=[client])
     begun_s = time.monotonic()
     client.send_signal(signal.SIGINT)
     assert client.wait(60.0) == STOPPED_BY_CTRL_C
@@ -76,7 +76,7 @@ def test_a_survey_over_a_bad_link_continues_by_itself_when_the_link_was_down(tmp
         _on_server, on_robot = stack.enter_context(launched(server, robot, tmp_path))
         client = on_robot.start(SURVEY)
         cut_at = draw.randrange(2, TRACES - 2)
-        wait_until(lambda: sum(stored_traces(tmp_path).values()) >= cut_at, client)
+        wait_until(lambda: sum(stored_traces(tmp_path).values()) >= cut_at, alive=[client])
         before_cut = len(statuses(tmp_path))
         # At rest, nodes that are still starting are named.
         states = [state for state, _message in statuses(tmp_path) if state != "IDLE"]

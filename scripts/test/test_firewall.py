@@ -12,7 +12,7 @@ import install_page
 import pytest
 from network_namespaces import ROBOT, ROBOT_STRANGER, SERVER, SERVER_STRANGER, two_machines
 from two_machine_survey import CLIENT, launched, outcome, stored_traces
-from user_shell import wait_until
+from wait_kit import wait_until
 
 pytestmark = [pytest.mark.release, pytest.mark.needs("network namespaces", "firewall")]
 

@@ -19,7 +19,8 @@ import pytest
 from fault_kit import raises_fault
 from robot_kit import MASTER, NODES, LaunchedRobot, free_port, has_bag
 from run_seed import SEED
-from user_shell import printed_by, wait_until
+from user_shell import printed_by
+from wait_kit import wait_until
 
 pytest.importorskip("rosgraph")
 
@@ -102,7 +103,7 @@ def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
     for number in range(1, KILLS + 1):
         client = robot.client(*AREA)
         moment = draw.randrange(TRACES - 4)
-        wait_until(lambda: stored(robot, number) > moment, client)  # noqa: B023
+        wait_until(lambda: stored(robot, number) > moment, alive=[client])  # noqa: B023
         begun_s = time.monotonic()
         assert robot.kill(MASTER)
         if number % 2 == 0:
@@ -118,19 +119,19 @@ def test_a_survey_continues_under_a_master_that_comes_back_empty(robot):
     assert "code:" in printed_by("timeout", "30", "rostopic", "echo", "-n", "1", "/control_status")
 
 
-@pytest.mark.timeout(300)
+@pytest.mark.timeout(600)
 def test_a_survey_goes_on_beside_a_second_launch_that_finds_an_empty_master(robot):
     client, uri = robot.client("--x-points=40", "--y-points=40"), f"http://127.0.0.1:{free_port()}"
-    wait_until(lambda: stored(robot, 1) > 2, client)
+    wait_until(lambda: stored(robot, 1) > 2, alive=[client])
     # A simulated robot is the same one under a master of the same run.
     run = rosgraph.Master(NAME).getParam("/run_id")
     launch = ("gpr20", "survey.launch", "ui:=false", f"data:={robot.data}", "--run_id", run)
-    said = printed_by("timeout", "-s", "INT", "90", "roslaunch", *launch, ROS_MASTER_URI=uri)
+    said = printed_by("timeout", "-s", "INT", "400", "roslaunch", *launch, ROS_MASTER_URI=uri)
     assert "cannot start: another process drives this axis" in said
     before, (folder,) = stored(robot, 1), folders(robot)
     with raises_fault("survey.locked", error=SurveyRefusedError), locked(folder):
         pass
-    wait_until(lambda: stored(robot, 1) > before + 2, client)
+    wait_until(lambda: stored(robot, 1) > before + 2, alive=[client])
     assert stop_survey().success
     assert client.wait(LIMIT_S) != 0
     assert verify_survey(folder).faults == []
@@ -215,7 +216,7 @@ def test_stop_and_storing_do_not_wait_behind_strangers(robot, tmp_path):
         wait_until(lambda: strangers.made > STRANGERS * len(addresses))
         assert robot.client(*AREA).wait(3 * LIMIT_S) == 0
         client = robot.client(*AREA)
-        wait_until(lambda: stored(robot, 2) > 5, client)
+        wait_until(lambda: stored(robot, 2) > 5, alive=[client])
         answer = stop_survey()
         assert answer.success, answer.message
         assert client.wait(LIMIT_S) != 0

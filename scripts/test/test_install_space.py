@@ -10,7 +10,8 @@ import sysconfig
 
 import pytest
 from robot_kit import end, free_port
-from user_shell import ROOT, printed_by, user_environment, wait_until
+from user_shell import ROOT, printed_by, user_environment
+from wait_kit import wait_until
 
 pytestmark = pytest.mark.release
 
@@ -78,7 +79,7 @@ def survey(installed, tmp_path_factory):
             start_new_session=True,
         )
         try:
-            wait_until(lambda: "/main_control is ready" in log.read_text(), launch)
+            wait_until(lambda: "/main_control is ready" in log.read_text(), alive=[launch])
             run(sourced(folder, f"rosrun gpr20_user_interface run_survey {AREA}"), environment)
         finally:
             end(launch, signal.SIGINT)

@@ -76,7 +76,6 @@ def oldest_python() -> Optional[str]:
     return None
 
 
-@pytest.mark.timeout(200)
 def test_every_source_file_is_compiled_by_the_python_of_noetic(tmp_path):
     python = oldest_python()
     if python is None:

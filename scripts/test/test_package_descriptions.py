@@ -8,18 +8,6 @@ import metadata
 import pytest
 from user_shell import ROOT
 
-CITATION = {
-    "contact": [{"name": "R&D", "email": "people@robot.example"}],
-    "license": "GPL-3.0-or-later",
-    "url": "https://robot.example",
-    "repository-code": "https://code.example/robot",
-}
-ADDRESSES = {
-    "website": "https://robot.example",
-    "repository": "https://code.example/robot",
-    "bugtracker": "https://code.example/robot/issues",
-}
-WITHOUT_ADDRESSES = {name: CITATION[name] for name in ("contact", "license")}
 (VERSION,) = re.findall(
     r'^current_version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE
 )
@@ -33,25 +21,6 @@ PINNED = {
 def test_every_package_has_the_metadata_of_the_project():
     for path, text in metadata.written_files(ROOT).items():
         assert path.read_text(encoding="utf-8") == text, "run tools/pages/metadata.py"
-
-
-def test_addresses_reach_each_package_and_leave_it_again():
-    read_package = pytest.importorskip("catkin_pkg.package").parse_package_string
-    path = ROOT / "catkin_ws/src/gpr20/package.xml"
-    text = metadata.package_xml(path.read_text(encoding="utf-8"), CITATION)
-    package = read_package(text)
-    assert {url.type: url.url for url in package.urls} == ADDRESSES
-    (maintainer,) = package.maintainers
-    assert (maintainer.name, maintainer.email) == ("R&D", "people@robot.example")
-    assert metadata.package_xml(text, CITATION) == text
-    assert "<url" not in metadata.package_xml(text, WITHOUT_ADDRESSES)
-    # The wheel, too.
-    old = (ROOT / "catkin_ws/src/gpr20_analysis/pyproject.toml").read_text(encoding="utf-8")
-    text = metadata.pyproject(old, CITATION)
-    (table,) = re.findall(r"^\[project\.urls\]\n((?:.+\n)*)\n", text, re.MULTILINE)
-    assert dict(re.findall(r'(\w+) = "(.+)"', table)) == ADDRESSES
-    assert metadata.pyproject(text, CITATION) == text
-    assert "[project.urls]" not in metadata.pyproject(text, WITHOUT_ADDRESSES)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,8 @@ import subprocess
 import pytest
 from robot_kit import free_port
 from ros2_kit import differences
-from user_shell import LIMIT_S, ROOT, printed_by, user_environment, wait_until
+from user_shell import LIMIT_S, ROOT, printed_by, user_environment
+from wait_kit import wait_until
 
 pytestmark = pytest.mark.timeout(900)
 TRACES = 7 * 7 * 2
@@ -119,7 +120,7 @@ def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(t
         text=True,
         start_new_session=True,
     )
-    wait_until(lambda: any(tmp_path.glob("*/traces/*.json")), process)
+    wait_until(lambda: any(tmp_path.glob("*/traces/*.json")), alive=[process])
     os.killpg(process.pid, signal.SIGINT)
     printed, _nothing = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 130, printed

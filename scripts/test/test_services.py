@@ -14,7 +14,8 @@ import pytest
 from package_files import unit_values
 from robot_kit import free_port
 from two_machine_survey import CLIENT, outcome, stored_traces, survey_folder
-from user_shell import ROOT, Terminal, is_ready, user_environment, wait_until
+from user_shell import ROOT, Terminal, is_ready, user_environment
+from wait_kit import wait_until
 
 pytestmark = pytest.mark.release
 UNIT = "gpr20-robot"
@@ -29,9 +30,9 @@ def test_a_survey_whose_service_is_stopped_is_resumed_under_the_next_one(tmp_pat
         service = start(environment, log)
         client = Terminal(log, environment)
         try:
-            wait_until(lambda: is_ready(tmp_path / "printed.log"), service)
+            wait_until(lambda: is_ready(tmp_path / "printed.log"), alive=[service])
             survey = client.start(f"{CLIENT} --x-points {SIDE} --y-points {SIDE}")
-            wait_until(lambda: sum(stored_traces(tmp_path).values()) >= 5, service, survey)
+            wait_until(lambda: sum(stored_traces(tmp_path).values()) >= 5, alive=[service, survey])
             stop(service)
             survey.wait(LIMIT_S)
             folder = survey_folder(tmp_path)

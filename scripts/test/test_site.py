@@ -5,7 +5,6 @@ from __future__ import annotations
 import html
 import os
 import re
-import shutil
 import sys
 
 import pytest
@@ -72,17 +71,6 @@ def test_the_ros_interfaces_and_the_python_api_are_on_it(site):
     assert 'href="../api/gpr20_analysis.html"' in (site / "reference/api.html").read_text(
         encoding="utf-8"
     )
-
-
-@pytest.mark.release
-@pytest.mark.parametrize("link", ["nothing.md", "operate.md#nothing"])
-def test_a_dead_link_fails_the_build(tmp_path, link):
-    shutil.copytree(DOCS, tmp_path / "docs")
-    with (tmp_path / "docs/maintain.md").open("a") as page:
-        page.write(f"\n[dead]({link})\n")
-    (tmp_path / "tools").symlink_to(ROOT / "tools")
-    shutil.copy(ROOT / "mkdocs.yml", tmp_path)
-    assert link in build(tmp_path / "mkdocs.yml", tmp_path / "site", status=1)
 
 
 def test_the_pictures_of_the_architecture_are_up_to_date():

@@ -13,6 +13,7 @@ from typing import Iterator, List
 
 import pytest
 from robot_kit import WEB
+from wait_kit import wait_until
 from web_site_kit import Site, launched_site
 from window_kit import Operator
 
@@ -25,7 +26,7 @@ from gpr20_survey.plan.survey_state import ENDED, SurveyState
 pytestmark = [pytest.mark.release, pytest.mark.timeout(2600)]
 
 KILLS, LATEST_S = 20, 6.0
-LIMIT_S, LOOK_S, REST_S = 60.0, 0.01, 1.0
+LIMIT_S, REST_S = 60.0, 1.0
 MAIN_CONTROL = "main_control"
 ALARM = """
 const alarm = document.querySelector("#stop-warning");
@@ -52,8 +53,8 @@ class Survey:
                 return True
             return False
 
-        _wait(started, "a survey is started", 3.0 * LIMIT_S)
-        _wait(lambda: not self.is_over, "it is said to run")
+        wait_until(started, "a survey is started")
+        wait_until(lambda: not self.is_over, "it is said to run")
         site.wait_for_state("SURVEYING")
 
     @property
@@ -62,21 +63,14 @@ class Survey:
 
     def wait_for_end(self) -> float:
         """Return when the last pulse of any axis was, and the survey had ended [s]."""
-        _wait(lambda: self.is_over, "the survey has ended")
+        wait_until(lambda: self.is_over, "the survey has ended")
         ended_s = time.monotonic()
-        _wait(lambda: time.monotonic() - self._last_pulse_s > REST_S, "no axis moves on")
+        wait_until(lambda: time.monotonic() - self._last_pulse_s > REST_S)
         return max(ended_s, self._last_pulse_s)
 
     @property
     def _last_pulse_s(self) -> float:
         return max(self._world.last_pulse_ns(axis) for axis in AxisId) / 1e9
-
-
-def _wait(holds, what: str, limit_s: float = LIMIT_S) -> None:
-    deadline_s = time.monotonic() + limit_s
-    while not holds():
-        assert time.monotonic() < deadline_s, f"not within {limit_s:g} s: {what}"
-        time.sleep(LOOK_S)
 
 
 @pytest.fixture(scope="module")
@@ -128,8 +122,8 @@ def test_stop_pressed_while_the_node_is_killed_stops_the_robot_when_it_is_back(
         killed_s = time.monotonic()
 
         def note_return() -> None:
-            _wait(lambda: not _answers(site), "the node is dead")
-            _wait(lambda: _answers(site), "the node is back")
+            wait_until(lambda: not _answers(site), "the node is dead")
+            wait_until(lambda: _answers(site), "the node is back")
             returned.append(time.monotonic())  # noqa: B023
 
         watch = threading.Thread(target=note_return)
@@ -165,8 +159,8 @@ def test_stop_that_the_node_has_just_taken_is_not_lost_with_it(
     process.kill()
     survey.wait_for_end()
     # The next test kills the next node, and must not take the state of this survey for its own.
-    _wait(lambda: _answers(site), "the node is back")
-    _wait(lambda: "SURVEYING" not in site.browser.text("#state"), "the page is back")
+    wait_until(lambda: _answers(site), "the node is back")
+    wait_until(lambda: "SURVEYING" not in site.browser.text("#state"), "the page is back")
     _expect_none(site)
 
 
@@ -183,9 +177,9 @@ def test_stop_is_confirmed_only_by_a_main_control_that_answers(site: Site, surve
             _expect_alarm(site, "web_stop_alarm_main_control")
         browser.wait(lambda: browser.run("return sessionStorage.stops") == "[]", "it is confirmed")
         _expect_none(site)
-        _wait(
+        wait_until(
             lambda: survey.operator.code in (*ENDED, SurveyState.IDLE, SurveyState.CONFIGURED),
-            "no survey runs",
+            what="no survey runs",
         )
 
 

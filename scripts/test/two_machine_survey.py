@@ -9,7 +9,8 @@ from collections import Counter
 
 import install_page
 from network_namespaces import ROBOT, SERVER, relayed
-from user_shell import Terminal, is_ready, user_environment, wait_until
+from user_shell import Terminal, is_ready, user_environment
+from wait_kit import wait_until
 
 TIME_SCALE = 50
 CLIENT = "rosrun gpr20_user_interface run_survey --wait 60"
@@ -34,9 +35,9 @@ def launched(server, robot, folder):
         try:
             control = on_server.start(simulated(launch_server))
             axes = on_robot.start(f"{simulated(launch_robot)} ui:=false")
-            wait_until(lambda: is_ready(folder / "printed.log"), control, axes)
+            wait_until(lambda: is_ready(folder / "printed.log"), alive=[control, axes])
             # The simulated VNA is behind the loopback of the robot, which a real one is not.
-            wait_until(lambda: simulated_vna(robot), control, axes)
+            wait_until(lambda: simulated_vna(robot), alive=[control, axes])
             with relayed(simulated_vna(robot), server, robot):
                 yield on_server, on_robot
         finally:

@@ -8,7 +8,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,16 +60,6 @@ def printed_by(*command, status=0, folder=None, **more):
         printed = output.read()
     assert status in (None, ended.returncode), printed
     return printed
-
-
-def wait_until(condition, *processes, limit_s=LIMIT_S):
-    """Wait for a condition while these processes go on running."""
-    deadline_s = time.monotonic() + limit_s
-    while not condition():
-        for process in processes:
-            assert process.poll() is None, f"{process.args} ended too early"
-        assert time.monotonic() < deadline_s, "it took too long"
-        time.sleep(0.05)
 
 
 def is_ready(log):

@@ -14,7 +14,7 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.remote.webelement import WebElement
 
 CHROMIUM, DRIVER = "/usr/bin/chromium", "/usr/bin/chromedriver"
-LIMIT_S = 30.0
+LIMIT_S = 90.0
 PAUSE_S = 0.05
 # As tall as a telephone of that width, a tablet, a desktop.
 HEIGHTS = {360: 740, 800: 600, 1440: 900}

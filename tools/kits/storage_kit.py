@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -36,7 +35,7 @@ NO_BAGS: Any = SimpleNamespace(
     cancel=lambda _: None,
     outstanding_bytes=lambda: 0,
 )
-LIMITS = ProcessingParameters(timeout_s=10.0, commit_period_s=0.05)
+LIMITS = ProcessingParameters(timeout_s=60.0, commit_period_s=0.05)
 
 TYPES = get_typestore(Stores.ROS1_NOETIC)
 TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
@@ -211,11 +210,3 @@ class Kit:
             if trace.index not in stored:
                 self.processing.store(trace)
         self.processing.close_survey(SURVEY, "finished")
-
-
-def wait_until(condition: Callable[[], bool], limit_s: float = 10.0) -> None:
-    """Return when the condition holds; fail if it does not in time."""
-    deadline_s = time.monotonic() + limit_s
-    while not condition():
-        assert time.monotonic() < deadline_s, "the condition did not come true in time"
-        time.sleep(0.01)

@@ -18,10 +18,10 @@ PLAN = SurveyParameters(
     frequency_points=101,
     x_start_mm=100.0,
     x_stop_mm=300.0,
-    x_points=6,
+    x_points=21,
     y_start_mm=100.0,
     y_stop_mm=300.0,
-    y_points=6,
+    y_points=21,
 )
 
 

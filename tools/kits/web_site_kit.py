@@ -17,6 +17,11 @@ from touchscreen_kit import Touchscreen
 
 PASSWORD = "correct horse battery staple"
 TAKEN, TAKEN_LIMIT_S = "cannot listen", 60.0
+# Whether a process is a node, and whether that has ended.
+NODE_STATE = (
+    (rospy.client, "_init_node_args"),
+    *((rospy.core, name) for name in ("_client_ready", "_in_shutdown", "_shutdown_flag")),
+)
 PEOPLE = {"vera": "watch", "otto": "control", "ada": "control"}
 
 
@@ -105,6 +110,9 @@ def launched_site(folder: Path, time_scale: int) -> Iterator[Site]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_MASTER_URI", "")
         patch.setenv("GPR20_STATE", "")
+        # Other tests of this process find rospy as if there had been no node.
+        for owner, name in NODE_STATE:
+            patch.setattr(owner, name, getattr(owner, name))
         arguments = (f"time_scale:={time_scale}", "web:=true", f"config:={config}")
         robot = LaunchedRobot(folder, *arguments)
         try:

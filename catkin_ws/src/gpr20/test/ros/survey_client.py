@@ -25,7 +25,7 @@ from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurv
 from gpr20_simulator.srv import SetFault
 from gpr20_survey.files.folder_lock import writer_of
 
-LIMIT_S = 120.0
+LIMIT_S = 200.0
 # Of all nodes: where these are, every node is there.
 SERVICES = (
     *(f"{axis}_axis/{name}" for axis in "xyz" for name in ("homing", "stop")),

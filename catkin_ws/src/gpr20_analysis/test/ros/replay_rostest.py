@@ -20,7 +20,7 @@ sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 sys.path.append(str(Path(__file__).resolve().parents[1] / "unit"))
 from survey_kit import POINTS, make_survey, planned_trace
 
-TIME_LIMIT_S = 60.0
+TIME_LIMIT_S = 200.0
 NODE = Path(__file__).resolve().parents[2] / "nodes" / "replay"
 
 

@@ -24,7 +24,7 @@ from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes.axis_id import AxisId
 
-LIMIT_S = 60.0
+LIMIT_S = 200.0
 # So far that a move there is still under way when a slow computer stops it: 9 s.
 FAR_MM = 600.0
 TOPIC, HOMING = "x_axis/current_coord", "x_axis/homing"

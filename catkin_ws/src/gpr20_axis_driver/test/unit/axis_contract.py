@@ -12,7 +12,7 @@ from gpr20_axis_driver.faults import AxisException, EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 
 
 class AxisContract(ABC):
@@ -150,7 +150,7 @@ class AxisContract(ABC):
     def _wait_for_rest(self) -> None:
         deadline_s = time.monotonic() + LIMIT_S
         resting_s, steps = time.monotonic(), self.true_steps()
-        while time.monotonic() - resting_s < 0.3:
+        while time.monotonic() - resting_s < 1.0:
             assert time.monotonic() < deadline_s, "the axis never came to rest"
             if self.true_steps() != steps:
                 resting_s, steps = time.monotonic(), self.true_steps()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import time
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
@@ -23,7 +22,7 @@ from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 AXES = read_yaml(Path(__file__).parents[3] / "gpr20_launch/config/axes.yaml")
 X_PARAMETERS, Z_PARAMETERS = (record_from(AxisParameters, AXES[one], one) for one in "xz")
 # Its whole length takes no time to travel.
@@ -188,11 +187,3 @@ class SimulatedAxis:
     @property
     def pins_low(self) -> bool:
         return self.world.pins_low(self.axis)
-
-
-def wait_until(condition) -> None:
-    """Return once the condition holds; fail after a while."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, "the condition never held"
-        time.sleep(0.002)

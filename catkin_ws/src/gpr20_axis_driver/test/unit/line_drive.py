@@ -17,8 +17,10 @@ HOMING_STEPS_S = 6000.0
 PULL_OFF_STEPS = 100
 MOST_HOMING_STEPS = 4000
 # Without a line for this time a move ends [s].
-SILENT_S = 1.0
+SILENT_S = 1.5
 TICK_S = 0.002
+# A busy computer makes it slow, and lets it leap nowhere.
+LONGEST_TICK_S = 0.02
 
 
 class LineDrive:
@@ -94,7 +96,7 @@ class LineDrive:
             time.sleep(TICK_S)
             with self._lock:
                 before_s, self._moved_s = self._moved_s, time.monotonic()
-                self._tick(self._moved_s - before_s)
+                self._tick(min(LONGEST_TICK_S, self._moved_s - before_s))
 
     def _tick(self, time_s: float) -> None:
         if self._homing:

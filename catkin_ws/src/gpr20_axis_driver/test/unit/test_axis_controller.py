@@ -6,11 +6,12 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from axis_machine import SHORT, X_PARAMETERS, wait_until
+from axis_machine import SHORT, X_PARAMETERS
 from case_kit import each_case
 from fault_kit import raises_fault
 from line_drive import LineDrive
 from tutorial_code import code_blocks
+from wait_kit import wait_until
 
 from gpr20_axis_driver import controller
 from gpr20_axis_driver.controller import ControllerError, open_axis

@@ -16,9 +16,10 @@ pytest.importorskip("gpr20_msgs.msg")
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20/test/unit"))
 sys.path.append(str(Path(__file__).resolve().parents[3] / "gpr20_common/test/unit"))
 
-from axis_machine import SHORT, Z_PARAMETERS, Axis, wait_until
+from axis_machine import SHORT, Z_PARAMETERS, Axis
 from graph_in_process import Graph
 from vanishing_peer import come_back, vanish
+from wait_kit import wait_until
 
 from gpr20_axis_driver import controller
 from gpr20_axis_driver.faults import AxisException

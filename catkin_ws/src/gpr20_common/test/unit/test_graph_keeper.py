@@ -24,7 +24,7 @@ from gpr20_common.high.graph_keeper import (
     _Doorman,
 )
 
-LIMIT_S = 60.0
+LIMIT_S = 100.0
 HEADER = encode_ros_handshake_header({"service": "/stop", "callerid": "/me"})
 PARAMETERS = {"run_id": "1", "launch": "{}", "gpr20_started": {"launch": {"me": True}}}
 
@@ -89,8 +89,6 @@ def graph(monkeypatch):
     monkeypatch.setattr(graph_keeper.rosgraph, "get_master_uri", lambda: graph.master.uri)
     monkeypatch.setattr(graph_keeper.rospy, "get_node_uri", lambda: graph.node.uri)
     monkeypatch.setattr(graph_keeper.rospy, "get_name", lambda: "/me")
-    # Another test may have shut rospy down.
-    monkeypatch.setattr(graph_keeper.rospy.core, "is_shutdown_requested", lambda: False)
     nothing = SimpleNamespace(tcp_ros_server=None)
     for name in ("start_tcpros_server", "init_tcpros_server"):
         monkeypatch.setattr(graph_keeper.tcpros_base, name, lambda: nothing)
@@ -196,8 +194,10 @@ def is_ended(connection):
         return True
 
 
-def test_a_header_is_heard_in_pieces_and_does_not_wait_for_strangers(port):
+def test_a_header_is_heard_in_pieces_and_does_not_wait_for_strangers(port, monkeypatch):
     address, noted, heard = port
+    # Of a slow friend on a busy computer.
+    monkeypatch.setattr(graph_keeper, "HEADER_LIMIT_S", 5.0)
     openings = [b"", HEADER[:2], HEADER[:20], b"\xff\xff\xff\x7f", b"\0\0\0\0"]
     strangers = [socket.create_connection(address) for _ in range(2 * MOST_OPEN)]
     for place, stranger in enumerate(strangers):

@@ -12,7 +12,8 @@ from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.links import NodeProbe
 
-LIMIT_S = 0.5
+# For what comes, and for what never comes.
+LIMIT_S, SHORT_S = 100.0, 2.0
 
 
 class Server:
@@ -48,8 +49,8 @@ class Graph:
         self.uris["/x"] = node.uri
         return node
 
-    def probe(self):
-        return NodeProbe(self.master.uri, "/asker", "/x", LIMIT_S)
+    def probe(self, limit_s=LIMIT_S):
+        return NodeProbe(self.master.uri, "/asker", "/x", limit_s)
 
 
 @pytest.fixture
@@ -134,7 +135,7 @@ def test_a_node_that_hangs_or_answers_in_no_language_of_ours_is_silent(graph, an
         answering = threading.Thread(target=accept)
         answering.start()
         with raises_fault(faults.PART_SILENT, "/x", error=NodeSilentError) as silent:
-            graph.probe().process()
+            graph.probe(SHORT_S).process()
         answering.join()
         accepted[0].close()
     assert not isinstance(silent.value, NodeGoneError)

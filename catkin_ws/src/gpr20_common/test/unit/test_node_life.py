@@ -17,7 +17,7 @@ pytest.importorskip("rospy")
 
 from gpr20_common.high import diagnostics, node
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 
 LAUNCH = 4711
 

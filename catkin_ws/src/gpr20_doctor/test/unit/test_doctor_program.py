@@ -17,6 +17,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
+from robot_kit import free_port
 from test_machine_checks import HEALTHY
 from test_robot_checks import AXES, ENDSTOPS
 
@@ -74,9 +75,7 @@ class Server(SimpleXMLRPCServer):
 
 
 def closed_uri():
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"http://127.0.0.1:{probe.getsockname()[1]}"
+    return f"http://127.0.0.1:{free_port()}"
 
 
 @pytest.fixture

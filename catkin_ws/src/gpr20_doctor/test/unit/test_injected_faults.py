@@ -97,7 +97,8 @@ class Computer:
         request = ThisMachine("pi", self.environment, self.root).request({}, robot=REAL)
         port = self.vna.getsockname()[1] if self.vna.fileno() >= 0 else 1
         late = mock.patch.object(machine_probe.time, "time", lambda: self.now_s or 4e9)
-        with late, mock.patch.object(machine_probe, "PORTMAPPER", port):
+        patient = mock.patch.object(machine_probe, "DISK_LIMIT_S", 100.0)
+        with late, patient, mock.patch.object(machine_probe, "PORTMAPPER", port):
             found = findings(None, machine_probe.probe_machine(request))
         bad = [one for one in found if one.level >= Level.WARNING]
         return {f"{one.check} {one.text.fault_code}": one for one in bad}

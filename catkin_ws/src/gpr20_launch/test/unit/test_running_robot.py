@@ -8,13 +8,13 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from dataclasses import replace
-from datetime import datetime
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
 from case_kit import each_case
+from wait_kit import wait_until
 
 from gpr20_launch.low import needed_modules
 from gpr20_launch.low.needed_modules import what_to_install
@@ -31,13 +31,6 @@ def node(number, parent):
         number, parent.number if parent else 1, ("python3",), datetime(2026, 11, 22, 7, 0, number)
     )
     return RunningNode(f"/node{number}", number, process, parent)
-
-
-def until(condition):
-    deadline_s = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.01)
 
 
 def test_nodes_that_run_are_ended_by_one_command():
@@ -75,9 +68,10 @@ def test_a_process_is_described_as_the_system_knows_it():
         assert found.parent == os.getpid()
         assert found.command == tuple(program)
         # The start is counted in ticks since a boot that is known to a second.
-        assert abs((found.started - before).total_seconds()) < 3.0
+        close = timedelta(seconds=3)
+        assert before - close < found.started < datetime.now() + close
         assert not found.is_roslaunch
-    until(lambda: process_info(child.pid) is None)
+    wait_until(lambda: process_info(child.pid) is None)
 
 
 CHECK = Path(__file__).resolve().parents[2] / "nodes" / "check_launch"
@@ -165,7 +159,7 @@ def test_only_the_process_that_is_the_node_is_killed(start):
     nodes().kill(storage.pid, "/control")
     assert storage.poll() is None
     nodes().kill(storage.pid, "/storage")
-    assert storage.wait(10.0) == -signal.SIGKILL
+    assert storage.wait() == -signal.SIGKILL
     nodes().kill(storage.pid, "/storage")
 
 
@@ -176,7 +170,7 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
     process = start(program=program)
     if number is not None:
         process.send_signal(number)
-    until(lambda: is_working(process.pid) is working)
+    wait_until(lambda: is_working(process.pid) is working)
 
 
 def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
@@ -196,7 +190,7 @@ def test_a_thread_that_ends_while_it_is_looked_at_hides_no_other(start, monkeypa
     listed = glob.glob
     ended = f"/proc/{process.pid}/task/0/stat"
     monkeypatch.setattr(glob, "glob", lambda pattern: [ended, *listed(pattern)])
-    until(lambda: is_working(process.pid))
+    wait_until(lambda: is_working(process.pid))
 
 
 def test_only_a_process_under_a_debugger_is_traced(start):

@@ -43,13 +43,12 @@ def watched(node):
 
     def is_watched():
         uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
-        ports = [
-            connection.raddr.port
-            for process in psutil.Process().parent().children()
-            if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline())
-            for connection in process.connections()
-            if connection.status == psutil.CONN_ESTABLISHED
-        ]
+        ports = []
+        for process in psutil.Process().parent().children():
+            # Others end meanwhile.
+            with contextlib.suppress(psutil.NoSuchProcess):
+                if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline()):
+                    ports += [one.raddr.port for one in process.net_connections() if one.raddr]
         return urlsplit(uri).port in ports
 
     wait_until(is_watched, f"nobody watches {node}")

@@ -10,7 +10,6 @@ import socket
 import socketserver
 import struct
 import threading
-import time
 from typing import Callable, ClassVar, Dict, List, Optional, Set, Tuple
 
 import numpy as np
@@ -277,13 +276,6 @@ class _Lines(socketserver.StreamRequestHandler):
                 answer = self.server.analyzer.execute(line)
                 if answer is not None:
                     self.wfile.write(answer)
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    deadline_s = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline_s
-        time.sleep(0.001)
 
 
 ANALYZERS: Dict[str, Callable[[], ScpiAnalyzer]] = {

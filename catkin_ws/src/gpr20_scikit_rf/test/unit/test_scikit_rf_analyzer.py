@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
-from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer, wait_until
+from scpi_analyzers import ANALYZERS, ScpiAnalyzer, ScpiServer
+from wait_kit import wait_until
 
 from gpr20_common import faults as common_faults
 from gpr20_common.faults import CONFIGURATION
@@ -64,9 +65,9 @@ class Bench:
                 "address": self.address,
                 "maker": self.vna.maker,
                 "model": self.vna.model,
-                "answer_timeout_s": 2.0,
+                "answer_timeout_s": 5.0,
                 "connect_timeout_s": 10.0,
-                "sweep_timeout_s": 1.0,
+                "sweep_timeout_s": 5.0,
                 "seconds_per_point": 0.0,
                 "retry_pause_s": 0.01,
                 "attempts": 3,

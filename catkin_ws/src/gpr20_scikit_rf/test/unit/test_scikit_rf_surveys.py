@@ -9,10 +9,11 @@ import yaml
 from case_kit import each_case
 from fault_kit import raises_fault
 from robot_in_process import RobotInProcess
-from scpi_analyzers import PnaAnalyzer, ScpiServer, wait_until
+from scpi_analyzers import PnaAnalyzer, ScpiServer
 from simulated_world import World
 from stored_surveys import check_state, description_in, json_traces
 from tutorial_code import code_blocks
+from wait_kit import wait_until
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
@@ -52,8 +53,8 @@ def robot(tmp_path, vna, server):
         model=vna.model,
         accepted_calibrations=(5,),
         clear_on_connect=False,
-        answer_timeout_s=1.0,
-        sweep_timeout_s=1.0,
+        answer_timeout_s=30.0,
+        sweep_timeout_s=30.0,
         max_level_db=100.0,
         antenna_delay_ns=0.3,
     )

@@ -9,7 +9,8 @@ from unittest import mock
 import numpy as np
 import pytest
 from run_seed import draws
-from vna_bench import POINTS, SWEEP_S, Bench, wait_until
+from vna_bench import POINTS, SWEEP_S, Bench
+from wait_kit import wait_until
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace, SweepPlan
@@ -75,13 +76,12 @@ def test_its_own_thread_sweeps_while_nobody_asks():
     plan = SweepPlan(1e9, 2e9, 10, 1e-3)
     here = AntennaPosition(0.0, 0.0, 0.0)
     sweeper = Sweeper(PositionProbe(), lambda: here, Clock(), plan, SweepPace())
-    before = set(threading.enumerate())
     sweeper.start()
     sweeper.trigger()
-    wait_until(lambda: sweeper.is_complete, "end of the sweep")
+    wait_until(lambda: sweeper.is_complete)
     assert {probed_sweep(value) for value in sweeper.snapshot()[1]} == {1}
     sweeper.stop()
-    assert set(threading.enumerate()) <= before
+    assert "sweeper" not in {one.name for one in threading.enumerate()}
 
 
 # The memory: data that are computed only when somebody looks at them are those computed at once.

@@ -10,8 +10,8 @@ import pyvisa
 import vxi11
 from case_kit import each_case
 from fault_kit import raises_fault
-from vna_bench import wait_until
 from vxi11 import rpc
+from wait_kit import wait_until
 
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.clock import Clock
@@ -116,7 +116,7 @@ def test_clients_move_any_length_both_ways(device, server, link, visa, length):
     assert device.messages[-3:] == [message] * 3
     resource.clear()
     resource.close()
-    wait_until(lambda: server.link_count == 1, "freeing of the link")
+    wait_until(lambda: server.link_count == 1)
 
 
 def error_of(call, *arguments):
@@ -128,6 +128,7 @@ def error_of(call, *arguments):
 def test_an_answer_that_does_not_come_ends_by_the_time_limit_of_the_client(link):
     link.timeout = 0.05
     assert error_of(link.read_raw) == vxi11.vxi11.ERR_IO_TIMEOUT
+    link.timeout = 30.0
     link.write("old?")
     link.write("new?")
     assert (link.read(), link.read()) == ("old?", "new?")
@@ -164,7 +165,7 @@ def test_lock_keeps_others_out_until_its_link_ends(server, link):
     link.unlock()
     link.lock()
     link.client.close()
-    wait_until(lambda: server.link_count == 1, "end of the link")
+    wait_until(lambda: server.link_count == 1)
     other.lock()
     other.unlock()
     assert error_of(other.unlock) == vxi11.vxi11.ERR_NO_LOCK_HELD_BY_THIS_LINK
@@ -189,6 +190,7 @@ def test_silent_clients_keep_their_connections_in_a_process_of_rospy(device):
         link.timeout = 3 * SOCKET_LIMIT_S
         link.client.sock.settimeout(30.0)
         assert error_of(link.read_raw) == vxi11.vxi11.ERR_IO_TIMEOUT
+        link.timeout = 30.0
         assert link.ask("still there?") == "still there?"
         link.client.close()
         server.stop()
@@ -229,4 +231,4 @@ def test_the_whole_analyzer_is_reached_until_its_link_is_gone_and_leaves_no_thre
     link = linked(port)
     assert link.ask("*IDN?").startswith('"Anritsu')
     vna.stop()
-    wait_until(lambda: set(threading.enumerate()) <= before, "end of all threads")
+    wait_until(lambda: set(threading.enumerate()) <= before)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 
 from gpr20_simulator.mid.analyzer.in_process import InProcessAnalyzer
@@ -11,17 +9,9 @@ from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
 
-LIMIT_S = 30.0
 # Of a sweep that takes time: its points, and the time of each [s].
 POINTS, POINT_S = 101, 350e-6
 SWEEP_S = POINTS * POINT_S
-
-
-def wait_until(condition, what):
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        assert time.monotonic() < deadline_s, f"{what} did not happen within {LIMIT_S} s"
-        time.sleep(0.002)
 
 
 class Bench(InProcessAnalyzer):

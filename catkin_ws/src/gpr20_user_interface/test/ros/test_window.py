@@ -27,7 +27,8 @@ import rosgraph
 import rospkg
 import rospy
 import rostest
-from touched_window import LIMIT_S, Screen, TouchedWindow, wait_until
+from touched_window import LIMIT_S, Screen, TouchedWindow
+from wait_kit import wait_until
 
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
@@ -36,6 +37,7 @@ from gpr20_operator.plan.stored import RememberedPlan
 from gpr20_survey.axes.axis_id import AxisId
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
+from robot_kit import free_port
 from survey_client import SurveyClient, node_pid
 
 TOUCHES = int(os.environ.get("GPR20_REAL_TOUCHES", "20"))
@@ -310,9 +312,7 @@ class Window(unittest.TestCase):
         self.wait_for(lambda one: one["condition"] == "robot.master_lost", "the loss is said")
 
     def test_5_the_next_master_is_joined(self) -> None:
-        with socket.socket() as one:
-            one.bind(("127.0.0.1", 0))
-            port = one.getsockname()[1]
+        port = free_port()
         with tempfile.TemporaryDirectory() as log:
             # Empty: it knows nothing of the nodes of the former one.
             command = ["rosmaster", "--core", "-p", str(port)]

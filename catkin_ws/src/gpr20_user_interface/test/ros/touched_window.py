@@ -9,12 +9,13 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 from robot_kit import running
+from wait_kit import wait_until
 from window_kit import virtual_screen
 
 # As long as the window takes no touch after something has opened or closed, and a little more.
@@ -22,16 +23,7 @@ QUIET_S = 0.5
 # How long a finger touches.
 TAP_S = 0.06
 HOLD_S = 1.3
-LIMIT_S = 60.0
-
-
-def wait_until(condition: Callable[[], bool], what: str) -> None:
-    """Return when the condition holds; fail with `what` if it does not within the limit."""
-    deadline_s = time.monotonic() + LIMIT_S
-    while not condition():
-        if time.monotonic() > deadline_s:
-            raise AssertionError(f"not within {LIMIT_S:g} s: {what}")
-        time.sleep(0.02)
+LIMIT_S = 200.0
 
 
 class Screen:
@@ -126,8 +118,16 @@ class TouchedWindow:
         wait_until(is_open, f"{name} opens {wanted}")
 
     def hold(self, name: str) -> None:
-        """Touch a part of the window for long."""
-        self.tap(name, HOLD_S)
+        """Touch a part of the window for long: again if a busy one has noticed a break."""
+
+        def has_acted() -> bool:
+            self.tap(name, HOLD_S)
+            with suppress(AssertionError):
+                wait_until(lambda: not self.takes_touches(name), limit_s=5.0)
+                return True
+            return False
+
+        wait_until(has_acted, f"{name} acts")
 
     def tap_at(self, x: int, y: int, for_s: float = TAP_S) -> None:
         """Touch a place on the screen, whatever is there."""

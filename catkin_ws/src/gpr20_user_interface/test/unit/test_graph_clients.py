@@ -18,6 +18,7 @@ from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import fault_of
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
@@ -234,10 +235,10 @@ class WaitingClock(FakeClock):
 
 def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
     hung = threading.Event()
-    monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
+    monkeypatch.setattr(ros_events, "enable_line_buffering", lambda: None)
     monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: True)
     monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: None)
-    ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())
+    ros_events.join_graph("a_node", LIMIT_S, lambda: False, Clock())
     monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
     with raises_fault(NOT_RUNNING, error=MasterUnavailableError):
         ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())

@@ -34,11 +34,11 @@ def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
     with StopSignals(lambda reason: events.put(StopRequested(reason))) as signals:
         assert not signals.received
         os.kill(os.getpid(), number)
-        assert events.get(timeout=5.0) == StopRequested(name)
+        assert events.get(timeout=LIMIT_S) == StopRequested(name)
         assert signals.received
         with pytest.raises(SecondStopSignal):
             os.kill(os.getpid(), signal.SIGINT)
-            events.get(timeout=5.0)
+            events.get(timeout=LIMIT_S)
     assert signal.getsignal(number) is before
 
 
@@ -61,7 +61,6 @@ def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
     ended = subprocess.run(
         [sys.executable, "-c", program],
         stdout=subprocess.PIPE,
-        timeout=20,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
     )
     assert (ended.returncode, ended.stdout) == (130, b"last words\n")
@@ -84,7 +83,7 @@ def test_ctrl_c_while_the_client_is_loaded_ends_it_quietly(tmp_path):
     try:
         assert process.stdout.readline() == "loading\n"
         process.send_signal(signal.SIGINT)
-        _, error = process.communicate(timeout=60.0)
+        _, error = process.communicate(timeout=LIMIT_S)
     finally:
         process.kill()
     assert (process.returncode, error) == (-signal.SIGINT, "")
@@ -102,17 +101,17 @@ def end_the_process():
 @each_case(
     "open_display, limit_s, problem",
     [
-        (lambda: print("a warning"), 30.0, None),
-        (raise_error, 30.0, "OSError('no such plugin')"),
+        (lambda: print("a warning"), 100.0, None),
+        (raise_error, 100.0, "OSError('no such plugin')"),
         # The line that names the display.
-        (end_the_process, 30.0, "some library: could not connect to display :7"),
+        (end_the_process, 100.0, "some library: could not connect to display :7"),
         (lambda: time.sleep(60), 0.2, "no answer within 0.2 s"),
     ],
 )
 def test_a_display_that_does_not_open_is_a_problem_with_its_reason(open_display, limit_s, problem):
-    before = psutil.Process().children()
+    before = set(psutil.Process().children())
     assert display_problem(open_display, limit_s=limit_s) == problem
-    assert psutil.Process().children() == before
+    assert set(psutil.Process().children()) <= before
 
 
 GUARDED = """
@@ -122,8 +121,8 @@ from gpr20_user_interface.low.process import HangGuard
 def hang_here():
     {hang}
 
-guard = HangGuard(1.0)
-for _ in range(60):
+guard = HangGuard(3.0)
+for _ in range(160):
     guard.beat()
     time.sleep(0.02)
 {end}
@@ -131,24 +130,23 @@ hang_here()
 """
 
 
-def run_guarded(hang, end=""):
+def guarded(hang, end=""):
     command = [sys.executable, "-c", GUARDED.format(hang=hang, end=end)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=100, check=False)
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
 
 
-@each_case("hang", ["threading.Event().wait(60)", "while True: pass"])
-def test_a_window_that_hangs_ends_and_says_where(hang):
-    ended = run_guarded(hang)
-    assert ended.returncode == 1
-    assert "hang_here" in ended.stderr
-
-
-def test_a_window_that_is_closed_takes_its_time():
-    assert run_guarded("threading.Event().wait(1.5)", end="guard.end()").returncode == 0
+def test_a_window_that_hangs_ends_and_says_where_and_one_that_is_closed_takes_its_time():
+    hanging = [guarded(one) for one in ("threading.Event().wait(200)", "while True: pass")]
+    closed = guarded("threading.Event().wait(4.0)", end="guard.end()")
+    for one in hanging:
+        _, said = one.communicate()
+        assert one.returncode == 1 and "hang_here" in said
+    closed.communicate()
+    assert closed.returncode == 0
 
 
 PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"
-LIMIT_S = 60.0
+LIMIT_S = 100.0
 
 
 def started(*arguments, display=""):

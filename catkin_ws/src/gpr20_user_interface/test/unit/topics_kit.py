@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from gpr20_common.high.answers import message_fields
 from gpr20_common.message import verbatim
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 
 
 class Graph:

@@ -32,7 +32,7 @@ from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PAGE = Path(__file__).parents[5] / "docs/extend/analyzer.md"
 # What ends only because a call was given up, ends long before this on a busy machine, too [s].
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 # 3 connect_timeout_s, 2 answer_timeout_s, and 1.5 s.
 USUAL_S = 20.5
 

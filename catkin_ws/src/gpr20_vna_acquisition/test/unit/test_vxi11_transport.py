@@ -14,6 +14,7 @@ from fault_kit import raises_fault
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
+from wait_kit import wait_until
 
 from gpr20_survey.faults import VNA_SILENT, WRONG_VNA
 from gpr20_vna_acquisition import faults
@@ -32,13 +33,6 @@ END = 4
 
 class HangUp(Exception):
     """Close the connection instead of answering."""
-
-
-def wait_until(condition) -> None:
-    deadline = time.monotonic() + 30.0
-    while not condition():
-        assert time.monotonic() < deadline, "the condition did not come true in time"
-        time.sleep(0.005)
 
 
 def proper(_procedure: int, answer: bytes) -> bytes:

@@ -38,7 +38,7 @@ def make(place: Path, ending: str) -> Made:
     What a kill leaves of one that was cut off is what is on the disk then.
     """
     # On a busy computer it would record the last marker before it is cut off.
-    limits = ProcessingParameters(timeout_s=10.0, commit_period_s=3600.0)
+    limits = ProcessingParameters(timeout_s=60.0, commit_period_s=3600.0)
     kit = Kit(place / "open", limits=limits)
     folder = kit.open(metadata_json=METADATA)
     kit.add_marker(SURVEY, marker(1))

@@ -11,9 +11,9 @@ from storage_kit import (
     Kit,
     MemoryRecording,
     text_message,
-    wait_until,
 )
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
+from wait_kit import wait_until
 
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message

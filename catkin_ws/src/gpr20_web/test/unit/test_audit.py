@@ -19,7 +19,7 @@ from gpr20_web.calls import Role
 from gpr20_web.low import outbox
 from gpr20_web.mid.audit import Audit
 
-LIMIT_S = 30.0
+LIMIT_S = 100.0
 ANA = calls.Person("ana", Role.CONTROL, "secret-of-the-session", "10.0.0.7")
 CALL = calls.Call(ANA, "10.0.0.7")
 

@@ -30,7 +30,7 @@ from gpr20_web.low.notifier import TRIES, News, Notifier, Occasion
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.watch import Watch
 
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 NEWS = News(1, Occasion.FAULT, Message("the VNA"), Message("it is silent"), Message("look"), 34)
 
 

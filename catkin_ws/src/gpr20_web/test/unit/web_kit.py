@@ -24,7 +24,7 @@ from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.passwords import PasswordHash
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
-LIMIT_S = 20.0
+LIMIT_S = 100.0
 SESSIONS = {role.word: role for role in Role if role is not Role.NOBODY}
 
 

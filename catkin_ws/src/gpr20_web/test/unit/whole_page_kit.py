@@ -49,7 +49,7 @@ from gpr20_web.mid.shell import Shell
 
 PEOPLE = {Role.WATCH: "vera", Role.CONTROL: "otto"}
 ADDRESS = "127.0.0.1"
-CLOSE_LIMIT_S = 5.0
+CLOSE_LIMIT_S = 100.0
 
 
 class CountedAudit(Audit):

@@ -146,7 +146,7 @@ def test_every_survey_ends_when_no_worker_is_left_or_the_scheduler_goes_away(clu
         return waited(*arguments, **named)
 
     monkeypatch.setattr(batch_commands, "wait", wait)
-    with Client(cluster.scheduler_address, timeout=0.5) as client:
+    with Client(cluster.scheduler_address, timeout=5.0) as client:
         assert lost_calls(client, 60.0) == lost
 
 

@@ -18,7 +18,8 @@ TRACKING = ("chronyc", "-c", "tracking")
 # Columns of its answer: the offset of the clock [s], and the leap status.
 OFFSET, LEAP = 4, 13
 UNSYNCHRONIZED = "Not synchronised"
-ANSWER_LIMIT_S = 1.0
+# Of a program that has nothing to do but to say what it knows, on a busy computer.
+ANSWER_LIMIT_S = 10.0
 CHECK = ("rosrun", "gpr20_launch", "robot_config", "check", "--json")
 CHECK_LIMIT_S = 20.0
 # Nothing is wrong, and something is.
