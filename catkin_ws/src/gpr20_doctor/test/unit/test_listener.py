@@ -10,9 +10,8 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
-from gpr20_doctor.mid.listener import WATCH_S, Listener
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, STALE_S, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import Endstop
+from gpr20_doctor.mid.robot_facts import WATCH_S, Endstop, Listener
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription

@@ -21,8 +21,7 @@ from gpr20_doctor.high.node_reports import (
     node_healths,
 )
 from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
-from gpr20_doctor.mid.listener import Listener
-from gpr20_doctor.mid.robot_facts import Endstop
+from gpr20_doctor.mid.robot_facts import Endstop, Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId

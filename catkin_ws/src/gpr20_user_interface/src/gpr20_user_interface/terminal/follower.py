@@ -200,35 +200,30 @@ class SurveyFollower:
     def tick(self) -> None:
         """Note that nothing has come for `TICK_S`."""
         self._quiet_ticks += 1
-        waited_s = self._now_s() - self._since_s
+        now_s, stopping_s = self._now_s(), self._stopping_s
+        lost_ticks = LOST_TICKS if stopping_s is None else LOST_STOP_TICKS
         if not self._asked:
-            if waited_s > self._wait_s:
+            if now_s - self._since_s > self._wait_s:
                 self._end(ExitStatus.REFUSED, self._nobody())
-        elif self._stop_is_late:
+        elif self._quiet_ticks == SAID_TICKS:
+            self._display.note(
+                Message(
+                    "No contact with the main control. The robot may still move. Waiting for it."
+                )
+            )
+        elif self._quiet_ticks > lost_ticks:
+            self._end(ExitStatus.FAILED, _lost(lost_ticks * TICK_S))
+        elif (
+            stopping_s is not None
+            and now_s - stopping_s > STOP_S
+            and self._quiet_ticks < SAID_TICKS
+        ):
             message = Message(
                 "The main control did not confirm within {limit_s:g} s that the survey has "
                 "stopped. The robot may still move: switch it off if people are near it.",
                 limit_s=STOP_S,
             )
             self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
-        elif self._answered and self._quiet_ticks == SAID_TICKS:
-            self._display.note(
-                Message(
-                    "No contact with the main control. The robot may still move. Waiting for it."
-                )
-            )
-        elif self._answered and self._quiet_ticks > self._lost_ticks:
-            self._end(ExitStatus.FAILED, self._lost())
-
-    @property
-    def _lost_ticks(self) -> int:
-        return LOST_TICKS if self._stopping_s is None else LOST_STOP_TICKS
-
-    @property
-    def _stop_is_late(self) -> bool:
-        if self._stopping_s is None or self._quiet_ticks > SAID_TICKS:
-            return False
-        return self._now_s() - self._stopping_s > STOP_S
 
     def _nobody(self) -> Message:
         if self._replay:
@@ -241,14 +236,6 @@ class SurveyFollower:
             "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
             limit_s=self._wait_s,
         ).with_fault(NOT_RUNNING)
-
-    def _lost(self) -> Message:
-        return Message(
-            "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
-            "that the main control is running, then follow the survey again with `rosrun "
-            "gpr20_user_interface run_survey --attach`.",
-            limit_s=self._lost_ticks * TICK_S,
-        ).with_fault(PART_LOST)
 
     def _take_state(self, state: ControlState) -> None:
         if state.simulated and not self._simulated:
@@ -375,9 +362,19 @@ class SurveyFollower:
                     "To continue as it is, resume with `--accept-zeros`; its traces are marked."
                 )
             )
-        resumable = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
-        if status is ExitStatus.PAUSED or (resumable and message.can_continue):
-            lines.append(_how_to_continue(status, message.can_continue, self.survey_id))
+        ended_early = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
+        if message.can_continue and (ended_early or status is ExitStatus.PAUSED):
+            lines.append(
+                Message(
+                    "Measure the missing traces, while no other survey runs, with `rosrun "
+                    "gpr20_user_interface run_survey --resume {survey}`.",
+                    survey=self.survey_id,
+                )
+            )
+        elif status is ExitStatus.PAUSED:
+            lines.append(
+                Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+            )
         return lines
 
 
@@ -387,16 +384,10 @@ def first_step(message: Message) -> Message:
     return Message("Do this first: {remedy}", remedy=remedy(message), details=code)
 
 
-def _how_to_continue(status: ExitStatus, can_continue: bool, survey_id: str) -> Message:
-    if status is not ExitStatus.PAUSED:
-        return Message(
-            "Measure the missing traces, while no other survey runs, with `rosrun "
-            "gpr20_user_interface run_survey --resume {survey}`.",
-            survey=survey_id,
-        )
-    if not can_continue:
-        return Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+def _lost(limit_s: float) -> Message:
     return Message(
-        "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with "
-        "`rosservice call stop_survey` in the robot's namespace."
-    )
+        "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
+        "that the main control is running, then follow the survey again with `rosrun "
+        "gpr20_user_interface run_survey --attach`.",
+        limit_s=limit_s,
+    ).with_fault(PART_LOST)

@@ -234,7 +234,7 @@ class WaitingClock(FakeClock):
 
 def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
     hung = threading.Event()
-    monkeypatch.setattr(master, "enable_line_buffering", lambda: None)
+    monkeypatch.setattr(ros_events, "enable_line_buffering", lambda: None)
     monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: True)
     monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: None)
     ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())
