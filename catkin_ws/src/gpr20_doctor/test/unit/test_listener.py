@@ -32,7 +32,7 @@ def report_all(listener, names=EXPECTED_NODES):
         listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim("ok"), {}, 0.1))
     description = NodeDescription("main_control", NO_HARDWARE, {})
     listener.note_configuration(None, True, {"main_control": description})
-    listener.note_status(False)
+    listener.note(control_alive=True, surveying=False)
 
 
 def test_waiting_ends_when_everything_has_reported(listener, clock):

@@ -23,9 +23,9 @@ from gpr20_operator.robot.events import (
     ControlState,
     Progress,
     Request,
+    SenderIgnored,
     StopRequested,
 )
-from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import find_problems

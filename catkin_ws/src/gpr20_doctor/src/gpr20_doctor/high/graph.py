@@ -116,7 +116,8 @@ class Graph:
         self.listener.note_configuration(problem, message.simulated, nodes)
 
     def _on_status(self, message: ControlStatus) -> None:
-        self.listener.note_status(SurveyState(message.code) in RUNNING)
+        surveying = SurveyState(message.code) in RUNNING
+        self.listener.note(control_alive=True, surveying=surveying)
 
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self.listener.note_endstop(Endstop(axis, message.data))
@@ -125,4 +126,4 @@ class Graph:
         self.listener.note_axis(axis_report(axis, message))
 
     def _on_height(self, message: Range) -> None:
-        self.listener.note_height(height_m(message))
+        self.listener.note(height_m=height_m(message))

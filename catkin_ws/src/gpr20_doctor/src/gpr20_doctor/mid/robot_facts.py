@@ -185,21 +185,15 @@ class Listener:
         with self._lock:
             self._note(axes={**self._known.axes, report.axis: report})
 
-    def note_height(self, height_m: float) -> None:
-        """Take a height of the antennas [m]; not finite: it could not be measured."""
+    def note(self, **facts: Any) -> None:
+        """Take other facts, by their names in `RobotFacts`."""
         with self._lock:
-            self._note(height_m=height_m)
+            self._note(**facts)
 
     def note_configuration(
         self, problem: Optional[Message], simulated: bool, nodes: Mapping[str, NodeDescription]
     ) -> None:
-        """Take what the nodes say they are.
-
-        Args:
-            problem: Why no survey is possible; None: nothing is wrong.
-            simulated: Whether the robot is simulated.
-            nodes: What each node says.
-        """
+        """Take what the nodes say they are, and why no survey is possible; None: it is."""
         with self._lock:
             self._descriptions = nodes
             self._note(
@@ -208,11 +202,6 @@ class Listener:
                 simulated=simulated,
                 software={name: one.software for name, one in nodes.items()},
             )
-
-    def note_status(self, surveying: bool) -> None:
-        """Take whether a survey is running or paused."""
-        with self._lock:
-            self._note(control_alive=True, surveying=surveying)
 
     def _note(self, **changes: Any) -> None:
         self._known = replace(self._known, **changes)
@@ -241,11 +230,7 @@ class Listener:
             self._clock.wait_s(never, POLL_S)
 
     def facts(self, analyzer: Optional[AnalyzerTest] = None) -> RobotFacts:
-        """Return what is known now.
-
-        Args:
-            analyzer: Result of a test of the VNA; None: it was not tested.
-        """
+        """Return what is known now, with the result of a test of the VNA, if it was tested."""
         with self._lock:
             nodes = self._health.report().nodes
             return replace(self._known, nodes=nodes, analyzer=analyzer)

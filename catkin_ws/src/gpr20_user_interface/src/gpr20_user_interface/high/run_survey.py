@@ -18,8 +18,7 @@ from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.ros_events import join_graph
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StopRequested
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Senders, StopRequested
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.follower import Display, ExitStatus, SurveyFollower, first_step

@@ -22,10 +22,10 @@ from gpr20_operator.robot.events import (
     ControlState,
     Progress,
     Request,
+    SenderIgnored,
     StopRequested,
 )
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import duration
 from gpr20_survey.faults import NONE_OPEN, OTHER_ZEROS
