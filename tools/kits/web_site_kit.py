@@ -17,7 +17,7 @@ from touchscreen_kit import Touchscreen
 
 PASSWORD = "correct horse battery staple"
 TAKEN, TAKEN_LIMIT_S = "cannot listen", 60.0
-PEOPLE = {"vera": "view", "otto": "operate", "ada": "admin"}
+PEOPLE = {"vera": "view", "otto": "operate", "ada": "operate"}
 
 
 def write_config(config: Path, web: Path, port: int) -> None:

@@ -117,7 +117,7 @@ class Route:
     """One thing that a browser can ask for.
 
     Attributes:
-        method: GET, POST or DELETE; GET changes nothing.
+        method: GET or POST; GET changes nothing.
         pattern: Of the whole path; its named groups are `Call.parts`.
         right: The least role.
         answer: Makes the answer.

@@ -11,11 +11,9 @@ class Role(enum.IntEnum):
     NOBODY = 0
     """Not logged in."""
     VIEW = 1
-    """Watches, adds notes and markers, pauses, and stops if the site allows it."""
+    """Watches, adds notes and markers, pauses and stops."""
     OPERATE = 2
     """Also starts and resumes, while somebody at the robot allows it."""
-    ADMIN = 3
-    """Also manages the accounts and reads who did what."""
 
     @property
     def word(self) -> str:

@@ -67,9 +67,9 @@ def test_only_their_owner_reads_folder_and_file_and_the_folder_of_another_is_lef
     (tmp_path / "web").mkdir(0o755)
     with monkeypatch.context() as other, pytest.raises(AccountsFileError, match="belongs to"):
         other.setattr("os.geteuid", lambda: 12345)
-        accounts.add("ana", Role.ADMIN, PASSWORD)
+        accounts.add("ana", Role.OPERATE, PASSWORD)
     assert not _file(tmp_path).exists()
-    accounts.add("ana", Role.ADMIN, PASSWORD)
+    accounts.add("ana", Role.OPERATE, PASSWORD)
     assert stat.S_IMODE((tmp_path / "web").stat().st_mode) == 0o700
     assert stat.S_IMODE(_file(tmp_path).stat().st_mode) == 0o600
     assert PASSWORD not in _file(tmp_path).read_text()
@@ -79,19 +79,19 @@ def test_another_program_s_change_is_noticed_at_once_and_a_file_that_is_gone_is_
     accounts: Accounts, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     other = make_accounts(tmp_path)
-    other.add("ana", Role.ADMIN, PASSWORD)
+    other.add("ana", Role.OPERATE, PASSWORD)
     assert accounts.find("ana") is not None
     with monkeypatch.context() as patch:
         # It is read only when it has changed.
         patch.setattr(account_file, "read_regular", lambda _path: pytest.fail("it was read"))
         assert accounts.find("ana") is not None
-    other.remove("ana", keep_admin=False)
+    other.remove("ana")
     assert accounts.find("ana") is None and accounts.all() == []
     _file(tmp_path).unlink()
-    for act in (accounts.all, lambda: accounts.add("eva", Role.ADMIN, PASSWORD)):
+    for act in (accounts.all, lambda: accounts.add("eva", Role.OPERATE, PASSWORD)):
         with pytest.raises(AccountsFileError, match="the file is gone"):
             act()
-    make_accounts(tmp_path).add("eva", Role.ADMIN, PASSWORD)
+    make_accounts(tmp_path).add("eva", Role.OPERATE, PASSWORD)
     assert [one.name for one in accounts.all()] == ["eva"]
 
 
@@ -119,8 +119,8 @@ def test_names_that_could_be_something_else_are_refused(accounts: Accounts, name
 
 
 def test_roles_are_known_words_and_nobody_is_none() -> None:
-    assert [role_of(one) for one in ("view", "operate", "admin")] == list(Role)[1:]
-    for word in ("nobody", "Admin", "", None, 3, []):
+    assert [role_of(one) for one in ("view", "operate")] == list(Role)[1:]
+    for word in ("nobody", "admin", "", None, 3, []):
         with raises_fault(NOT_ALLOWED, repr(word), error=AccountError):
             role_of(word)
 
@@ -128,7 +128,7 @@ def test_roles_are_known_words_and_nobody_is_none() -> None:
 def _damage(**changes: Any) -> bytes:
     """Return a file with one account of which fields have other values; None: it is missing."""
     entry = {
-        **{"name": "ana", "role": "admin", "hash": str(CHEAP.of(PASSWORD))},
+        **{"name": "ana", "role": "operate", "hash": str(CHEAP.of(PASSWORD))},
         **{"created": "2026-01-01", "generation": 7, **changes},
     }
     entry = {name: value for name, value in entry.items() if value is not None}
@@ -143,7 +143,7 @@ DAMAGES = [
     (b"nonsense", "line 1 column 1"),
     (b"[" * 200_000, ""),
     (json.dumps(TWICE).encode(), ""),
-    (_damage(role="boss"), "the role is 'boss'; it must be one of view, operate, admin"),
+    (_damage(role="boss"), "the role is 'boss'; it must be one of view, operate"),
     (_damage(role="nobody"), ""),
     (_damage(name="Ana"), ""),
     (_damage(hash="scrypt:2:1:1::"), ""),
@@ -165,7 +165,7 @@ def test_a_damaged_file_is_named_and_is_never_an_empty_list(
     for act in (
         lambda: accounts.find("ana"),
         lambda: accounts.check("ana", PASSWORD),
-        lambda: accounts.add("eva", Role.ADMIN, PASSWORD),
+        lambda: accounts.add("eva", Role.OPERATE, PASSWORD),
         lambda: accounts.remove("ana"),
     ):
         with pytest.raises(AccountsFileError, match=r"accounts\.json") as refused:
@@ -243,10 +243,7 @@ def _expected(
         return None
     if what != "remove":
         after[small] = (role, old[1]) if what == "role" else (old[0], password)
-    admins = [
-        any(one is Role.ADMIN for one, _password in known.values()) for known in (model, after)
-    ]
-    return None if admins == [True, False] else after
+    return after
 
 
 ANY_TEXT = st.text(st.characters(), max_size=250)

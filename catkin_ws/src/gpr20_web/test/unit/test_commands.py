@@ -80,7 +80,7 @@ class Control:
 class Desk:
     """The commands, a robot in a state, and what was noted."""
 
-    def __init__(self, view_may_stop: bool = True) -> None:
+    def __init__(self) -> None:
         self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
@@ -90,7 +90,6 @@ class Desk:
             Robot(self.model, self.control, self.allowance, self.time),
             self.controller,
             self.audit,
-            view_may_stop,
         )
         self.control_page = ControlPage(self.controller, self.time, self.audit)
         self.be(SurveyState.CONFIGURED)

@@ -16,9 +16,7 @@ from web_kit import OTHER_PASSWORD, PASSWORD, ManualClock, NoFile, Noted, make_a
 from gpr20_common.message import Message
 from gpr20_web.calls import Call, Cookie
 from gpr20_web.errors import (
-    AccountError,
     AccountsFileError,
-    BadRequestError,
     BusyError,
     NotLoggedInError,
     TooManyLoginsError,
@@ -30,7 +28,6 @@ from gpr20_web.mid import login_limits
 from gpr20_web.mid.login_limits import CHECKS_AT_ONCE, LoginLimits
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.sessions import Sessions
-from gpr20_web.mid.users_page import UsersPage
 from gpr20_web.roles import Role
 
 ADDRESS = "127.0.0.1"
@@ -39,17 +36,14 @@ ADDRESS = "127.0.0.1"
 class Pages:
     """The pages LOGIN and USERS of a folder with three accounts."""
 
-    def __init__(self, folder: Path, view_may_stop: bool = False) -> None:
+    def __init__(self, folder: Path) -> None:
         self.clock, self.audit = ManualClock(), Noted()
         self.accounts = make_accounts(folder)
-        for name, role in [("ana", Role.ADMIN), ("leo", Role.OPERATE), ("eva", Role.VIEW)]:
+        for name, role in [("ana", Role.OPERATE), ("leo", Role.OPERATE), ("eva", Role.VIEW)]:
             self.accounts.add(name, role, PASSWORD)
         self.sessions = Sessions(self.accounts.find, self.clock, 1800.0, 43200.0, NoFile())
-        login = LoginPage(
-            self.accounts, self.sessions, LoginLimits(self.clock), self.audit, view_may_stop
-        )
-        users = UsersPage(self.accounts, self.audit)
-        self.routes = (*login.routes, *users.routes)
+        login = LoginPage(self.accounts, self.sessions, LoginLimits(self.clock), self.audit)
+        self.routes = login.routes
 
     def ask(
         self, method: str, path: str, values: Optional[Mapping[str, Any]] = None, token: str = ""
@@ -82,11 +76,9 @@ def pages(tmp_path: Path) -> Pages:
 def test_a_login_gives_a_session_and_says_who_one_is(pages: Pages) -> None:
     answer = pages.ask("POST", "/api/login", {"name": "Leo", "password": PASSWORD})
     person = pages.sessions.find(answer.session, ADDRESS)
-    expected = {"name": "leo", "role": 2, "mark": person.mark, "may_stop": True}
+    expected = {"name": "leo", "role": 2, "mark": person.mark}
     assert answer.values == expected == pages.ask("GET", "/api/me", token=answer.session)
     assert answer.session not in str(answer.values)
-    # Who watches may stop only if the site says so.
-    assert not pages.ask("GET", "/api/me", token=pages.log_in("eva"))["may_stop"]
 
 
 def test_logins_failed_ones_and_logouts_are_in_the_audit_without_secrets(pages: Pages) -> None:
@@ -103,71 +95,25 @@ def test_logins_failed_ones_and_logouts_are_in_the_audit_without_secrets(pages: 
     ]
 
 
-def test_changed_password_and_logouts_end_sessions_on_the_server(pages: Pages) -> None:
-    tokens = [pages.log_in(), pages.log_in()]
-    new = {"old": PASSWORD, "new": OTHER_PASSWORD}
-    with pytest.raises(AccountError):
-        pages.ask("POST", "/api/password", {**new, "new": "short"}, tokens[0])
-    changed = pages.ask("POST", "/api/password", new, tokens[0])
-    assert len({*tokens, changed.session}) == 3
-    assert [pages.is_in(one) for one in (*tokens, changed.session)] == [False, False, True]
-    with pytest.raises(WrongLoginError):
-        pages.log_in("leo", PASSWORD)
-    one, other, eva = pages.log_in(password=OTHER_PASSWORD), changed.session, pages.log_in("eva")
+def test_logouts_end_sessions_on_the_server(pages: Pages) -> None:
+    one, other, eva = pages.log_in(), pages.log_in(), pages.log_in("eva")
     assert pages.ask("POST", "/api/logout", token=one) == Cookie("")
     assert [pages.is_in(token) for token in (one, other, eva)] == [False, True, True]
-    one = pages.log_in(password=OTHER_PASSWORD)
+    one = pages.log_in()
     assert pages.ask("POST", "/api/logout_everywhere", token=other) == Cookie("")
     assert [pages.is_in(token) for token in (one, other, eva)] == [False, False, True]
+    # So does another password.
+    pages.accounts.change("eva", password=OTHER_PASSWORD)
+    assert not pages.is_in(eva) and pages.is_in(pages.log_in("eva", OTHER_PASSWORD))
 
 
-def test_guesses_of_the_password_and_of_the_old_one_are_delayed_before_any_hash(
-    pages: Pages, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    token = pages.log_in()
-    with pytest.raises(AccountError, match="present password") as refused:
-        pages.ask("POST", "/api/password", {"old": "guess", "new": OTHER_PASSWORD}, token)
-    # The browser leaves the page at 401.
-    assert refused.value.status == 400
-    for _number in range(4):
+def test_guesses_are_delayed_before_any_hash(pages: Pages, monkeypatch: pytest.MonkeyPatch) -> None:
+    for _number in range(5):
         with pytest.raises(WrongLoginError):
             pages.log_in("leo", "guess")
     monkeypatch.setattr(PasswordHash, "fits", lambda *_arguments: pytest.fail("it was hashed"))
     with pytest.raises(TooManyLoginsError):
         pages.log_in("leo", PASSWORD)
-    with pytest.raises(TooManyLoginsError):
-        pages.ask("POST", "/api/password", {"old": PASSWORD, "new": OTHER_PASSWORD}, token)
-
-
-def test_an_administrator_makes_changes_and_removes_users_and_the_audit_says_so(
-    pages: Pages,
-) -> None:
-    token = pages.log_in("ana")
-    pages.audit.entries.clear()
-    for method, values in (("DELETE", {}), ("POST", {"role": "view"})):
-        with pytest.raises(AccountError, match="last administrator"):
-            pages.ask(method, "/api/users/ana", values, token)
-    with pytest.raises(BadRequestError):
-        pages.ask("POST", "/api/users/leo", {}, token)
-    made = {"name": "Tom", "role": "view", "password": PASSWORD}
-    listed = pages.ask("POST", "/api/users", made, token)["users"]
-    assert [one["name"] for one in listed] == ["ana", "eva", "leo", "tom"]
-    assert set(listed[0]) == {"name", "role", "created"}
-    tom = pages.log_in("tom")
-    pages.ask("POST", "/api/users/tom", {"role": "operate"}, token)
-    assert not pages.is_in(tom)
-    pages.ask("POST", "/api/users/tom", {"password": OTHER_PASSWORD}, token)
-    tom = pages.log_in("tom", OTHER_PASSWORD)
-    left = pages.ask("DELETE", "/api/users/tom", token=token)
-    assert left == pages.ask("GET", "/api/users", token=token)
-    assert not pages.is_in(tom)
-    done = {"outcome": "done", "name": "tom"}
-    operate = {**done, "role": "operate"}
-    assert [one for one in pages.audit.entries if one[1] != "login"] == [
-        ("ana", "add_user", {**done, "role": "view"}),
-        *(("ana", "change_user", {**operate, "password": one}) for one in (False, True)),
-        ("ana", "remove_user", done),
-    ]
 
 
 def test_owasp_the_token_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(

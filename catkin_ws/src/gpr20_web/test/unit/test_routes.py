@@ -9,21 +9,20 @@ from __future__ import annotations
 import contextlib
 import random
 import re
-from pathlib import Path
 from typing import Iterator, List, Mapping, Optional, Sequence
 from uuid import uuid4
 
 import pytest
 from case_kit import each_case
 from run_seed import SEED, draws
-from web_kit import COOKIE, OTHER_PASSWORD, PASSWORD, STATIC, Reply
-from whole_page_kit import PEOPLE, STOP, TABLE, Row, S, WholePage, is_without_right, least_right
+from web_kit import COOKIE, PASSWORD, STATIC, Reply
+from whole_page_kit import TABLE, Row, S, WholePage, is_without_right, least_right
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.low.http_server import MAX_BODY_BYTES, MAX_HEADER_BYTES
 from gpr20_web.roles import Role
 
-NOBODY, VIEW, OPERATE, ADMIN = Role
+NOBODY, VIEW, OPERATE = Role
 OF_OTHERS: Sequence[Mapping[str, Optional[str]]] = tuple(
     {"Sec-Fetch-Site": one} for one in ("same-site", "cross-site")
 )
@@ -78,17 +77,12 @@ def test_each_route_is_for_the_roles_of_the_table(page: WholePage, row: Row) -> 
     _check_rights(page, row, row.right)
 
 
-def test_a_site_can_keep_stop_from_those_who_only_watch(tmp_path: Path) -> None:
-    with contextlib.closing(WholePage(tmp_path, view_may_stop=False)) as page:
-        _check_rights(page, STOP, OPERATE)
-
-
 @each_case("row", TABLE)
 def test_csrf_nothing_is_done_for_another_page(page: WholePage, row: Row) -> None:
     page.renew()
     before = page.done()
     for headers in OF_OTHERS if row.method == "GET" else (*OF_OTHERS, *WITHOUT_ORIGIN):
-        reply = page.ask(row.method, _path(page, row), ADMIN, row.values, headers=headers)
+        reply = page.ask(row.method, _path(page, row), OPERATE, row.values, headers=headers)
         assert (reply.status, reply.values["code"]) == (403, "web.bad_request")
     assert page.done() == before
 
@@ -111,8 +105,6 @@ def test_who_may_do_something_does_it(page: WholePage, row: Row) -> None:
     page.renew()
     page.be(STATES.get(row.path, SurveyState.CONFIGURED))
     page.controller.holder = page.person(role)
-    if row.path == "/api/users/eva" and page.accounts.find("eva") is None:
-        page.accounts.add("eva", VIEW, PASSWORD)
     before = page.done()
     pressed = {"press": uuid4().hex, "pressed_ms": 1e3 * page.clock.time_s}
     reply = page.ask(row.method, _path(page, row), role, {**row.values, **pressed})
@@ -124,7 +116,7 @@ def _head(page: WholePage, line: str, *more: str) -> bytes:
     """Return a request of an administrator up to its body."""
     own = [f"Host: 127.0.0.1:{page.site.port}", f"Origin: {page.site.origin}"]
     own += ["Content-Type: application/json", "Connection: close"]
-    own.append(f"Cookie: {COOKIE}={page.session(ADMIN)}")
+    own.append(f"Cookie: {COOKIE}={page.session(OPERATE)}")
     return "\r\n".join([line, *own, *more, "", ""]).encode()
 
 
@@ -133,7 +125,7 @@ def answers(shared: WholePage) -> List[Reply]:
     """What comes from every GET of the table, from files, and from what is not there."""
     shared.renew()
     paths = [_path(shared, one) for one in TABLE if one.method == "GET"]
-    asked = [(one, role) for one in paths for role in (NOBODY, ADMIN)]
+    asked = [(one, role) for one in paths for role in (NOBODY, OPERATE)]
     asked += [(one, NOBODY) for one in (*FILES, "/", "/nowhere", "/api/nowhere", "/%ff")]
     asked += [
         (one, NOBODY) for one in ("//other.example", "/\\other.example", "/?next=//o.example")
@@ -175,7 +167,7 @@ def test_error_pages_say_nothing_of_the_program(page: WholePage, answers: List[R
 
 def test_directory_listing_a_folder_is_not_there(page: WholePage) -> None:
     for path in ("/pages", "/pages/", "/.", "/pages/..", "/api", "/api/", "/api/surveys/"):
-        assert page.ask("GET", path, ADMIN).status == 404
+        assert page.ask("GET", path, OPERATE).status == 404
 
 
 @each_case("up", ["..", "%2e%2e", "%252e%252e", "..%00", "%c0%ae%c0%ae", "..\\", "....", "..%2f.."])
@@ -255,19 +247,13 @@ def test_request_smuggling_a_body_of_doubtful_length_ends_the_connection(
 def test_header_injection_no_name_reaches_the_headers_of_an_answer(page: WholePage) -> None:
     whole, evil = page.surveys.whole, "%0d%0aSet-Cookie:%20a=b"
     for path in (f"/api/surveys/{whole}/zip", f"/api/surveys/{whole}/files/survey.json"):
-        name = page.ask("GET", path, ADMIN).headers["Content-Disposition"]
+        name = page.ask("GET", path, OPERATE).headers["Content-Disposition"]
         assert re.fullmatch(r'attachment; filename="[\w.]+"', name)
     for path in (f"/{evil}", f"/api/surveys/{whole}{evil}/zip", f"/api/words?language={evil}"):
-        assert "Set-Cookie" not in page.ask("GET", path, ADMIN).headers
-    user = {"name": "eva\r\nSet-Cookie: a=b", "role": "view", "password": PASSWORD}
-    assert page.ask("POST", "/api/users", ADMIN, user).status == 400
+        assert "Set-Cookie" not in page.ask("GET", path, OPERATE).headers
 
 
 def test_mass_assignment_fields_that_a_route_has_not_are_not_taken(page: WholePage) -> None:
-    more = {"role": "admin", "person": "ada", "session": page.session(ADMIN), "generation": 1}
+    more = {"role": "operate", "person": "otto", "session": page.session(OPERATE)}
     login = {"name": "vera", "password": PASSWORD, **more}
     assert page.ask("POST", "/api/login", NOBODY, login).values["role"] == VIEW
-    changed = {"old": PASSWORD, "new": OTHER_PASSWORD, "name": "ada", **more}
-    assert page.ask("POST", "/api/password", VIEW, changed).values["name"] == "vera"
-    roles = {one.name: one.role for one in page.accounts.all() if one.name in PEOPLE.values()}
-    assert roles == {name: role for role, name in PEOPLE.items()}

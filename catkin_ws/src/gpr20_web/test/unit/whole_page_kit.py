@@ -20,7 +20,6 @@ from view_kit import SURVEY, depth_echo, description, trace_at
 from web_ground_kit import PLANNED
 from web_kit import (
     LIMIT_S,
-    OTHER_PASSWORD,
     PASSWORD,
     ManualClock,
     NoFile,
@@ -50,7 +49,7 @@ from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.shell import Shell
 from gpr20_web.roles import Role
 
-PEOPLE = {Role.VIEW: "vera", Role.OPERATE: "otto", Role.ADMIN: "ada"}
+PEOPLE = {Role.VIEW: "vera", Role.OPERATE: "otto"}
 ADDRESS = "127.0.0.1"
 CLOSE_LIMIT_S = 5.0
 
@@ -73,7 +72,7 @@ class WholePage:
         foreign: Exceptions that no error of the project is, whoever has caught them.
     """
 
-    def __init__(self, folder: Path, view_may_stop: bool = True) -> None:
+    def __init__(self, folder: Path) -> None:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
         self.control, self.storage, self.requests = Control(), Storage(), Requests()
@@ -87,8 +86,8 @@ class WholePage:
         self.model = SurveyModel(self.clock)
         self.controller = Controller(self.clock, lambda _session: True)
         robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
-        self.commands = Commands(robot, self.controller, self.audit.add, view_may_stop)
-        self.shell = Shell(all_pages(self._surroundings(view_may_stop)))
+        self.commands = Commands(robot, self.controller, self.audit.add)
+        self.shell = Shell(all_pages(self._surroundings()))
         self._measure()
         self.routes = tuple(self.shell.all_routes())
         self.site = Site(self.routes, find=self.sessions.find)
@@ -100,7 +99,7 @@ class WholePage:
         self.renew()
         self.be(SurveyState.CONFIGURED)
 
-    def _surroundings(self, view_may_stop: bool) -> Surroundings:
+    def _surroundings(self) -> Surroundings:
         return Surroundings(
             name="",
             data=self.surveys.data,
@@ -120,7 +119,6 @@ class WholePage:
             make_bundle=lambda: self.acts.append("bundle") or b"zip",
             send=lambda _news: None,
             warn=lambda _reason: None,
-            view_may_stop=view_may_stop,
         )
 
     def close(self) -> None:
@@ -168,7 +166,7 @@ class WholePage:
             # Whoever has another password or role is logged out.
             if not self.is_logged_in(role):
                 if self.accounts.find(name) is not None:
-                    self.accounts.remove(name, keep_admin=False)
+                    self.accounts.remove(name)
                 self._tokens[role] = self.sessions.begin(self.accounts.add(name, role, PASSWORD))
 
     def session(self, role: Role) -> str:
@@ -233,7 +231,7 @@ def is_without_right(reply: Reply) -> bool:
     return reply.values.get("code") in (faults.NOT_LOGGED_IN.code, faults.NOT_ALLOWED.code)
 
 
-NOBODY, VIEW, OPERATE, ADMIN = Role
+NOBODY, VIEW, OPERATE = Role
 PRESS = {"press": "0" * 32}
 # What the path of a request has for {folder}: a stored survey.
 S = "/api/surveys/{folder}"
@@ -254,12 +252,11 @@ TABLE = (
     Row("GET", "/api/words", NOBODY),
     Row("GET", "/api/colours.css", NOBODY),
     Row("POST", "/api/login", NOBODY, {"name": "vera", "password": PASSWORD}),
-    # Everybody with an account watches, and has a session and a password.
+    # Everybody with an account watches, and has a session.
     Row("GET", "/api/live", VIEW),
     Row("GET", "/api/me", VIEW),
     Row("POST", "/api/logout", VIEW),
     Row("POST", "/api/logout_everywhere", VIEW),
-    Row("POST", "/api/password", VIEW, {"old": PASSWORD, "new": OTHER_PASSWORD}),
     Row("GET", "/api/ground", VIEW),
     Row("GET", "/api/ground/map.png", VIEW),
     Row("GET", "/api/ground/section.png", VIEW),
@@ -276,7 +273,7 @@ TABLE = (
     Row("GET", f"{S}/made/report-html", VIEW),
     Row("GET", f"{S}/files/survey.json", VIEW),
     Row("POST", "/api/ground/focus", VIEW),
-    # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
+    # Notes, markers, found records, PAUSE and STOP from anywhere.
     Row("POST", f"{S}/notes", VIEW, {"text": "wet"}),
     Row("POST", f"{S}/markers", VIEW, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
     Row("POST", f"{S}/found", VIEW, {"what": "mine", "candidate": "c", "list": "l"}),
@@ -294,12 +291,6 @@ TABLE = (
     Row("POST", "/api/ground/cancel", VIEW),
     Row("POST", "/api/service/bundle", OPERATE),
     Row("GET", "/api/service/bundle", OPERATE),
-    # Users, audit.
-    Row("GET", "/api/users", ADMIN),
-    Row("POST", "/api/users", ADMIN, {"name": "eva", "role": "view", "password": PASSWORD}),
-    Row("POST", "/api/users/eva", ADMIN, {"role": "operate"}),
-    Row("DELETE", "/api/users/eva", ADMIN),
-    Row("GET", "/api/audit", ADMIN),
 )
 
 
@@ -311,7 +302,7 @@ def least_right(method: str, path: str) -> Optional[Role]:
         path: Of the request; names in it may be any.
     """
     for row in TABLE:
-        pattern = re.sub("{folder}|eva|(?<=files/).*|report-html", "[^/]+", row.path)
+        pattern = re.sub("{folder}|(?<=files/).*|report-html", "[^/]+", row.path)
         if row.method == method and re.fullmatch(pattern, unquote(path)):
             return row.right
     return None

@@ -30,8 +30,6 @@ def main() -> int:
     try:
         accounts = Accounts(AccountFile(_folder(given)), Clock())
         given.act(accounts, given)
-        if given.act is not _list and all(one.role is not Role.ADMIN for one in accounts.all()):
-            say("users: no account may manage the others on the page", file=sys.stderr)
         return 0
     except Gpr20Error as error:
         remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
@@ -101,12 +99,12 @@ def _password(accounts: Accounts, given: argparse.Namespace) -> None:
 
 
 def _role(accounts: Accounts, given: argparse.Namespace) -> None:
-    changed = accounts.change(given.name, role_of(given.role), keep_admin=False)
+    changed = accounts.change(given.name, role_of(given.role))
     say(f"{changed.name}: {changed.role.word}; whoever was logged in is so no longer")
 
 
 def _remove(accounts: Accounts, given: argparse.Namespace) -> None:
-    accounts.remove(given.name, keep_admin=False)
+    accounts.remove(given.name)
     say(f"{given.name}: removed")
 
 

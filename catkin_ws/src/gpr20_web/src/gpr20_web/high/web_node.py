@@ -117,7 +117,7 @@ class WebNode:
         )
         self._commands = Commands(
             Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
-            *(self._controller, self._audit.add, parameters.view_may_stop),
+            *(self._controller, self._audit.add),
         )
         self._shell = Shell(all_pages(self._surroundings(data)))
         self._server = HttpServer(
@@ -167,7 +167,6 @@ class WebNode:
             make_bundle=partial(make_bundle, namespace),
             send=self._notifier.send,
             warn=self._warn,
-            view_may_stop=self._parameters.view_may_stop,
         )
 
     def _begin(self) -> None:
@@ -185,7 +184,7 @@ class WebNode:
         self._events.call(listen)
         if not self._accounts.all():
             rospy.logwarn(
-                "nobody can log in yet: rosrun gpr20_web users add NAME --role admin --folder %s",
+                "nobody can log in yet: rosrun gpr20_web users add NAME --role operate --folder %s",
                 parameters.path,
             )
 

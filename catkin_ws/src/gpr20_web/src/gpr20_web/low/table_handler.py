@@ -107,10 +107,6 @@ class TableHandler(web.RequestHandler):
     def post(self) -> Awaitable[None]:
         return self._serve()
 
-    def delete(self) -> Awaitable[None]:
-        """Answer a request that removes something."""
-        return self._serve()
-
     def on_connection_close(self) -> None:
         """Tornado: the browser has left."""
         if self._watcher is not None:

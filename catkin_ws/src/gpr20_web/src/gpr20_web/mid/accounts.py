@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import secrets
-from typing import Callable, List, Optional
+from typing import List, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -80,11 +80,7 @@ class Accounts:
         return made
 
     def change(
-        self,
-        name: str,
-        role: Optional[Role] = None,
-        password: Optional[str] = None,
-        keep_admin: bool = True,
+        self, name: str, role: Optional[Role] = None, password: Optional[str] = None
     ) -> Account:
         """Change role or password; whoever is logged in with the account is so no longer.
 
@@ -92,7 +88,6 @@ class Accounts:
             name: Of the account.
             role: None: it stays.
             password: None: it stays.
-            keep_admin: Whether the last administrator must stay one.
 
         Raises:
             AccountError: There is no such account, or the change is not allowed.
@@ -116,36 +111,21 @@ class Accounts:
             )
             changed.append(accounts[name])
 
-        self._change(change, keep_admin)
+        self._file.change(change)
         return changed[0]
 
-    def remove(self, name: str, keep_admin: bool = True) -> None:
+    def remove(self, name: str) -> None:
         """Remove an account.
 
-        Args:
-            name: Of the account.
-            keep_admin: Whether the last administrator must stay.
-
         Raises:
-            AccountError: There is no such account, or it must stay.
+            AccountError: There is no such account.
         """
         name = checked_name(name)
 
         def change(accounts: account_file.Accounts) -> None:
             del accounts[_known(accounts, name).name]
 
-        self._change(change, keep_admin)
-
-    def _change(self, change: Callable[[account_file.Accounts], None], keep_admin: bool) -> None:
-        def change_checked(accounts: account_file.Accounts) -> None:
-            had_admin = _has_admin(accounts)
-            change(accounts)
-            if keep_admin and had_admin and not _has_admin(accounts):
-                raise AccountError(
-                    Message("the last administrator must stay: make another one first")
-                )
-
-        self._file.change(change_checked)
+        self._file.change(change)
 
     def _hash(self, password: str, name: str) -> str:
         check_password(password, name)
@@ -156,10 +136,6 @@ def _known(accounts: account_file.Accounts, name: str) -> Account:
     if name not in accounts:
         raise AccountError(Message("there is no account {name}", name=name))
     return accounts[name]
-
-
-def _has_admin(accounts: account_file.Accounts) -> bool:
-    return any(one.role is Role.ADMIN for one in accounts.values())
 
 
 def _new_generation() -> int:

@@ -12,7 +12,7 @@ from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.robot.robots import Robots
 from gpr20_web.mid.accounts import Accounts
-from gpr20_web.mid.audit import Audit, AuditPage
+from gpr20_web.mid.audit import Audit
 from gpr20_web.mid.candidate_search import SurveyServices
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.controller import Controller, ControlPage
@@ -24,7 +24,6 @@ from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.mid.users_page import UsersPage
 from gpr20_web.mid.watch import Watch
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.news import News
@@ -44,7 +43,6 @@ class Surroundings:
         make_bundle: Makes the bundle for remote help, and waits.
         send: Takes notices for those who have no page open.
         warn: Takes what cannot be shown.
-        view_may_stop: Whether the site lets those stop who may only watch.
     """
 
     name: str
@@ -65,7 +63,6 @@ class Surroundings:
     make_bundle: Callable[[], bytes]
     send: Callable[[News], None]
     warn: Callable[[Message], None]
-    view_may_stop: bool
 
 
 def all_pages(given: Surroundings) -> Dict[str, WebPage]:
@@ -83,9 +80,5 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
         "robots": RobotsPage(given.robots, clock),
         "service": ServicePage(given.watch, given.examine, given.make_bundle, audit, clock),
         "notices": Watch(clock, given.send, ground.picture),
-        "login": LoginPage(
-            *(given.accounts, given.sessions, LoginLimits(clock), audit, given.view_may_stop)
-        ),
-        "users": UsersPage(given.accounts, audit),
-        "audit": AuditPage(given.audit),
+        "login": LoginPage(given.accounts, given.sessions, LoginLimits(clock), audit),
     }

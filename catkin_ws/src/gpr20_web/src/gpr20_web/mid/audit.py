@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
-import threading
-from itertools import chain
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, Mapping, Tuple
 
-from gpr20_common.errors import os_reason
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.files import durable_files
 from gpr20_survey.trace.utc_time import iso_text
-from gpr20_web.calls import Call, Route
-from gpr20_web.errors import AuditFileError, BadRequestError
+from gpr20_web.calls import Call
 from gpr20_web.low.outbox import Outbox
-from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
 Entry = Mapping[str, Any]
@@ -27,7 +21,6 @@ NOTE_TRIES = 20
 MOST_BYTES = 5_000_000
 # Of a text in an entry; a browser may send more.
 MOST_CHARACTERS = 200
-PAGE_ENTRIES = 100
 
 
 class Audit:
@@ -54,7 +47,6 @@ class Audit:
     ) -> None:
         self._path, self._former = path, path.with_suffix(".1.jsonl")
         self._clock, self._most_bytes = clock, most_bytes
-        self._last_us, self._numbering = 0, threading.Lock()
         self._lines: Outbox[Entry] = Outbox(
             self._write, Message("the audit was not written"), report, retry_s
         )
@@ -78,13 +70,9 @@ class Audit:
             survey: Id of the survey whose log has it too.
             values: What the request was about; never a secret.
         """
-        person, now_us = call.person, self._clock.time_of_day_us()
-        # A number that no other entry has, also when two come at once or the clock was set.
-        with self._numbering:
-            number = self._last_us = max(self._last_us + 1, now_us)
+        person = call.person
         entry: Dict[str, Any] = {
-            "id": number,
-            "time": iso_text(now_us),
+            "time": iso_text(self._clock.time_of_day_us()),
             "user": "" if person is None else person.name,
             "role": Role.NOBODY.word if person is None else person.role.word,
             "address": call.address,
@@ -95,7 +83,7 @@ class Audit:
         }
         self._lines.put(entry)
         if survey:
-            noted = {key: one for key, one in entry.items() if key not in ("id", "survey")}
+            noted = {key: one for key, one in entry.items() if key != "survey"}
             self._notes.put((survey, noted))
 
     @property
@@ -103,40 +91,6 @@ class Audit:
         """What does not succeed now, for the diagnostics."""
         found = (self._lines.problem, self._notes.problem)
         return tuple(one for one in found if one is not None)
-
-    def entries(self, before: int, count: int, text: str = "") -> List[Entry]:
-        """Return the last entries, the newest first; also those that are not written yet.
-
-        Args:
-            before: Id of an entry: only those before it; 0: all.
-            count: How many.
-            text: Only those that have it, in any letters, in one of their values.
-
-        Raises:
-            AuditFileError: The file cannot be read.
-        """
-        mark = b'"id": %d,' % before
-        # Most lines are not decoded: the files have some ten thousand.
-        raw = json.dumps(text).lower().strip('"').encode() if text.isascii() else b""
-        found: Dict[int, Entry] = {}
-        is_older = not before
-        # Those that are being written may come twice.
-        waiting = [json.dumps(one).encode() for one in reversed(self._lines.waiting)]
-        try:
-            for line in chain(waiting, durable_files.lines_backwards(self._path, self._former)):
-                if not is_older:
-                    is_older = mark in line
-                elif raw in line.lower():
-                    entry = durable_files.object_of(line)
-                    if isinstance(entry.get("id"), int) and _has(entry, text.casefold()):
-                        found[entry["id"]] = entry
-                        if len(found) == count:
-                            break
-        except OSError as error:
-            raise AuditFileError(
-                Message("the file of the audit cannot be read: {reason}", reason=os_reason(error))
-            ) from error
-        return list(found.values())
 
     def close(self, limit_s: float) -> None:
         """Write what waits, in at most about so long [s]."""
@@ -150,31 +104,6 @@ class Audit:
         durable_files.add_line(self._path, entry, 0o600)
 
 
-class AuditPage(WebPage):
-    """AUDIT: who did what."""
-
-    words: Mapping[str, Message] = {
-        "title": Message("Audit"),
-        "search": Message("Search"),
-        "older": Message("Older"),
-        "none": Message("No entries."),
-        "time": Message("When"),
-        "who": Message("Who"),
-        "what": Message("What"),
-    }
-
-    def __init__(self, audit: Audit) -> None:
-        self._audit = audit
-        self.routes = (Route("GET", "/api/audit", Role.ADMIN, self._entries, blocking=True),)
-
-    def _entries(self, call: Call) -> Mapping[str, Any]:
-        before, text = call.values.get("before", "0"), call.values.get("text", "")
-        if not (before.isascii() and before.isdigit() and len(before) < 17):
-            raise BadRequestError(Message("before is the number of an entry"))
-        found = self._audit.entries(int(before), PAGE_ENTRIES + 1, text[:MOST_CHARACTERS])
-        return {"entries": found[:PAGE_ENTRIES], "more": len(found) > PAGE_ENTRIES}
-
-
 def _plain(value: object) -> object:
     """Return a value as JSON has it."""
     if isinstance(value, (bool, int)) or value is None:
@@ -182,11 +111,3 @@ def _plain(value: object) -> object:
     if isinstance(value, float) and math.isfinite(value):
         return value
     return str(value)[:MOST_CHARACTERS]
-
-
-def _has(entry: Entry, text: str) -> bool:
-    """Return whether one of its values has a text, in any letters."""
-    values = entry.get("values")
-    more = values.values() if isinstance(values, dict) else ()
-    plain = (one for name, one in entry.items() if name != "values")
-    return any(text in str(one).casefold() for one in (*plain, *more))

@@ -50,7 +50,6 @@ class Commands(WebPage):
         robot: What is commanded.
         controller: Who may start and resume.
         audit: Notes who did what.
-        view_may_stop: Whether the site lets those stop who may only watch.
     """
 
     words: Mapping[str, Message] = {
@@ -83,9 +82,7 @@ class Commands(WebPage):
         "unknown": Message("{command}: unknown", command="{command}"),
     }
 
-    def __init__(
-        self, robot: Robot, controller: Controller, audit: Audited, view_may_stop: bool
-    ) -> None:
+    def __init__(self, robot: Robot, controller: Controller, audit: Audited) -> None:
         self._robot, self._controller, self._audit = robot, controller, audit
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
@@ -96,7 +93,7 @@ class Commands(WebPage):
         self._stop = StopConfirmation(robot.clock)
         self._warning: Optional[StopWarning] = None
         self.routes = (
-            Route("POST", "/api/stop", Role.VIEW if view_may_stop else Role.OPERATE, self._on_stop),
+            Route("POST", "/api/stop", Role.VIEW, self._on_stop),
             Route("POST", "/api/pause", Role.VIEW, self._pause),
             Route("POST", "/api/start", Role.OPERATE, self._start),
             Route("POST", "/api/resume", Role.OPERATE, self._resume),

@@ -1,4 +1,4 @@
-"""Logging in and out, and one's own password."""
+"""Logging in and out."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import Any, Mapping
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Audited, Call, Cookie, Route, text_of
-from gpr20_web.errors import AccountError, WrongLoginError
-from gpr20_web.low.account_file import Account
-from gpr20_web.low.passwords import check_password
+from gpr20_web.errors import WrongLoginError
 from gpr20_web.mid.accounts import Accounts
 from gpr20_web.mid.login_limits import LoginLimits
 from gpr20_web.mid.sessions import Sessions
@@ -25,7 +23,6 @@ class LoginPage(WebPage):
         sessions: Who is logged in.
         limits: How often somebody may guess.
         audit: Notes who did what.
-        view_may_stop: Whether the site lets those stop who may only watch.
     """
 
     words: Mapping[str, Message] = {
@@ -42,28 +39,31 @@ class LoginPage(WebPage):
         sessions: Sessions,
         limits: LoginLimits,
         audit: Audited,
-        view_may_stop: bool,
     ) -> None:
         self._accounts, self._sessions, self._limits = accounts, sessions, limits
-        self._audit, self._view_may_stop = audit, view_may_stop
+        self._audit = audit
         self.routes = (
             Route("POST", "/api/login", Role.NOBODY, self._log_in, blocking=True),
             Route("POST", "/api/logout", Role.VIEW, self._log_out, True),
             Route("POST", "/api/logout_everywhere", Role.VIEW, self._log_out_everywhere, True),
             Route("GET", "/api/me", Role.VIEW, self._me),
-            Route("POST", "/api/password", Role.VIEW, self._change_password, blocking=True),
         )
 
     def _log_in(self, call: Call) -> Cookie:
         name = text_of(call, "name")
         try:
-            account = self._check(call, name, text_of(call, "password"))
+            with self._limits.attempt(name, call.address):
+                account = self._accounts.check(name, text_of(call, "password"))
         except WrongLoginError as error:
             # An unknown name may be a password, typed in the wrong field.
             known = self._accounts.find(name) is not None
             self._audit(call, "login", error.message.fault_code, name=name if known else "?")
             raise
-        return self._begin(call, account, "login")
+        # Another session than the browser had, whichever that was.
+        token = self._sessions.begin(account)
+        own = dataclasses.replace(call, person=self._sessions.find(token, call.address))
+        self._audit(own, "login", "done")
+        return Cookie(token, self._me(own))
 
     def _log_out(self, call: Call) -> Cookie:
         self._sessions.end(call.who.session)
@@ -81,29 +81,4 @@ class LoginPage(WebPage):
             "name": person.name,
             "role": int(person.role),
             "mark": person.mark,
-            "may_stop": self._view_may_stop or person.role >= Role.OPERATE,
         }
-
-    def _change_password(self, call: Call) -> Cookie:
-        name, password = call.who.name, text_of(call, "new")
-        check_password(password, name)
-        try:
-            self._check(call, name, text_of(call, "old"))
-        except WrongLoginError as error:
-            self._audit(call, "password", error.message.fault_code)
-            # Not the status of a login: the browser would leave the page.
-            raise AccountError(Message("the present password is wrong")) from error
-        account = self._accounts.change(name, password=password)
-        self._sessions.end_all(name)
-        return self._begin(call, account, "password")
-
-    def _check(self, call: Call, name: str, password: str) -> Account:
-        with self._limits.attempt(name, call.address):
-            return self._accounts.check(name, password)
-
-    def _begin(self, call: Call, account: Account, what: str) -> Cookie:
-        """Give the browser another session than it had, whichever that was."""
-        token = self._sessions.begin(account)
-        own = dataclasses.replace(call, person=self._sessions.find(token, call.address))
-        self._audit(own, what, "done")
-        return Cookie(token, self._me(own))

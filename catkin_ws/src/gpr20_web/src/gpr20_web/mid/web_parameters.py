@@ -30,7 +30,6 @@ class WebParameters:
             URLs have passwords in them, which do not belong in a file that every node reads.
         idle_minutes: Who did nothing for this long must log in again [min].
         session_hours: Everybody must log in again after this long [h].
-        view_may_stop: Whether who may only watch and pause may also stop a survey.
     """
 
     address: str = "127.0.0.1"
@@ -38,7 +37,6 @@ class WebParameters:
     folder: str = "~/.gpr20/web"
     idle_minutes: float = bounded(1.0, 1440.0, 30.0)
     session_hours: float = bounded(0.1, 168.0, 12.0)
-    view_may_stop: bool = True
 
     def __post_init__(self) -> None:
         _check_address(self.address)

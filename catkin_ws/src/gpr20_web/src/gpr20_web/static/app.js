@@ -4,18 +4,15 @@ import { button, element, field } from "./dom.js";
 import { Notices } from "./notices.js";
 import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
-import audit from "./pages/audit.js";
 import map from "./pages/map.js";
 import now from "./pages/now.js";
 import radar from "./pages/radar.js";
 import robots from "./pages/robots.js";
 import service from "./pages/service.js";
 import surveys from "./pages/surveys.js";
-import users from "./pages/users.js";
 
 const OPERATE = 2;
-const ADMIN = 3;
-const PAGES = [now, map, radar, surveys, robots, service, users, audit];
+const PAGES = [now, map, radar, surveys, robots, service];
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
@@ -92,20 +89,12 @@ class App {
     return this.server.ask("POST", path, values);
   }
 
-  remove(path) {
-    return this.server.ask("DELETE", path, {});
-  }
-
   get state() {
     return this.live?.state ?? {};
   }
 
   get mayOperate() {
     return this.me.role >= OPERATE;
-  }
-
-  get mayStop() {
-    return this.me.may_stop;
   }
 
   get inControl() {
@@ -226,14 +215,10 @@ class App {
     window.location.reload();
   }
 
-  pages() {
-    return PAGES.filter((one) => !one.admin || this.me.role >= ADMIN);
-  }
-
   show() {
     if (!this.me) return;
     const wanted = window.location.hash.slice(1).split("/")[0];
-    const page = this.pages().find((one) => one.name === wanted) ?? now;
+    const page = PAGES.find((one) => one.name === wanted) ?? now;
     this.page?.leave?.();
     if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
@@ -242,7 +227,7 @@ class App {
     nav.hidden = false;
     nav.setAttribute("aria-label", this.word("shell.pages"));
     nav.replaceChildren(
-      ...this.pages().map((one) =>
+      ...PAGES.map((one) =>
         element(
           "a",
           { href: `#${one.name}`, "aria-current": one === page ? "page" : null },

@@ -45,10 +45,10 @@ export function ask(app, title, lines, yes) {
         "div",
         { class: "row" },
         // What is asked covers the page: the robot can be stopped from here too.
-        app.mayStop ? button(app.word("commands.stop"), () => {
+        button(app.word("commands.stop"), () => {
           app.top.stopNow();
           close(false);
-        }, { class: "stop-now" }) : null,
+        }, { class: "stop-now" }),
         button(app.word("commands.cancel"), () => close(false)),
         button(yes ?? app.word("commands.confirm"), () => close(true), { class: "primary" }),
       ),

@@ -82,7 +82,7 @@ export class Top {
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
     this.pause.hidden = !(state.job.running && (!paused || this.app.mayOperate));
     this.start.hidden = !this.app.mayOperate || !can.start;
-    this.stop.hidden = !can.stop || !this.app.mayStop;
+    this.stop.hidden = !can.stop;
     this.showCommand(state);
     if (!state.stop_open) this.endStop(state.command?.press);
     this.tick();
