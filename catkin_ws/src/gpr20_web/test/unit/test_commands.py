@@ -27,10 +27,9 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.commands import Commands, Robot, plan_id
 from gpr20_web.mid.controller import Controller, ControlPage
 from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
-from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.roles import Role
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"

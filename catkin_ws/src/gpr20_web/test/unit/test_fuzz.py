@@ -19,7 +19,7 @@ from web_kit import COOKIE, PASSWORD
 from whole_page_kit import TABLE, Row, WholePage, least_right
 
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.mid.remote_plan import plan_id
+from gpr20_web.mid.commands import plan_id
 from gpr20_web.roles import Role
 
 REQUESTS, LIMIT_S = draws(400), 30.0

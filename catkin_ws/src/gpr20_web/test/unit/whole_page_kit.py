@@ -42,9 +42,8 @@ from gpr20_web import faults
 from gpr20_web.calls import Call, Person
 from gpr20_web.mid.all_pages import Surroundings, all_pages
 from gpr20_web.mid.audit import Audit
-from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.commands import Commands, Robot, plan_id
 from gpr20_web.mid.controller import Controller
-from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.mid.sessions import Sessions
 from gpr20_web.mid.shell import Shell
 from gpr20_web.roles import Role

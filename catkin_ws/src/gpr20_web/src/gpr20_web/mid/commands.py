@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import uuid
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.plan.form import preview
+from gpr20_operator.plan.hold_question import HANDS_CLEAR
+from gpr20_operator.plan.tiles import plan_rows, spacing_warning
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
@@ -22,7 +27,6 @@ from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.controller import Controller
 from gpr20_web.mid.now_page import notice_values, sentence
 from gpr20_web.mid.presses import Presses, press_of
-from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
 from gpr20_web.roles import Role
 
@@ -278,3 +282,27 @@ class Commands(WebPage):
 def _check(possible: bool) -> None:
     if not possible:
         raise NotNowError(Message("this is not possible in the present state"))
+
+
+# Of ground of which nothing is known.
+AIR = 1.0
+
+
+def plan_id(plan: RemotePlan) -> str:
+    """Return what only this plan has: a person starts the plan that was read."""
+    content = json.dumps(asdict(plan), sort_keys=True, default=str)
+    return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+
+def plan_values(plan: RemotePlan, text: Callable[[Message], str]) -> Mapping[str, Any]:
+    """Return what a browser shows before START."""
+    permittivity = plan.permittivity or AIR
+    known = preview(plan.parameters, permittivity)
+    rows = plan_rows(plan.parameters, permittivity, known, plan.annotation)
+    doubt = spacing_warning(known)
+    return {
+        "id": plan_id(plan),
+        "rows": [[text(name), text(value)] for name, value in rows],
+        "doubt": "" if doubt is None else text(doubt),
+        "warning": text(HANDS_CLEAR),
+    }
