@@ -64,6 +64,7 @@ def test_a_survey_that_exists_can_be_followed():
 
 WRONG = (
     ("--x-points three", "three"),
+    ("--wait nan", "'nan' is not a number"),
     ("--polarizations-deg 0,x", "0,x"),
     ("--attach --resume", "not allowed with"),
     ("--attach --y-stop 9 --polar 0", "--y-stop-mm, --polarizations-deg cannot be given with"),
@@ -252,6 +253,10 @@ def test_ctrl_c_stops_the_survey_and_waits_for_its_end():
     assert client.requests == ["survey", "stop"] and client.status is None
     client.say(state("STOPPING")).wait(50, state("STOPPING"))
     assert client.say(state("STOPPED")).status is ExitStatus.STOPPED
+    # One that came before there was anything to stop is asked again.
+    client = Client(*BEGIN, stop, Answer(Request.STOP, False, verbatim("no survey runs")))
+    client.say(state("SURVEYING"), state("SURVEYING"))
+    assert client.requests == ["survey", "stop", "stop"]
     # What is not confirmed may move.
     client = Client(*BEGIN, stop).wait(62, state("STOPPING"))
     assert client.status is ExitStatus.FAILED and client.message.fault == MAY_MOVE

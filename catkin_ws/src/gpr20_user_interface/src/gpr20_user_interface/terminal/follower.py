@@ -157,6 +157,7 @@ class SurveyFollower:
         self._since_s = self._now_s()
         self._asked = self._answered = False
         self._stopping_s: Optional[float] = None
+        self._stop_refused = False
         # Whether a status is about our survey; the last one that is.
         self._begun = False
         self._state: Optional[ControlState] = None
@@ -244,6 +245,9 @@ class SurveyFollower:
         if not self._asked:
             self._take_first_state(state)
             return
+        if self._stop_refused:  # it may have come before there was anything to stop
+            self._stop_refused = False
+            self._stop()
         own = bool(self.survey_id) and state.survey_id == self.survey_id
         if not self._begun:
             # What stands still now is from before the request.
@@ -273,6 +277,7 @@ class SurveyFollower:
     def _take_answer(self, answer: Answer) -> None:
         stopping = self._stopping_s is not None
         if answer.request is Request.STOP:
+            self._stop_refused = not answer.success
             if not answer.success:
                 self._display.note(Message("Stop not accepted: {reason}", reason=answer.message))
         elif answer.success:
@@ -280,7 +285,7 @@ class SurveyFollower:
             # The id of a resumed survey comes with its status.
             self.survey_id = answer.survey_id
             if stopping:
-                self._stop()  # the one before may have found nothing to stop
+                self._stop()
             self._follow()
         elif stopping:
             message = Message("The survey was not started: {reason}", reason=answer.message)

@@ -11,6 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -168,7 +169,7 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     )
     group.add_argument(
         "--wait",
-        type=float,
+        type=_reader(number_from_text, catalogue),
         default=WAIT_S,
         metavar="S",
         help=tr("seconds to wait for the main control (default {default:g})", default=WAIT_S),
