@@ -51,7 +51,6 @@ const all = {
   readBlindly: read("/api/me", { mode: "no-cors" }),
   json: read("/api/stop", { method: "POST", headers: json, body }),
   plain: read("/api/stop", { method: "POST", mode: "no-cors", body }),
-  remove: read("/api/users/vera", { method: "DELETE", headers: json, body }),
   events: events(),
   formPlain: post("text/plain"),
   formUsual: post("application/x-www-form-urlencoded"),

@@ -32,7 +32,7 @@ from window_kit import Operator
 from gpr20_common.low.clock import Clock
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import condition_of
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.snapshot import progress_of
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import ENDED

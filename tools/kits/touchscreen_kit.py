@@ -5,8 +5,8 @@ from __future__ import annotations
 from gpr20_common.low.clock import Clock
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import WebPageClient
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming, RemotePlan
-from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters

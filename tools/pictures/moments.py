@@ -237,7 +237,7 @@ def _meet(name: str, folder: Path) -> None:
 
 def _is_ready(window: MainWindow) -> bool:
     snapshot = window.survey.snapshot
-    known = snapshot.can_start and snapshot.travel is not None
+    known = snapshot.can_start and snapshot.robot is not None
     return known and snapshot.health.settled and snapshot.health.trouble is None
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 SOURCES = Path(__file__).resolve().parents[3]
 SAFE = frozenset({"json.dumps", "as_json"})
 """They write everything that is not ASCII as an escape of JSON."""
-OWN = ("gpr20_common/terminal_text.py", "gpr20_user_interface/terminal/displays.py")
+OWN = ("gpr20_common/terminal_text.py",)
 
 
 def name_of(node: ast.AST) -> str:

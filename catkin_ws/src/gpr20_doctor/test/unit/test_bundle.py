@@ -20,9 +20,8 @@ from gpr20_doctor.low.bundle_sources import (
 )
 from gpr20_doctor.mid import bundle
 from gpr20_doctor.mid.findings import findings
-from gpr20_doctor.mid.listener import unheard
 from gpr20_doctor.mid.machine_request import ThisMachine
-from gpr20_doctor.mid.robot_facts import Evidence
+from gpr20_doctor.mid.robot_facts import Evidence, unheard
 
 SECRET = "hunter2hunter2"
 KEY = f"-----BEGIN OPENSSH PRIVATE KEY-----\n{SECRET}\n-----END OPENSSH PRIVATE KEY-----\n"

@@ -10,9 +10,8 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import as_json, lines
-from gpr20_doctor.mid.listener import WATCH_S, Listener
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, STALE_S, HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import Endstop
+from gpr20_doctor.mid.robot_facts import WATCH_S, Endstop, Listener
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
@@ -33,7 +32,7 @@ def report_all(listener, names=EXPECTED_NODES):
         listener.note_node(NodeHealth(name, HealthLevel.OK, verbatim("ok"), {}, 0.1))
     description = NodeDescription("main_control", NO_HARDWARE, {})
     listener.note_configuration(None, True, {"main_control": description})
-    listener.note_status(False)
+    listener.note(control_alive=True, surveying=False)
 
 
 def test_waiting_ends_when_everything_has_reported(listener, clock):

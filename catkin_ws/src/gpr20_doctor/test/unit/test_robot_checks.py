@@ -12,11 +12,10 @@ from gpr20_common.faults import NOT_RUNNING, OTHER_LAUNCH
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
-from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
-from gpr20_doctor.mid.place import Place
+from gpr20_doctor.mid.place import Place, advised
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, Evidence, RobotFacts
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.axes.axis_id import AxisId

@@ -38,13 +38,7 @@ class SurveyNotReadableError(UserInterfaceError, ValueError):
     fault = DAMAGED
 
 
-class ProfileError(UserInterfaceError, ValueError):
-    """A profile of parameters cannot be read or written, or its name is not allowed."""
-
-    fault = faults.SETTINGS_LOST
-
-
 class SettingsError(UserInterfaceError, ValueError):
-    """The settings of the window cannot be read or written; the message gives the reason."""
+    """What the screen remembers cannot be read or written; the message gives the reason."""
 
     fault = faults.SETTINGS_LOST.as_warning()

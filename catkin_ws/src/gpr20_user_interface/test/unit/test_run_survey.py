@@ -190,12 +190,15 @@ def test_a_survey_is_followed_to_its_end_with_what_was_given_for_it(run, control
         assert part in written
 
 
-def test_how_a_survey_ends_is_the_exit_status_in_the_language_that_is_asked_for(run, control):
+def test_how_a_survey_ends_is_the_exit_status_in_the_language_of_the_terminal(
+    run, control, monkeypatch
+):
     control.end, control.reason = (
         SurveyState.PAUSED,
         Message("the disk is full", details="errno 28"),
     )
-    found, written = run(*SMALL, "--language", "es")
+    monkeypatch.setenv("LANGUAGE", "es")
+    found, written = run(*SMALL)
     assert found == ExitStatus.PAUSED == 4, written
     for part in ("el disco está lleno (errno 28)", "trazas", "ROBOT SIMULADO", "--resume"):
         assert part in written

@@ -14,12 +14,18 @@ from tutorial_code import code_blocks
 from view_kit import make_grid, past_survey, snapshot
 from window_helpers import click, show, until
 
-from gpr20_common.catalogue import VARIABLE, Language, languages, read_catalogue
+from gpr20_common.catalogue import (
+    VARIABLE,
+    Language,
+    language_from_environment,
+    languages,
+    read_catalogue,
+)
 from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
-from gpr20_operator.errors import ProfileError, SettingsError
+from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.ground.trace_events import SurveysListed
 from gpr20_operator.palette import Theme
@@ -34,7 +40,6 @@ from gpr20_user_interface.look.settings import (
     settings_from,
     values_of,
 )
-from gpr20_user_interface.terminal.survey_arguments import terminal_language
 from gpr20_user_interface.window.rail import TabName
 
 
@@ -164,7 +169,7 @@ def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(fo
     assert portuguese.template("Colours") == "Colours"
     missing = Message("{path} does not exist", path="/nowhere")
     assert portuguese.text(missing) == "/nowhere não existe"
-    assert terminal_language([], {"LANG": "pt_BR.UTF-8"}) == PORTUGUESE
+    assert language_from_environment({"LANG": "pt_BR.UTF-8"}) == PORTUGUESE
     (folder / "es.po").write_text('msgid "START"\nmsgstr "¡YA!"\n')
     spanish = read_catalogue(Language.SPANISH)
     # Other words on this computer; the rest is that of the project.
@@ -333,5 +338,5 @@ def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, tmp_path):
         (other_type, "x_points"),
     ):
         path.write_text(text)
-        with raises_fault(faults.SETTINGS_LOST, shown, error=ProfileError):
+        with raises_fault(faults.SETTINGS_LOST.as_warning(), shown, error=SettingsError):
             profiles.load("a")

@@ -1,33 +1,41 @@
 """The terminal client: its command line, how it follows a survey, and its lines."""
 
+import contextlib
 import io
 import queue
 from dataclasses import replace
 
 import pytest
 from fake_clock import FakeClock
+from hypothesis import given
+from hypothesis import strategies as st
 from view_kit import ASKED_PAUSE, FULL, LOST
 
 from gpr20_common.catalogue import Catalogue, Language, read_catalogue
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import DISK_FULL, MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_operator import faults
+from gpr20_operator.plan.fields import PARAMETERS, PEOPLE
 from gpr20_operator.robot.events import (
     DOCUMENTED_TRAVEL,
     Answer,
     ControlState,
     Progress,
     Request,
+    SenderIgnored,
     StopRequested,
 )
-from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_user_interface.terminal.follower import TICK_S, Display, ExitStatus, SurveyFollower
-from gpr20_user_interface.terminal.survey_arguments import parse_arguments, terminal_language
+from gpr20_user_interface.terminal.survey_arguments import (
+    option_of,
+    parse_arguments,
+)
 
 
 def options_of(line):
@@ -56,6 +64,7 @@ def test_a_survey_that_exists_can_be_followed():
 
 WRONG = (
     ("--x-points three", "three"),
+    ("--wait nan", "'nan' is not a number"),
     ("--polarizations-deg 0,x", "0,x"),
     ("--attach --resume", "not allowed with"),
     ("--attach --y-stop 9 --polar 0", "--y-stop-mm, --polarizations-deg cannot be given with"),
@@ -76,6 +85,19 @@ def test_a_wrong_command_line_has_status_2_and_names_the_fault(capsys):
         assert words in capsys.readouterr().err, line
 
 
+@given(st.sampled_from((*PARAMETERS, *PEOPLE)), st.text(max_size=10))
+def test_the_command_line_reads_what_the_window_reads_and_refuses_the_rest(spec, text):
+    try:
+        wanted = spec.kind.read(text)
+    except InvalidValueError:
+        with pytest.raises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
+            parse_arguments([f"{option_of(spec)}={text}"], Catalogue())
+        return
+    given_ = parse_arguments([f"{option_of(spec)}={text}"], Catalogue())
+    record = given_.parameters if spec in PARAMETERS else given_.annotation
+    assert getattr(record, spec.name) == wanted
+
+
 def test_the_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogue(capsys):
     with pytest.raises(SystemExit) as caught:
         parse_arguments(["--help"], read_catalogue(Language.SPANISH))
@@ -85,19 +107,6 @@ def test_the_help_lists_fields_and_exit_statuses_in_the_language_of_the_catalogu
     for name in ("start-frequency-mhz", "x-start-mm", "averages", "permittivity", "notes"):
         assert f"\n  --{name} " in text
     assert "(por defecto 15)" in " ".join(text.split())
-
-
-def test_the_language_is_that_of_the_command_line_or_the_terminal():
-    peru = {"LANG": "es_PE.UTF-8"}
-    for line, environment, language in (
-        ("", peru, Language.SPANISH),
-        ("--language en", peru, Language.ENGLISH),
-        ("--attach --language=es --wait 3", {}, Language.SPANISH),
-        # Refused by the parser that comes next.
-        ("--language fr", peru, Language.SPANISH),
-        ("--language", {}, Language.ENGLISH),
-    ):
-        assert terminal_language(line.split(), environment) == language, line
 
 
 STARTED = Answer(Request.START, True, verbatim("started"), "ours")
@@ -244,6 +253,10 @@ def test_ctrl_c_stops_the_survey_and_waits_for_its_end():
     assert client.requests == ["survey", "stop"] and client.status is None
     client.say(state("STOPPING")).wait(50, state("STOPPING"))
     assert client.say(state("STOPPED")).status is ExitStatus.STOPPED
+    # One that came before there was anything to stop is asked again.
+    client = Client(*BEGIN, stop, Answer(Request.STOP, False, verbatim("no survey runs")))
+    client.say(state("SURVEYING"), state("SURVEYING"))
+    assert client.requests == ["survey", "stop", "stop"]
     # What is not confirmed may move.
     client = Client(*BEGIN, stop).wait(62, state("STOPPING"))
     assert client.status is ExitStatus.FAILED and client.message.fault == MAY_MOVE
@@ -276,7 +289,7 @@ def test_a_state_is_said_once_per_change_and_a_warning_with_its_remedy_once():
 
 def test_the_last_words_say_how_a_survey_that_ended_early_is_resumed_if_it_can_be():
     for code, message, how in (
-        ("PAUSED", "why", "run_survey --resume`"),
+        ("PAUSED", "why", "run_survey --resume ours"),
         ("PAUSED", LOST, "stop_survey"),
         ("FAILED", "why", "run_survey --resume ours"),
         ("FAILED", LOST, ""),

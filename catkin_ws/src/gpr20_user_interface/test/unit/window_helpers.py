@@ -8,21 +8,20 @@ from fake_clock import FakeClock
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from result_kit import Requests
+from result_kit import Requests, ServiceTools
 from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
 from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.form import preview
 from gpr20_operator.plan.stored import PlanMemory, Profiles
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
-from gpr20_operator.robot.service_model import PARTS, AxisAction, ServiceModel
+from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.main_window import MainWindow
 from gpr20_user_interface.window.presenters import Presenters
@@ -74,38 +73,6 @@ class Survey:
 
     def resume_with(self, analyzer):
         self.asked.append(f"resume with {analyzer}")
-
-
-class ServiceTools:
-    """In place of the clients of ROBOT: remembers what it was asked, and answers by a test."""
-
-    def __init__(self):
-        self.asked = []
-        self._tickets = {}
-
-    def set_watched(self, watched):
-        self.asked.append(("watch", watched))
-
-    def examine(self, ticket, nodes, surveying, thorough):
-        self._tickets["examine"] = ticket
-        self.asked.append(("examine", thorough))
-
-    def ask(self, service, ticket, **fields):
-        self._tickets[service] = ticket
-        if service is Service.MOVE:
-            action = AxisAction(fields["action"]).name
-            self.asked.append((fields["axis"], action, fields["distance"]))
-        elif service is Service.DAILY:
-            self.asked.append(("daily check", PARTS[fields["step"]]))
-        else:
-            self.asked.append(service.name.lower())
-
-    def done(self, service, result):
-        if service in self._tickets:
-            self._tickets[service].done(result)
-
-    def fail(self, service, problem):
-        self._tickets[service].fail(problem)
 
 
 def opened_window(

@@ -31,7 +31,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.recovery import add_to_survey, read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import MAX_MARKERS, Marker, markers_of, present_markers
-from gpr20_vna_processing.mid.facts import KINDS, joined_notes, keeping_heading, requested_fact
+from gpr20_vna_processing.mid.facts import KINDS, requested_fact
 
 AT_START = Annotation("Ana", "El Carmen", "at the start")
 WITH_ANNOTATION = json.dumps({**json.loads(METADATA), "annotation": AT_START.values()})
@@ -232,34 +232,15 @@ def test_damaged_markers_are_recognized_and_their_number_is_limited():
     assert requested_fact("marker_removed", gone, NOW)[1](full) is not None
 
 
-def test_notes_that_others_have_written_meanwhile_are_kept_once():
-    texts = st.text("ab\n", max_size=6)
-
-    @given(texts, texts, texts)
-    def check(before, wanted, present):
-        joined = joined_notes(before, wanted, present)
-        # A request that is repeated adds nothing.
-        assert joined_notes(before, wanted, joined) == joined
-        if present == before:
-            assert joined == wanted
-        else:
-            assert wanted in joined
-            added = present[len(before) :] if present.startswith(before) else present
-            assert added.strip("\n") in joined
-
-    check()
-    description = {"annotation": {**EXAMPLE.values(), "notes": "dry\nAna: roots"}}
-    sent = {**EXAMPLE.values(), "notes": "dry, flat", "notes_before": "dry"}
-    _kind, change = requested_fact("annotation", json.dumps(sent), NOW)
-    assert change(description).values["notes"] == "dry, flat\nAna: roots"
-
-
-def test_a_heading_stays_with_its_position():
-    headed = replace(EXAMPLE, heading_deg=12.5)
-    description = {"annotation": headed.values()}
-    assert keeping_heading(EXAMPLE, description) == headed
-    moved = replace(EXAMPLE, position=Wgs84Position(1.0, 2.5))
-    assert keeping_heading(moved, description) == moved
+@given(*3 * [st.text("ab\n", max_size=6)])
+def test_notes_that_others_have_written_meanwhile_are_kept_once(before, wanted, present):
+    sent = {**EXAMPLE.values(), "notes": wanted, "notes_before": before}
+    change = requested_fact("annotation", json.dumps(sent), NOW)[1]
+    fact = change({"annotation": {**EXAMPLE.values(), "notes": present}})
+    kept = present if fact is None else fact.values["notes"]
+    assert change({"annotation": {**EXAMPLE.values(), "notes": kept}}) is None  # a repetition
+    added = present[len(before) :] if present.startswith(before) else present
+    assert kept == wanted if present == before else wanted in kept and added.strip("\n") in kept
 
 
 def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone(kits, copies):

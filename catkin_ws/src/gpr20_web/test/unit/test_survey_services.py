@@ -15,7 +15,7 @@ from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Fault, verbatim
 from gpr20_operator.high import request_client
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import Senders
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.markers import Marker
 from gpr20_web.errors import NotNowError

@@ -32,11 +32,10 @@ from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, exit_status, findings, lines
-from gpr20_doctor.mid.listener import unheard
 from gpr20_doctor.mid.machine_probe import probe_machine
 from gpr20_doctor.mid.machine_request import AUTOMATIC, REAL, ROOT, MachineRequest, ThisMachine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES
-from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
+from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, NodeDescription
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 

@@ -21,8 +21,7 @@ from gpr20_doctor.high.node_reports import (
     node_healths,
 )
 from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
-from gpr20_doctor.mid.listener import Listener
-from gpr20_doctor.mid.robot_facts import Endstop
+from gpr20_doctor.mid.robot_facts import Endstop, Listener
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
 from gpr20_msgs.srv import GetHeight, TestAnalyzer
 from gpr20_survey.axes.axis_id import AxisId
@@ -117,7 +116,8 @@ class Graph:
         self.listener.note_configuration(problem, message.simulated, nodes)
 
     def _on_status(self, message: ControlStatus) -> None:
-        self.listener.note_status(SurveyState(message.code) in RUNNING)
+        surveying = SurveyState(message.code) in RUNNING
+        self.listener.note(control_alive=True, surveying=surveying)
 
     def _on_endstop(self, message: Bool, axis: AxisId) -> None:
         self.listener.note_endstop(Endstop(axis, message.data))
@@ -126,4 +126,4 @@ class Graph:
         self.listener.note_axis(axis_report(axis, message))
 
     def _on_height(self, message: Range) -> None:
-        self.listener.note_height(height_m(message))
+        self.listener.note(height_m=height_m(message))

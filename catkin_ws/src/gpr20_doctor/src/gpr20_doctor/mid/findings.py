@@ -8,10 +8,10 @@ from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_doctor.mid import machine_checks, robot_checks
-from gpr20_doctor.mid.advice import advised
 from gpr20_doctor.mid.contact_checks import check_installed
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.place import advised
 from gpr20_doctor.mid.robot_facts import RobotFacts
 
 FILES = "config_files"

@@ -15,7 +15,6 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.pi import Power
 from gpr20_doctor.low.programs import Tracking
 from gpr20_doctor.mid.finding import Finding, Level, Unknown, not_known
-from gpr20_doctor.mid.hardware_checks import check_hardware
 from gpr20_doctor.mid.machine_facts import AddressFacts, DiskFacts, MachineFacts, PortFacts
 from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_checks import CHECK_LINK, disk_space
@@ -23,6 +22,7 @@ from gpr20_doctor.mid.system_checks import (
     check_configuration,
     check_date,
     check_firewall,
+    check_hardware,
     check_memory,
     check_volumes,
 )

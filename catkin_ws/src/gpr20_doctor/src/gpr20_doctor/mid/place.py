@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Dict, Mapping, Optional, Tuple
 
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_doctor.mid.finding import Finding
+from gpr20_survey.faults import OTHER_DATA_FOLDER
 
 SETTINGS = "etc/gpr20/environment"
 FIREWALL = "usr/lib/gpr20/firewall"
@@ -83,3 +87,50 @@ def _values(settings: Path) -> Dict[str, str]:
         return {}
     found = filter(None, map(_SETTING.fullmatch, lines))
     return {one.group(1): one.group(2) for one in found}
+
+
+LAUNCHES = {ROBOT: "robot.launch", SERVER: "server.launch"}
+ALL_IN_ONE = "survey.launch"
+ACCEPT_DATA = Message(
+    "Plug in and mount the disk of the surveys, then try again. Only if the folder is to be "
+    "used from now on, run: sudo -u gpr20 gpr20-run config accept_data"
+)
+
+
+def advised(finding: Finding, place: Place) -> Finding:
+    """Return the finding with the files and commands of this computer in its remedy."""
+    remedy = finding.remedy
+    if remedy is None:
+        return finding
+    known = {"height_file": printable(place.config / "height.yaml")}
+    if place.settings:
+        known["where"] = printable(place.settings)
+        # Whoever reports it: a check of this computer, or a part of the robot.
+        if finding.text.fault_code == OTHER_DATA_FOLDER.code:
+            remedy = ACCEPT_DATA
+    remedy = remedy.with_values(known)
+    if finding.restart is not None:
+        restart = _restart(finding.restart, place)
+        remedy = Message("{remedy} {restart}", remedy=remedy, restart=restart)
+    return replace(finding, remedy=remedy)
+
+
+def _restart(named: str, place: Place) -> Message:
+    """Return how to restart the robot, or the one of its services that is named."""
+    service = named if place.two_computers else place.service
+    if not place.service:
+        return Message(
+            "End what is left of the robot's launch with Ctrl-C, then start it: {command}",
+            command=f"roslaunch gpr20 {LAUNCHES.get(service, ALL_IN_ONE)}",
+        )
+    if service not in ("", place.service):
+        return Message(
+            "On the other computer run: sudo systemctl restart {service}. If it is found again, "
+            "run there: journalctl -u {service} -n 50",
+            service=service,
+        )
+    return Message(
+        "Run: sudo systemctl restart {service}. If it is found again, run: journalctl -u {service} "
+        "-n 50",
+        service=place.service,
+    )

@@ -61,23 +61,8 @@ MAX_BYTES = 65536
 FOLDER_MODE = 0o700
 
 
-def write_values(path: Path, values: Mapping[str, Any]) -> None:
-    """Write a YAML file and return when it is on the disk: whole, or as it was before.
-
-    Args:
-        path: The file; its folders need not exist.
-        values: Plain values, lists and groups.
-
-    Raises:
-        OSError: The disk refused.
-    """
-    text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
-    ensure_folders(path.parent, FOLDER_MODE)
-    replace_file(path, text.encode("utf-8"))
-
-
 class SettingsFile:
-    """Reads and writes one group of values, in a YAML file that need not exist."""
+    """Reads and writes one group of plain values, in a YAML file that need not exist."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -86,8 +71,7 @@ class SettingsFile:
         """Return the values; none if there is no file yet.
 
         Raises:
-            SettingsError: The file cannot be read, or is damaged. Its message is for the
-                operator; the window then uses its defaults.
+            SettingsError: The file cannot be read, or is damaged.
         """
         try:
             # Reading a pipe would block the window.
@@ -105,29 +89,26 @@ class SettingsFile:
         return values
 
     def write(self, values: Mapping[str, Any]) -> None:
-        """Replace the values, see `write_values`.
+        """Replace the values and return when they are on the disk: whole, or as they were before.
 
         Raises:
-            SettingsError: They cannot be written; the file is as it was.
+            SettingsError: They cannot be written.
         """
+        text = yaml.safe_dump(dict(values), sort_keys=False, allow_unicode=True)
         try:
-            write_values(self._path, values)
+            ensure_folders(self._path.parent, FOLDER_MODE)
+            replace_file(self._path, text.encode("utf-8"))
         except OSError as error:
+            reason = os_reason(error)
             raise SettingsError(
-                Message(
-                    "the settings {path} cannot be written: {reason}",
-                    path=self._path,
-                    reason=os_reason(error),
-                ),
+                Message("{path} cannot be written: {reason}", path=self._path, reason=reason),
                 fault=DISK_REFUSES,
             ) from error
 
     def _unreadable(self, reason: Message) -> SettingsError:
         return SettingsError(
             Message(
-                "the settings {path} cannot be read: {reason}; the defaults are used",
-                path=self._path,
-                reason=reason,
+                "{path} cannot be read: {reason}", path=self._path, reason=reason
             ).reporting_only(faults.SETTINGS_LOST.as_warning())
         )
 

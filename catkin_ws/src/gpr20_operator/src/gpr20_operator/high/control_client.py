@@ -51,10 +51,10 @@ from gpr20_operator.robot.events import (
     MeasuredHeight,
     PlayerLink,
     Request,
+    Senders,
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters

@@ -11,13 +11,13 @@ from gpr20_doctor.mid.node_health import WEB
 from gpr20_msgs.msg import RemoteControl, WebStatus
 from gpr20_operator.high import conversions
 from gpr20_operator.high.ros_events import RosEvents
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import (
     RemoteArmed,
     RemotePlan,
     WebPageGone,
     WebStatusReported,
 )
-from gpr20_operator.robot.senders import Senders
 from gpr20_survey.plan.annotation import from_fields
 
 WINDOW = "user_interface"

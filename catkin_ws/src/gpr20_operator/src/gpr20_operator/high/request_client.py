@@ -31,7 +31,7 @@ from gpr20_operator.high.ros_events import (
 )
 from gpr20_operator.jobs.job import Delivery, Service, Ticket
 from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.focused_image import image_from

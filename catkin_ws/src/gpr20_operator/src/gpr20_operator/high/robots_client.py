@@ -14,8 +14,8 @@ from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high import conversions
 from gpr20_operator.high.ros_events import RosEvents, in_background
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
-from gpr20_operator.robot.senders import Senders
 
 PERIOD_S = 3.0
 

@@ -18,7 +18,7 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.robot.senders import SenderIgnored, Senders
+from gpr20_operator.robot.events import SenderIgnored, Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
 STORAGE_SILENT = Message("the storage does not answer; check that it is running")

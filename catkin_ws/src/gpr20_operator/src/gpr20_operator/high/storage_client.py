@@ -37,7 +37,7 @@ from gpr20_operator.high.ros_events import (
     accepted,
     call,
 )
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import Senders
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object

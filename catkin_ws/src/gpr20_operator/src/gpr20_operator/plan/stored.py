@@ -9,16 +9,12 @@ from typing import Any, Callable, Collection, FrozenSet, List, Mapping, Optional
 
 from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
-from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.codec import plain, record_from
-from gpr20_operator import faults
-from gpr20_operator.errors import ProfileError, SettingsError
+from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import (
-    MAX_BYTES,
     SettingsFile,
     settings_writer,
-    write_values,
 )
 from gpr20_operator.plan.fields import PLAN
 from gpr20_operator.plan.presets import AREA_FIELDS
@@ -132,7 +128,7 @@ def is_name(name: str) -> bool:
 
 
 class Profiles:
-    """Parameters by name; checks every name and every value. Every method raises ProfileError.
+    """Parameters by name; checks every name and every value. Every method raises SettingsError.
 
     Args:
         folder: Of the files; it need not exist.
@@ -147,40 +143,21 @@ class Profiles:
             # Reading a pipe would block the window.
             found = [one.stem for one in self._folder.glob(f"*{SUFFIX}") if one.is_file()]
         except OSError as error:
-            text = Message(
-                "the profiles in {folder} cannot be listed: {reason}",
-                folder=self._folder,
-                reason=os_reason(error),
-            )
-            raise ProfileError(text, fault=DISK_REFUSES) from error
+            raise _refused(self._folder, error) from error
         return sorted(name for name in found if is_name(name))
 
     def load(self, name: str) -> SurveyParameters:
         """Return the parameters of a profile; whether this robot allows them is not checked."""
         path = self.path(name)
+        values = SettingsFile(path).read()
         try:
-            return record_from(SurveyParameters, read_yaml(path, MAX_BYTES), path.name)
-        except YamlFileError as error:
-            raise _unreadable(path, error.message) from error
-        except OSError as error:
-            raise _unreadable(path, os_reason(error)) from error
+            return record_from(SurveyParameters, values, path.name)
         except InvalidValueError as error:
-            text = Message("{reason}; save the profile again", reason=error.message)
-            raise ProfileError(text.reporting_only(faults.SETTINGS_LOST)) from error
+            raise SettingsError(error.message.reporting_only(SettingsError.fault)) from error
 
     def save(self, name: str, parameters: SurveyParameters) -> None:
         """Store parameters under a name, durably; they replace those that were there."""
-        path = self.path(name)
-        try:
-            write_values(path, plain(parameters))
-        except OSError as error:
-            text = Message(
-                "the profile {path} cannot be written: {reason}; free space on the disk, or "
-                "set another folder with the parameter `profiles`",
-                path=path,
-                reason=os_reason(error),
-            )
-            raise ProfileError(text, fault=DISK_REFUSES) from error
+        SettingsFile(self.path(name)).write(plain(parameters))
 
     def remove(self, name: str) -> None:
         """Delete a profile."""
@@ -188,12 +165,7 @@ class Profiles:
         try:
             path.unlink()
         except OSError as error:
-            text = Message(
-                "the profile {path} cannot be deleted: {reason}",
-                path=path,
-                reason=os_reason(error),
-            )
-            raise ProfileError(text, fault=DISK_REFUSES) from error
+            raise _refused(path, error) from error
 
     def path(self, name: str) -> Path:
         """Return the file of a profile, which need not exist."""
@@ -204,13 +176,10 @@ class Profiles:
                 name=repr(name[:64]),
                 most=MAX_NAME_LENGTH,
             )
-            raise ProfileError(text, fault=NOT_ALLOWED)
+            raise SettingsError(text, fault=NOT_ALLOWED)
         return self._folder / f"{name}{SUFFIX}"
 
 
-def _unreadable(path: Path, reason: Message) -> ProfileError:
-    return ProfileError(
-        Message(
-            "the profile {path} cannot be read: {reason}; save it again", path=path, reason=reason
-        ).reporting_only(faults.SETTINGS_LOST)
-    )
+def _refused(path: Path, error: OSError) -> SettingsError:
+    text = Message("{path} cannot be used: {reason}", path=path, reason=os_reason(error))
+    return SettingsError(text, fault=DISK_REFUSES)

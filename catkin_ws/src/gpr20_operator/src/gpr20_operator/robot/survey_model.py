@@ -22,10 +22,10 @@ from gpr20_operator.robot.events import (
     Replay,
     Request,
     RobotDescribed,
+    SenderIgnored,
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_parameters import SurveyParameters

@@ -9,7 +9,7 @@ import sys
 
 import rospy
 
-from gpr20_common.catalogue import Catalogue, read_catalogue
+from gpr20_common.catalogue import Catalogue, language_from_environment, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
@@ -18,16 +18,11 @@ from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.ros_events import join_graph
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StopRequested
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Senders, StopRequested
 from gpr20_survey.plan.survey_parameters import check
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.follower import Display, ExitStatus, SurveyFollower, first_step
-from gpr20_user_interface.terminal.survey_arguments import (
-    Options,
-    parse_arguments,
-    terminal_language,
-)
+from gpr20_user_interface.terminal.survey_arguments import Options, parse_arguments
 
 
 def main() -> int:
@@ -35,7 +30,7 @@ def main() -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: not every terminal has all
     arguments = rospy.myargv()[1:]
-    catalogue = read_catalogue(terminal_language(arguments, os.environ))
+    catalogue = read_catalogue(language_from_environment(os.environ))
     options = parse_arguments(arguments, catalogue)
     # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
     events: queue.SimpleQueue = queue.SimpleQueue()

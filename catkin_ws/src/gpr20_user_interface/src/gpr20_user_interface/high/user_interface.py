@@ -34,9 +34,9 @@ from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.form import CostEstimator
 from gpr20_operator.plan.stored import PlanMemory, Profiles
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
-from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel

@@ -22,10 +22,10 @@ from gpr20_operator.robot.events import (
     ControlState,
     Progress,
     Request,
+    SenderIgnored,
     StopRequested,
 )
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.senders import SenderIgnored
 from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import duration
 from gpr20_survey.faults import NONE_OPEN, OTHER_ZEROS
@@ -157,6 +157,7 @@ class SurveyFollower:
         self._since_s = self._now_s()
         self._asked = self._answered = False
         self._stopping_s: Optional[float] = None
+        self._stop_refused = False
         # Whether a status is about our survey; the last one that is.
         self._begun = False
         self._state: Optional[ControlState] = None
@@ -200,35 +201,30 @@ class SurveyFollower:
     def tick(self) -> None:
         """Note that nothing has come for `TICK_S`."""
         self._quiet_ticks += 1
-        waited_s = self._now_s() - self._since_s
+        now_s, stopping_s = self._now_s(), self._stopping_s
+        lost_ticks = LOST_TICKS if stopping_s is None else LOST_STOP_TICKS
         if not self._asked:
-            if waited_s > self._wait_s:
+            if now_s - self._since_s > self._wait_s:
                 self._end(ExitStatus.REFUSED, self._nobody())
-        elif self._stop_is_late:
+        elif self._quiet_ticks == SAID_TICKS:
+            self._display.note(
+                Message(
+                    "No contact with the main control. The robot may still move. Waiting for it."
+                )
+            )
+        elif self._quiet_ticks > lost_ticks:
+            self._end(ExitStatus.FAILED, _lost(lost_ticks * TICK_S))
+        elif (
+            stopping_s is not None
+            and now_s - stopping_s > STOP_S
+            and self._quiet_ticks < SAID_TICKS
+        ):
             message = Message(
                 "The main control did not confirm within {limit_s:g} s that the survey has "
                 "stopped. The robot may still move: switch it off if people are near it.",
                 limit_s=STOP_S,
             )
             self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
-        elif self._answered and self._quiet_ticks == SAID_TICKS:
-            self._display.note(
-                Message(
-                    "No contact with the main control. The robot may still move. Waiting for it."
-                )
-            )
-        elif self._answered and self._quiet_ticks > self._lost_ticks:
-            self._end(ExitStatus.FAILED, self._lost())
-
-    @property
-    def _lost_ticks(self) -> int:
-        return LOST_TICKS if self._stopping_s is None else LOST_STOP_TICKS
-
-    @property
-    def _stop_is_late(self) -> bool:
-        if self._stopping_s is None or self._quiet_ticks > SAID_TICKS:
-            return False
-        return self._now_s() - self._stopping_s > STOP_S
 
     def _nobody(self) -> Message:
         if self._replay:
@@ -242,14 +238,6 @@ class SurveyFollower:
             limit_s=self._wait_s,
         ).with_fault(NOT_RUNNING)
 
-    def _lost(self) -> Message:
-        return Message(
-            "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
-            "that the main control is running, then follow the survey again with `rosrun "
-            "gpr20_user_interface run_survey --attach`.",
-            limit_s=self._lost_ticks * TICK_S,
-        ).with_fault(PART_LOST)
-
     def _take_state(self, state: ControlState) -> None:
         if state.simulated and not self._simulated:
             self._simulated = True
@@ -257,6 +245,9 @@ class SurveyFollower:
         if not self._asked:
             self._take_first_state(state)
             return
+        if self._stop_refused:  # it may have come before there was anything to stop
+            self._stop_refused = False
+            self._stop()
         own = bool(self.survey_id) and state.survey_id == self.survey_id
         if not self._begun:
             # What stands still now is from before the request.
@@ -286,6 +277,7 @@ class SurveyFollower:
     def _take_answer(self, answer: Answer) -> None:
         stopping = self._stopping_s is not None
         if answer.request is Request.STOP:
+            self._stop_refused = not answer.success
             if not answer.success:
                 self._display.note(Message("Stop not accepted: {reason}", reason=answer.message))
         elif answer.success:
@@ -293,7 +285,7 @@ class SurveyFollower:
             # The id of a resumed survey comes with its status.
             self.survey_id = answer.survey_id
             if stopping:
-                self._stop()  # the one before may have found nothing to stop
+                self._stop()
             self._follow()
         elif stopping:
             message = Message("The survey was not started: {reason}", reason=answer.message)
@@ -375,9 +367,19 @@ class SurveyFollower:
                     "To continue as it is, resume with `--accept-zeros`; its traces are marked."
                 )
             )
-        resumable = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
-        if status is ExitStatus.PAUSED or (resumable and message.can_continue):
-            lines.append(_how_to_continue(status, message.can_continue, self.survey_id))
+        ended_early = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
+        if message.can_continue and (ended_early or status is ExitStatus.PAUSED):
+            lines.append(
+                Message(
+                    "Measure the missing traces, while no other survey runs, with `rosrun "
+                    "gpr20_user_interface run_survey --resume {survey}`.",
+                    survey=self.survey_id,
+                )
+            )
+        elif status is ExitStatus.PAUSED:
+            lines.append(
+                Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+            )
         return lines
 
 
@@ -387,16 +389,10 @@ def first_step(message: Message) -> Message:
     return Message("Do this first: {remedy}", remedy=remedy(message), details=code)
 
 
-def _how_to_continue(status: ExitStatus, can_continue: bool, survey_id: str) -> Message:
-    if status is not ExitStatus.PAUSED:
-        return Message(
-            "Measure the missing traces, while no other survey runs, with `rosrun "
-            "gpr20_user_interface run_survey --resume {survey}`.",
-            survey=survey_id,
-        )
-    if not can_continue:
-        return Message("End it with `rosservice call stop_survey` in the robot's namespace.")
+def _lost(limit_s: float) -> Message:
     return Message(
-        "Resume it with `rosrun gpr20_user_interface run_survey --resume`, or end it with "
-        "`rosservice call stop_survey` in the robot's namespace."
-    )
+        "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
+        "that the main control is running, then follow the survey again with `rosrun "
+        "gpr20_user_interface run_survey --attach`.",
+        limit_s=limit_s,
+    ).with_fault(PART_LOST)

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass, replace
-from typing import Any, Callable, Mapping, Optional, Sequence
+from dataclasses import dataclass
+from typing import Any, Callable, Optional, Sequence
 
-from gpr20_common.catalogue import Catalogue, Language, language_from_environment, languages
+from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -28,14 +29,8 @@ EXIT_STATUS = Message(
     "    4  it is paused and stays paused\n"
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
-_PLANNED = SPECS["permittivity"]
-# The window begins with a soil, which a person sees there; a command assumes none.
-SOIL = replace(
-    _PLANNED,
-    kind=replace(_PLANNED.kind, read=lambda text: _PLANNED.kind.read(text) if text else 0.0),
-    default="",
-    empty=Message("not known"),
-)
+SOIL = SPECS["permittivity"]
+FIELDS = (*PARAMETERS, SOIL, *PEOPLE)
 
 
 @dataclass(frozen=True)
@@ -56,18 +51,6 @@ class Options:
     wait_s: float
 
 
-def terminal_language(arguments: Sequence[str], environment: Mapping[str, str]) -> Language:
-    """Return the language that the command line names, else that of the environment.
-
-    Read before everything else, so that the help is in this language too.
-    """
-    parser = argparse.ArgumentParser(add_help=False)
-    parser.add_argument("--language", nargs="?")
-    code = parser.parse_known_args(arguments)[0].language
-    named = (language for language in languages() if language.value == code)
-    return next(named, language_from_environment(environment))
-
-
 def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     """Read the command line, without the name of the program and without ROS remappings.
 
@@ -82,17 +65,14 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     )
     measured = parser.add_argument_group(catalogue.tr("what to measure"))
     noted = parser.add_argument_group(catalogue.tr("what to note"))
-    for spec in PARAMETERS:
-        _add_field(measured, spec, catalogue)
-    for spec in (SOIL, *PEOPLE):
-        _add_field(noted, spec, catalogue)
+    for spec in FIELDS:
+        _add_field(measured if spec in PARAMETERS else noted, spec, catalogue)
     _add_run_options(parser.add_argument_group(catalogue.tr("how to run it")), catalogue)
     given = parser.parse_args(arguments)
     if given.resume is None and (given.accept_analyzer or given.accept_zeros):
         option = "--accept-analyzer" if given.accept_analyzer else "--accept-zeros"
         parser.error(catalogue.tr("{option} can be given only with --resume", option=option))
-    specs = (*PARAMETERS, SOIL, *PEOPLE)
-    named = [option_of(one) for one in specs if getattr(given, one.name) is not None]
+    named = [option_of(one) for one in FIELDS if getattr(given, one.name) is not None]
     if named and (given.attach or given.resume is not None):
         parser.error(
             catalogue.tr(
@@ -114,7 +94,8 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
         accept_zeros=given.accept_zeros,
         parameters=SurveyParameters(**{one.name: value(one) for one in PARAMETERS}),
         annotation=Annotation(**{one.name: value(one) for one in PEOPLE}),
-        permittivity=value(SOIL),
+        # The window begins with a soil, which a person sees there; a command assumes none.
+        permittivity=given.permittivity or 0.0,
         wait_s=given.wait,
     )
 
@@ -125,8 +106,9 @@ def option_of(spec: FieldSpec) -> str:
 
 
 def _add_field(group: argparse._ArgumentGroup, spec: FieldSpec, catalogue: Catalogue) -> None:
-    meaning = Message("{field}: {allowed}", field=spec.title, allowed=_allowed(spec))
-    if spec.default:
+    allowed = spec.hint(DOCUMENTED_TRAVEL)
+    meaning = Message("{field}: {allowed}", field=spec.title, allowed=allowed)
+    if spec.default and spec is not SOIL:
         meaning = Message("{meaning} (default {default})", meaning=meaning, default=spec.default)
     group.add_argument(
         option_of(spec),
@@ -136,14 +118,6 @@ def _add_field(group: argparse._ArgumentGroup, spec: FieldSpec, catalogue: Catal
         # Percent signs are the formats of argparse.
         help=catalogue.text(meaning).replace("%", "%%"),
     )
-
-
-def _allowed(spec: FieldSpec) -> Message:
-    if spec.name == "position":
-        text = "--position=LAT,LON"
-        note = Message("with a negative latitude write {option}", option=verbatim(text))
-        return Message("{first}; {second}", first=spec.hint(DOCUMENTED_TRAVEL), second=note)
-    return spec.hint(DOCUMENTED_TRAVEL)
 
 
 def _reader(read: Callable[[str], Any], catalogue: Catalogue) -> Callable[[str], Any]:
@@ -195,13 +169,8 @@ def _add_run_options(group: argparse._ArgumentGroup, catalogue: Catalogue) -> No
     )
     group.add_argument(
         "--wait",
-        type=float,
+        type=_reader(number_from_text, catalogue),
         default=WAIT_S,
         metavar="S",
         help=tr("seconds to wait for the main control (default {default:g})", default=WAIT_S),
-    )
-    group.add_argument(
-        "--language",
-        choices=[language.value for language in languages()],
-        help=tr("language of the messages (default: that of the terminal)"),
     )

@@ -7,7 +7,7 @@ from typing import Callable, Optional
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QHBoxLayout, QLabel, QListWidget, QVBoxLayout, QWidget
 
-from gpr20_operator.errors import ProfileError
+from gpr20_operator.errors import SettingsError
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.plan.hold_question import delete_profile_question
 from gpr20_operator.plan.stored import MAX_NAME_LENGTH, Profiles, is_name
@@ -113,5 +113,5 @@ class ProfilesSheet(Overlay):
     def _try(self, act: Callable[[], None]) -> None:
         try:
             act()
-        except ProfileError as error:
+        except SettingsError as error:
             self.failed.emit(error.message)

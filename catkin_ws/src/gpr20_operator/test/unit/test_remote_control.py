@@ -17,7 +17,7 @@ from gpr20_common.message import verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import remote_question
-from gpr20_operator.robot.events import Replay
+from gpr20_operator.robot.events import Replay, Senders
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     SILENCE_S,
@@ -29,7 +29,6 @@ from gpr20_operator.robot.remote_control import (
     WebStatusReported,
     remote_obstacle,
 )
-from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import SurveyState

@@ -198,6 +198,15 @@ def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
     assert model.snapshot().robot is None
 
 
+def test_an_axis_is_as_old_as_its_last_report(model, clock):
+    model.handle(AxisReport(AxisId.X, 1.0, True, True))
+    (axis,) = model.snapshot().axes
+    assert (axis.received_s, axis.silent) == (clock.now_s(), False)
+    clock.advance(STALE_S + 0.1)
+    (axis,) = model.snapshot().axes
+    assert axis.silent and axis.moving
+
+
 def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
     moves = AxisReport(AxisId.X, 1.0, True, True)
     rests = AxisReport(AxisId.X, 1.0, True, False)

@@ -28,9 +28,8 @@ from gpr20_operator.files.settings_file import Newest
 from gpr20_operator.high import conversions, robot_stop, robots_client, ros_events
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
-from gpr20_operator.robot.senders import Senders
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import from_fields
 

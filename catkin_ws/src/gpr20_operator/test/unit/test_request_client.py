@@ -30,7 +30,7 @@ from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, Survey
 from gpr20_operator.high import request_client, storage_client
 from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.robot.senders import Senders
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.markers import Marker

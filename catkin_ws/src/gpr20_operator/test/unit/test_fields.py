@@ -15,7 +15,6 @@ from run_seed import draws
 from view_kit import TRAVEL as ROBOT
 from view_kit import configured, past_survey, snapshot
 
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_operator.ground.past_surveys import PastSurveys
@@ -58,7 +57,6 @@ from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_user_interface.terminal.survey_arguments import option_of, parse_arguments
 
 DEFAULTS = {spec.name: spec.default for spec in PLAN}
 
@@ -115,14 +113,10 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
 
 
 @given(parameters(), annotations)
-def test_texts_are_read_back_as_the_same_by_the_window_and_by_the_command_line(wanted, annotation):
+def test_texts_are_read_back_as_the_same(wanted, annotation):
     assert find_problems(wanted, ROBOT) == []
     assert check(following="", **texts_of(wanted)).parameters == wanted
     assert check_annotation(annotation_texts(annotation)) == (annotation, {})
-    texts = {**texts_of(wanted), **annotation_texts(annotation)}
-    line = [f"{option_of(SPECS[name])}={text}" for name, text in texts.items()]
-    given_ = parse_arguments(line, Catalogue())
-    assert (given_.parameters, given_.annotation) == (wanted, annotation)
 
 
 @given(st.fixed_dictionaries({spec.name: st.text(max_size=8) for spec in PLAN}))
@@ -130,18 +124,6 @@ def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
     result = check_plan(texts, "xy", ROBOT)
     assert (result.parameters is None) == bool(result.problems)
     assert result.parameters is None or find_problems(result.parameters, ROBOT) == []
-
-
-@given(st.sampled_from(PLAN), st.text(max_size=10))
-def test_the_command_line_refuses_what_the_window_refuses(spec, text):
-    try:
-        value = spec.kind.read(text)
-    except InvalidValueError:
-        assert spec.name in check(**{spec.name: text}).problems
-    else:
-        if spec in PARAMETERS and not text.startswith("-"):
-            line = [f"{option_of(spec)}={text}"]
-            assert getattr(parse_arguments(line, Catalogue()).parameters, spec.name) == value
 
 
 def test_an_arrow_changes_a_number_by_its_step_or_chooses_among_the_values_of_the_vna():

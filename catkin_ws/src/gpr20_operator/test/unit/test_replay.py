@@ -27,8 +27,9 @@ from gpr20_operator.robot.events import (
     Replay,
     ReplayPhase,
     Request,
+    SenderIgnored,
+    Senders,
 )
-from gpr20_operator.robot.senders import SenderIgnored, Senders
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
 

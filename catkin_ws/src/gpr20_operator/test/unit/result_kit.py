@@ -7,8 +7,10 @@ import numpy as np
 from candidate_examples import candidate, candidate_list
 from view_kit import SURVEY, description
 
+from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging, Sticks, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.robot.service_model import PARTS, AxisAction
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.volume import Volume
@@ -90,3 +92,35 @@ def search(result, requests, candidates=ELEVEN, record=None, **changes):
 
 def plug_in(requests, *volumes):
     requests.ticket("sticks").done(Sticks("gpr20-server", volumes))
+
+
+class ServiceTools:
+    """In place of the clients of ROBOT: remembers what it was asked, and answers by a test."""
+
+    def __init__(self):
+        self.asked = []
+        self._tickets = {}
+
+    def set_watched(self, watched):
+        self.asked.append(("watch", watched))
+
+    def examine(self, ticket, nodes, surveying, thorough):
+        self._tickets["examine"] = ticket
+        self.asked.append(("examine", thorough))
+
+    def ask(self, service, ticket, **fields):
+        self._tickets[service] = ticket
+        if service is Service.MOVE:
+            action = AxisAction(fields["action"]).name
+            self.asked.append((fields["axis"], action, fields["distance"]))
+        elif service is Service.DAILY:
+            self.asked.append(("daily check", PARTS[fields["step"]]))
+        else:
+            self.asked.append(service.name.lower())
+
+    def done(self, service, result):
+        if service in self._tickets:
+            self._tickets[service].done(result)
+
+    def fail(self, service, problem):
+        self._tickets[service].fail(problem)

@@ -4,9 +4,9 @@ import random
 from dataclasses import replace
 
 import pytest
+from result_kit import ServiceTools
 from run_seed import draws
 from view_kit import snapshot, state_of
-from window_helpers import ServiceTools
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
