@@ -121,9 +121,11 @@ def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading
     node.ticket("fact").fail(verbatim("the storage does not answer"))
     assert "the storage does not answer" in str(notices(result)[0])
     result.try_again()
-    search(result, node, record=stored(permittivity=4.0))
-    assert [one[1] for one in node.of("focus")] == [4.0, 8.0]
+    begin_search(result, node, record=stored(permittivity=4.0))
     assert [one[2]["permittivity"] for one in node.of("fact")] == [8.0, 8.0]
+    node.ticket("fact").fail(verbatim("the storage does not answer"))
+    result.keep()
+    assert [one[1] for one in node.of("focus")] == [0.0, 8.0]
 
 
 def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, node):
@@ -292,6 +294,7 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     assert len(node.of("focus")) == 1
     # In another list it is seen beside its place.
     result.set_permittivity(8.0)
+    node.ticket("fact").done(None)
     result.keep()
     moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)

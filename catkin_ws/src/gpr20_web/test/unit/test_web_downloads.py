@@ -17,8 +17,7 @@ from web_kit import Site
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.known_soils import NOT_KNOWN
-from gpr20_operator.jobs.pictures import Exported
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
