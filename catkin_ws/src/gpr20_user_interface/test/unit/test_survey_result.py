@@ -156,17 +156,31 @@ def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
-def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing(result, node):
+def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change_nothing(
+    result, node
+):
+    result.latest_id = SURVEY
     result.note_running(True)
     result.open(SURVEY)
     result.keep()
     assert node.asked == [] and result.waits
+    result.latest_id = PAST
+    begin_search(result, node)
+    assert node.of("focus") == [(SURVEY, 0.0, True)] and result.waits
+    known = image_of(candidate_list(ELEVEN, survey_id=SURVEY))
+    node.ticket("focus").done(known)
+    assert result.image is known and not result.waits
+    result.try_again()
+    begin_search(result, node)
+    node.ticket("focus").fail(verbatim("not searched yet"))
+    assert result.waits
     result.note_running(False)
     begin_search(result, node)
     late = node.ticket("focus")
+    assert node.of("focus")[-1] == (SURVEY, 0.0)
     result.note_running(True)
     assert node.cancelled == [late.request_id]
-    late.done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+    late.done(known)
     assert result.image is None and result.places == ()
     result.choose_target(Targets.PMN)
     result.begin_export("en")
