@@ -144,7 +144,7 @@ CHANGES = (
     *((add(kind, {}), True) for kind in (Kind.CLOCK, Kind.DRIFT, Kind.ANNOTATION)),
     (add(soil_note.KIND, soil_note.soil_values(7.0, 0)), True),
     (lambda folder: (folder / "traces" / "000003.json").touch(), True),
-    (lambda folder: (folder / "traces" / "000000.json").write_text("{}"), True),
+    (lambda folder: (folder / "traces" / "000000.json").write_bytes(b"9" * 50_000), True),
 )
 
 

@@ -3,10 +3,7 @@
 import random
 from dataclasses import replace
 
-import numpy as np
 import pytest
-from candidate_examples import candidate_list
-from case_kit import each_case
 from map_kit import DOUBTED, FINER, MARKER, SURE, focused
 from run_seed import draws
 from view_kit import SURVEY, TRAVEL, make_grid
@@ -24,9 +21,7 @@ from gpr20_operator.ground.additions import (
 from gpr20_operator.ground.finer_plan import SIZES_MM, plan_finer, proposed_spacing, spacing_of
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import planned_grid
-from gpr20_operator.ground.laid_over import laid_over
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
-from gpr20_survey.results.focused_image import FocusedImage
 
 RELATED = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(1.0, 2.0, 3.0, 4.0))
 
@@ -72,65 +67,6 @@ def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
     assert additions.markers == (marker,)
     additions.remove_marker(marker.marker_id)
     assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
-
-
-def test_a_finer_survey_is_focused_once_and_laid_over_the_coarse_one(storage):
-    asked = []
-    additions = AdditionsPresenter(storage, str, None, lambda *wanted: asked.append(wanted))
-    additions.follow(SURVEY, can_read=True)
-    additions.on_event(AdditionsRead(SURVEY, (), (RELATED,)))
-    coarse, fine = focused(), focused(survey_id=FINER)
-    additions.pictures.add_image(coarse)
-    assert additions.laid_image is coarse
-    for _ in range(3):
-        additions.focus_finer()
-    assert asked == [(FINER, coarse.found.permittivity)]
-    fine.levels_db[:] = 20.0
-    additions.pictures.add_image(fine)
-    assert additions.laid_image.found.survey_id == SURVEY
-    assert additions.laid_image.levels_db.max() == 20.0
-
-
-def image(survey_id, x_mm, y_mm, level_db, depth_mm=(0.0, 20.0, 40.0)):
-    x_mm, y_mm, depth_mm = (np.asarray(one, float) for one in (x_mm, y_mm, depth_mm))
-    levels_db = np.full((len(depth_mm), len(y_mm), len(x_mm)), level_db, np.float32)
-    return FocusedImage(9, x_mm, y_mm, depth_mm, levels_db, candidate_list(survey_id=survey_id))
-
-
-def finer_image(spacing_mm=5.0, level_db=7.0, **changes):
-    across, along = np.arange(30, 60.1, spacing_mm), np.arange(20, 50.1, spacing_mm)
-    return image(FINER, across, along, level_db, **changes)
-
-
-def level_at(found, *place):
-    axes = zip((found.depth_mm, found.y_mm, found.x_mm), reversed(place))
-    return found.levels_db[tuple(int(np.argmin(np.abs(one - at))) for one, at in axes)]
-
-
-COARSE = image(SURVEY, np.arange(0, 101, 10), np.arange(0, 81, 10), 1.0)
-
-
-@each_case("spacing_mm", [2.5, 10.0])
-def test_a_finer_image_replaces_the_coarse_one_where_it_lies(spacing_mm):
-    found = laid_over(COARSE, [finer_image(spacing_mm)])
-    assert found.found.survey_id == SURVEY
-    assert np.allclose(np.diff(found.x_mm), spacing_mm)
-    for place, level_db in (
-        *(((45.0, 35.0, 20.0), 7.0), ((30.0, 20.0, 0.0), 7.0)),
-        *(((15.0, 35.0, 20.0), 1.0), ((45.0, 75.0, 40.0), 1.0)),
-    ):
-        assert level_at(found, *place) == level_db
-
-
-def test_what_the_finer_survey_does_not_have_stays():
-    assert np.unique(laid_over(COARSE, [finer_image(level_db=np.nan)]).levels_db).tolist() == [1.0]
-    beside = image(FINER, np.arange(300, 330, 5), np.arange(20, 51, 5), 7.0)
-    assert laid_over(COARSE, [beside]) is laid_over(COARSE, []) is COARSE
-    # Of its depths those that are nearest are taken.
-    fine = finer_image(depth_mm=(0.0, 10.0, 20.0, 30.0))
-    fine.levels_db[:] = np.arange(4.0)[:, None, None]
-    found = laid_over(COARSE, [fine])
-    assert [level_at(found, 45.0, 35.0, one) for one in (0.0, 20.0, 40.0)] == [0.0, 2.0, 3.0]
 
 
 def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():

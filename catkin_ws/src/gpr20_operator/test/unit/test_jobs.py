@@ -126,10 +126,7 @@ def test_a_failure_is_kept_until_there_is_an_image(imaging, node, now):
     assert imaging.problem is None
 
 
-def test_images_of_other_surveys_come_one_at_a_time_and_all_end_with_the_window(imaging, node):
+def test_what_is_awaited_ends_with_the_window(imaging, node):
     imaging.keep(WANTED)
-    assert imaging.focus("finer", 4.0) and not imaging.focus("another", 4.0)
-    assert [one[0] for one in node.of("focus")] == [SURVEY, "finer"]
     imaging.end()
-    assert len(node.cancelled) == 2
-    assert imaging.focus("another", 4.0)
+    assert node.cancelled == [node.ticket("focus").request_id]

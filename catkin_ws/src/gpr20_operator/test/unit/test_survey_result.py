@@ -121,9 +121,11 @@ def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading
     node.ticket("fact").fail(verbatim("the storage does not answer"))
     assert "the storage does not answer" in str(notices(result)[0])
     result.try_again()
-    search(result, node, record=stored(permittivity=4.0))
-    assert [one[1] for one in node.of("focus")] == [4.0, 8.0]
+    begin_search(result, node, record=stored(permittivity=4.0))
     assert [one[2]["permittivity"] for one in node.of("fact")] == [8.0, 8.0]
+    node.ticket("fact").fail(verbatim("the storage does not answer"))
+    result.keep()
+    assert [one[1] for one in node.of("focus")] == [0.0, 8.0]
 
 
 def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, node):
@@ -154,17 +156,31 @@ def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
     assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
-def test_nothing_is_searched_while_a_survey_runs_and_late_answers_change_nothing(result, node):
+def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change_nothing(
+    result, node
+):
+    result.latest_id = SURVEY
     result.note_running(True)
     result.open(SURVEY)
     result.keep()
     assert node.asked == [] and result.waits
+    result.latest_id = PAST
+    begin_search(result, node)
+    assert node.of("focus") == [(SURVEY, 0.0, True)] and result.waits
+    known = image_of(candidate_list(ELEVEN, survey_id=SURVEY))
+    node.ticket("focus").done(known)
+    assert result.image is known and not result.waits
+    result.try_again()
+    begin_search(result, node)
+    node.ticket("focus").fail(verbatim("not searched yet"))
+    assert result.waits
     result.note_running(False)
     begin_search(result, node)
     late = node.ticket("focus")
+    assert node.of("focus")[-1] == (SURVEY, 0.0)
     result.note_running(True)
     assert node.cancelled == [late.request_id]
-    late.done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
+    late.done(known)
     assert result.image is None and result.places == ()
     result.choose_target(Targets.PMN)
     result.begin_export("en")
@@ -292,6 +308,7 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     assert len(node.of("focus")) == 1
     # In another list it is seen beside its place.
     result.set_permittivity(8.0)
+    node.ticket("fact").done(None)
     result.keep()
     moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)

@@ -97,6 +97,13 @@ def test_the_caption_says_where_the_permittivity_is_from_and_its_range():
     assert "(7.2 to 8.8), set with the slider" in str(chosen.caption)
 
 
+def test_the_background_is_subtracted_only_if_that_is_asked_for(session):
+    with_it, without = (session.compute(ImageRequest(4.0, one), at_once) for one in (False, True))
+    shallow = with_it.depth_m < 0.02
+    brightest = [one.levels_db[:, shallow].max() for one in (with_it, without)]
+    assert brightest[0] == 0.0 > brightest[1] + 10.0
+
+
 def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
     recorded = small().assign_attrs({"antenna_separation_m": 0.06})
     for options, used_m in ((FIXED, 0.06), (replace(FIXED, separation_m=0.1), 0.1)):

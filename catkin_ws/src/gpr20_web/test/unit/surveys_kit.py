@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 from candidate_examples import candidate
 from map_kit import focused
@@ -36,14 +37,16 @@ class Services:
 
     def __init__(self, data, processing=None, worker=None) -> None:
         self._processing, self._archive = processing, StoredSurveys(data)
-        self._imaging = Imaging(data, worker or Worker(self), lambda *_: None)
+        nothing = {name: lambda: None for name in ("start", "end", "close")}
+        usual = SimpleNamespace(has_analysis=True, ask=self._search, **nothing)
+        self._imaging = Imaging(data, worker or usual, lambda *_: None)
         self.asked, self.cancelled, self.searched = [], [], []
         self.focus = lambda survey: focused(PLACES, survey)
         self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")
         self.failure = None
 
     def ask(self, service, survey="", **fields):
-        self.asked.append((service, survey, fields))
+        self.asked.append((service, survey, dict(fields)))
         if self.failure is not None:
             raise self.failure
         if service is Service.LIST:
@@ -60,30 +63,15 @@ class Services:
         assert service is Service.FOCUS
         return self._imaging.focus(fields.pop("request_id", ""), survey, **fields)
 
+    def _search(self, _limit_s, _report, _name, folder, _permittivity):
+        self.searched.append(read_description(folder)["survey_id"])
+        return self.focus(self.searched[-1])
+
     def cancel(self, request_id):
         self.cancelled.append(request_id)
 
     def close(self):
         self._imaging.close()
-
-
-class Worker:
-    """The worker of the imaging node, which finds what the services say."""
-
-    has_analysis = True
-
-    def __init__(self, services) -> None:
-        self._services = services
-
-    def ask(self, _limit_s, _report, _name, folder, _permittivity):
-        survey_id = read_description(folder)["survey_id"]
-        self._services.searched.append(survey_id)
-        return self._services.focus(survey_id)
-
-    def start(self):
-        pass
-
-    end = close = start
 
 
 class Surveys:

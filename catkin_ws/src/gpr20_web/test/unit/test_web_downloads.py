@@ -11,21 +11,15 @@ import zipfile
 import pytest
 from fault_kit import raises_fault
 from run_seed import SEED, draws
-from storage_kit import OTHER_SURVEY
-from view_kit import snapshot, state_of
 from web_kit import Site
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.message import verbatim
-from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.known_soils import NOT_KNOWN
-from gpr20_operator.jobs.pictures import Exported
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported
 from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
-from gpr20_web.errors import BusyError, NotFoundError, NotNowError
+from gpr20_web.errors import NotFoundError, NotNowError
 from gpr20_web.low.handlers import COOKIE
 from gpr20_web.mid.survey_files import FILES, folder_of
 
@@ -130,36 +124,13 @@ def test_a_large_survey_comes_as_it_is_and_what_fails_is_never_taken_for_a_whole
     assert site.reported == []
 
 
-def test_a_report_is_made_as_the_window_makes_it_one_at_a_time(surveys):
+def test_a_report_is_made_as_the_window_makes_it(surveys):
     for kind in ("survey-zip", "report", "..%2f", "report-html/"):
         with pytest.raises(LookupError):
             surveys.get(surveys.whole, f"/made/{kind}")
-
-    def second(_survey, _fields):
-        with pytest.raises(BusyError):
-            surveys.get(surveys.whole, "/made/candidates-csv")
-        return Exported(("a.pdf",), b"%PDF")
-
-    surveys.services.export = second
-    for _ in range(2):
-        body = surveys.get(surveys.whole, "/made/report-html")
-        assert (body.content, body.name) == (b"%PDF", "a.pdf")
-    asked = [one for one in surveys.services.asked if one[0] is Service.EXPORT]
-    _service, survey, fields = asked[0]
+    surveys.services.export = lambda *_: Exported(("a.pdf",), b"%PDF")
+    body = surveys.get(surveys.whole, "/made/report-html")
+    assert (body.content, body.name) == (b"%PDF", "a.pdf")
+    _service, survey, fields = surveys.services.asked[-1]
     assert (survey, fields["kinds"], fields["volume"]) == (surveys.whole, ["report-html"], "")
     assert (fields["language"], fields["permittivity"]) == ("en", NOT_KNOWN)
-
-
-def test_no_report_is_made_while_a_survey_runs_and_one_that_is_made_ends(surveys):
-    runs = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
-
-    def survey_begins(_survey, fields):
-        surveys.page.refresh(runs)
-        assert surveys.services.cancelled == [fields["request_id"]]
-        raise NotNowError(verbatim("cancelled"))
-
-    surveys.services.export = survey_begins
-    for _ in range(2):
-        with pytest.raises(NotNowError):
-            surveys.get(surveys.whole, "/made/report-html")
-    assert [one for one, *_ in surveys.services.asked].count(Service.EXPORT) == 1

@@ -7,7 +7,7 @@ import pytest
 from case_kit import each_case
 from hiding_kit import a_map
 from map_kit import MARKER, focused
-from view_kit import depth_echo, description, past_survey, trace_at
+from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
@@ -167,7 +167,8 @@ def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
 def test_a_replay_is_called_a_replay(server):
     server.run(code=None)
     replay = Replay(SURVEY, "2026-11-21T05:10:00", FOLDER)
-    server.tick(code=SurveyState.SURVEYING, replay=replay)
+    state = state_of(SurveyState.SURVEYING, survey_id=SURVEY)
+    server.tick(state=state, replay=replay)
     answer = server.ask()
     assert answer["title"].startswith("REPLAY: ")
     assert answer["past"]
@@ -212,9 +213,9 @@ def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
 
 
 def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(server):
-    server.run(stored=8)
+    server.run(stored=8, permittivity=4.0)
     assert server.look() == []  # too few for an image
-    server.run()
+    server.run(permittivity=4.0)
     for _ in range(3):
         assert server.look() == [(SURVEY, 0.0)]
     server.node.ticket("focus").done(focused())
@@ -257,7 +258,7 @@ def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     server.node.ticket("focus").done(focused())
     server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
     assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 of 2 places"}
-    server.tick(code=SurveyState.SURVEYING)
+    server.tick(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))
     assert server.page.live(str)["result"] is None
 
 

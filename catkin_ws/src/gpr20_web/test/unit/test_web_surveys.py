@@ -166,39 +166,36 @@ def test_a_list_without_places_says_that_this_does_not_mean_safety(surveys):
     assert {str(NO_CLEARANCE), str(texts.NOT_SAFE)} <= set(shown["warnings"])
 
 
-def test_one_survey_is_searched_at_a_time_and_none_while_one_runs(surveys):
-    surveys.page.refresh(RUNS)
-    assert not surveys.get(surveys.whole)["can_search"]
-    with pytest.raises(NotNowError):
-        surveys.post(surveys.whole, "candidates")
-    surveys.page.refresh(ENDED)
-    others = []
+WORK = {
+    "search": lambda surveys, folder: surveys.post(folder, "candidates"),
+    "report": lambda surveys, folder: surveys.get(folder, "/made/report-html"),
+}
 
-    def focus(_survey):
-        for ask in (surveys.post, lambda *_: surveys.get(surveys.part, "/made/report-html")):
+
+@pytest.mark.parametrize("kind", WORK)
+def test_the_imaging_node_works_for_one_at_a_time_and_not_while_a_survey_runs(surveys, kind):
+    services, usual = surveys.services, (surveys.services.focus, surveys.services.export)
+    begun = []
+
+    def work(*_):
+        begun.append(services.asked[-1][2]["request_id"])
+        for other in WORK.values():
             with pytest.raises(BusyError):
-                ask(surveys.part, "candidates")
-            others.append(ask)
-        return 1 / 0
-
-    usual, surveys.services.focus = surveys.services.focus, focus
-    with pytest.raises(ZeroDivisionError):
-        surveys.post(surveys.whole, "candidates")
-    surveys.services.focus = usual
-    assert len(others) == 2 and surveys.post(surveys.part, "candidates")["candidates"]
-
-
-def test_a_search_ends_when_a_survey_begins(surveys):
-    def focus(_survey):
+                other(surveys, surveys.part)
         for _ in range(3):
             surveys.page.refresh(RUNS)
         raise NotNowError(verbatim("cancelled"))
 
-    surveys.services.focus = focus
+    services.focus = services.export = work
     surveys.page.refresh(ENDED)
-    with pytest.raises(NotNowError, match="cancelled"):
-        surveys.post(surveys.whole, "candidates")
-    assert len(surveys.services.cancelled) == 1 and surveys.services.searched == [SURVEY]
+    for reason in ("cancelled", "survey is running"):
+        with pytest.raises(NotNowError, match=reason):
+            WORK[kind](surveys, surveys.whole)
+    assert len(begun) == 1 and services.cancelled == begun
+    assert not surveys.get(surveys.whole)["can_search"]
+    services.focus, services.export = usual
+    surveys.page.refresh(ENDED)
+    assert WORK[kind](surveys, surveys.part)
 
 
 def test_what_was_found_is_stored_as_the_window_does_it(surveys):

@@ -5,12 +5,11 @@ from __future__ import annotations
 import uuid
 from dataclasses import dataclass
 from functools import singledispatchmethod
-from typing import Callable, Optional, Protocol, Set, Tuple
+from typing import Callable, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.finer_plan import FinerPlan
 from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.laid_over import laid_over
 from gpr20_operator.jobs.pictures import Pictures
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
@@ -96,8 +95,6 @@ class AdditionsPresenter:
         source: The storage.
         author: Returns who makes markers now.
         pictures: Images and hiding maps of surveys.
-        focus: Asks for the focused image of a survey, by its id and the permittivity; returns
-            whether that was possible.
 
     Attributes:
         survey_id: The survey that is shown; empty: none.
@@ -112,9 +109,8 @@ class AdditionsPresenter:
         source: AdditionsSource,
         author: Callable[[], str],
         pictures: Optional[Pictures] = None,
-        focus: Callable[[str, float], object] = lambda _survey, _permittivity: True,
     ) -> None:
-        self._source, self._author, self._focus = source, author, focus
+        self._source, self._author = source, author
         self.pictures = pictures or Pictures()
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
@@ -122,8 +118,6 @@ class AdditionsPresenter:
         self.plan: Optional[FinerPlan] = None
         self.permittivity: Optional[float] = None
         self._revision = 0
-        self._asked_images: Set[Tuple[str, float]] = set()
-        self._laid: Tuple[Tuple[FocusedImage, ...], Optional[FocusedImage]] = ((), None)
         self._can_read = False
         # After so many refreshes it is read again; 0: not at all.
         self._due = 0
@@ -156,24 +150,6 @@ class AdditionsPresenter:
         return () if image is None else image.found.shown()
 
     @property
-    def finer_images(self) -> Tuple[FocusedImage, ...]:
-        """The images of the surveys that refine the one that is shown, with its permittivity."""
-        found = (self._alike(one.survey_id) for one in self.related if one.is_finer)
-        return tuple(one for one in found if one is not None)
-
-    @property
-    def laid_image(self) -> Optional[FocusedImage]:
-        """The image of the survey that is shown, with those of finer surveys laid over it."""
-        image = self.image
-        if image is None:
-            return None
-        images = (image, *self.finer_images)
-        # Compared by what they are, not by their content.
-        if [id(one) for one in images] != [id(one) for one in self._laid[0]]:
-            self._laid = images, laid_over(image, images[1:])
-        return self._laid[1]
-
-    @property
     def can_mark(self) -> bool:
         """Whether the survey that is shown can have markers: the robot's storage holds it."""
         return bool(self.survey_id) and self._can_read
@@ -182,7 +158,6 @@ class AdditionsPresenter:
         """Show what belongs to another survey, if the storage can read it: not that of a replay."""
         if (survey_id, can_read) != (self.survey_id, self._can_read):
             self.survey_id, self._can_read = survey_id, can_read
-            self._asked_images.clear()
             self._take((), ())
             self.read_again()
 
@@ -191,18 +166,6 @@ class AdditionsPresenter:
         self._due = 0
         if self.can_mark:
             self._source.read_additions(self.survey_id)
-
-    def focus_finer(self) -> None:
-        """Ask for the image of a finer survey, if one is lacking, with the same permittivity."""
-        image = self.image
-        if image is None:
-            return
-        for one in self.related:
-            wanted = one.survey_id, image.found.permittivity
-            if one.is_finer and wanted not in self._asked_images and not self._alike(one.survey_id):
-                if self._focus(*wanted) is not False:
-                    self._asked_images.add(wanted)
-                return  # the next one later
 
     def refresh(self) -> None:
         """Ask again some time after a failure."""
@@ -251,13 +214,6 @@ class AdditionsPresenter:
         """Keep a finer survey for later; None: it has begun, or is not wanted."""
         self.plan = plan
         self._revision += 1
-
-    def _alike(self, survey_id: str) -> Optional[FocusedImage]:
-        """Return the image of another survey, with the permittivity of the one that is shown."""
-        own, image = self.image, self.pictures.image(survey_id)
-        if own is None or image is None or image.found.permittivity != own.found.permittivity:
-            return None
-        return image
 
     def _take(self, markers: Tuple[Marker, ...], related: Tuple[RelatedSurvey, ...]) -> None:
         self.markers, self.related = markers, related

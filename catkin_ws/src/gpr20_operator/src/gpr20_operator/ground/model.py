@@ -150,7 +150,7 @@ class GroundModel:
     @property
     def image(self) -> Optional[FocusedImage]:
         """The focused image of the survey that is shown; None: none yet."""
-        return self.additions.laid_image
+        return self.additions.image
 
     def keep_image(self, imaging: Imaging) -> None:
         """Ask for a newer image of the survey, while it is looked at."""

@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Set, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_operator.jobs.known_soils import KnownSoils
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
+NOT_KNOWN = 0.0
+"""What is sent as the permittivity where none is known here: that of the stored survey is used."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
 # A permittivity that is set in steps: the last one counts.
 SETTLED_S = 1.0
 # The imaging node refuses an image of fewer lines than three.
 FEWEST_TRACES = 9
-# Of images, which are large: the one that is shown, and those of finer surveys laid over it.
+# Images are large.
 MOST_IMAGES = 6
 
 
@@ -84,6 +85,45 @@ class Pictures:
             self.revision += 1
 
 
+class KnownSoils:
+    """The permittivity of the ground of each survey: one for all pages and exports."""
+
+    def __init__(self) -> None:
+        self._values: Dict[str, Optional[float]] = {}
+        self._unstored: Set[str] = set()
+
+    def of(self, survey_id: str) -> Optional[float]:
+        """Return the permittivity of a survey; None: it is not known."""
+        return self._values.get(survey_id)
+
+    def asked(self, survey_id: str, permittivity: Optional[float]) -> float:
+        """Return what the imaging node is asked with, for one answer: it reads what is stored."""
+        is_stored = survey_id not in self._unstored and permittivity == self.of(survey_id)
+        return NOT_KNOWN if is_stored or permittivity is None else permittivity
+
+    def enter(self, survey_id: str, permittivity: Optional[float]) -> None:
+        """Take what a person entered here; it is not stored with the survey yet."""
+        self._values[survey_id] = permittivity
+        self._unstored.add(survey_id)
+
+    def take(self, survey_id: str, noted: Optional[float]) -> None:
+        """Take what is stored with a survey; None: that it is not known.
+
+        Somebody at another screen may have entered it. What was entered here and is not stored
+        yet is newer.
+        """
+        if survey_id not in self._unstored:
+            self._values[survey_id] = noted
+
+    def is_unstored(self, survey_id: str) -> bool:
+        """Return whether something was entered here that is not stored with the survey yet."""
+        return survey_id in self._unstored
+
+    def note_stored(self, survey_id: str) -> None:
+        """Note that what was entered here is stored."""
+        self._unstored.discard(survey_id)
+
+
 class Wanted(NamedTuple):
     """What an image depends on."""
 
@@ -119,7 +159,6 @@ class Imaging:
         self.pictures = pictures or Pictures()
         self.soils = KnownSoils()
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
-        self._others = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked: Optional[Wanted] = None
         self._ended_s: Optional[float] = None
         self._settling: Optional[Wanted] = None
@@ -152,17 +191,9 @@ class Imaging:
         permittivity = self.soils.asked(wanted.survey_id, wanted.permittivity)
         self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
 
-    def focus(self, survey_id: str, permittivity: float) -> bool:
-        """Ask for the image of another survey, if none is awaited; return whether it was asked."""
-        if self._others.running:
-            return False
-        self._others.ask(survey=survey_id, permittivity=permittivity)
-        return True
-
     def end(self) -> None:
         """End what is awaited."""
         self._shown.end()
-        self._others.end()
 
     def _is_due(self, wanted: Wanted) -> bool:
         asked, now_s = self._asked, self.now_s()

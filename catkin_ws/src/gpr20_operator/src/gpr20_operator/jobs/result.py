@@ -104,7 +104,7 @@ def list_sum(found: CandidateList) -> str:
 class SurveyResult:
     """Reads a survey, then searches it, and asks about it with one permittivity.
 
-    Nothing is asked of the imaging node while a survey runs. Belongs to one thread.
+    Nothing is searched while a survey runs. Belongs to one thread.
 
     Args:
         imaging: The imaging node and the storage, and the pictures that all pages share.
@@ -120,6 +120,7 @@ class SurveyResult:
         noting: The request to store what was found, or the permittivity.
         export: The export to a stick.
         target: The target that could hide.
+        survey_runs: Whether the robot measures: nothing is searched, made or entered meanwhile.
         first: Number of the first place that is shown, from 0.
         chosen: The place in question; None: none.
     """
@@ -127,7 +128,7 @@ class SurveyResult:
     def __init__(self, imaging: Imaging, time_us: Callable[[], int] = time_of_day_us) -> None:
         self._imaging = imaging
         self._time_us = time_us
-        self._survey_runs = False
+        self.survey_runs = False
         self._wanted = False
         self.survey = self.latest_id = ""
         self.record: Optional[Record] = None
@@ -151,7 +152,7 @@ class SurveyResult:
             *(
                 self.survey,
                 self.latest_id,
-                self._survey_runs,
+                self.survey_runs,
                 self.first,
                 self.chosen,
                 self.export.revision,
@@ -200,7 +201,7 @@ class SurveyResult:
     @property
     def waits(self) -> bool:
         """Whether the search begins when the survey that runs has ended."""
-        return self._survey_runs and self.image is None
+        return self.survey_runs and self.image is None
 
     def open(self, survey: str) -> None:
         """Show the result of a survey, by its id or folder; of the present one, what is known."""
@@ -223,23 +224,28 @@ class SurveyResult:
 
     def note_running(self, runs: bool) -> None:
         """Note whether a survey is running: what searches ends when one begins."""
-        if runs and not self._survey_runs:
-            # It may be this one that is resumed.
+        # It may be this one that is resumed. In the end what nobody has found is searched for.
+        if runs != self.survey_runs and (runs or self.image is None):
             self.try_again()
-        self._survey_runs = runs
+        self.survey_runs = runs
 
     def keep(self) -> None:
-        """Ask for what is lacking; while somebody looks at the result."""
-        if not self.survey or self._survey_runs or not self._wanted:
+        """Ask for what is lacking, and while a survey runs only for what is known.
+
+        It is called while somebody looks at the result.
+        """
+        survey = self.survey if self.record is None else self.record.survey_id
+        if not survey or not self._wanted or (self.survey_runs and survey == self.latest_id):
             return
         if self.record is None:
             if self.reading.state is JobState.READY:
-                self.reading.ask(survey=self.survey)
+                self.reading.ask(survey=survey)
             return
         if self._soil.running:
             return  # the imaging node uses what the log says, and this is not there yet
         self._wanted = False
-        self.search.ask(survey=self.record.survey_id, permittivity=self._asked_permittivity)
+        known = {"only_known": True} if self.survey_runs else {}
+        self.search.ask(survey=survey, permittivity=self._asked_permittivity, **known)
 
     def cancel(self) -> None:
         """End the search."""
@@ -269,7 +275,7 @@ class SurveyResult:
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""
-        if self.record is None or self._survey_runs:
+        if self.record is None or self.survey_runs:
             return
         self.target = target.value
         self.hiding.ask(
@@ -280,7 +286,7 @@ class SurveyResult:
 
     def begin_export(self, language: str) -> None:
         """Write the report to a stick."""
-        if self.record is not None and not self._survey_runs:
+        if self.record is not None and not self.survey_runs:
             self.export.begin(self.record.survey_id, self._asked_permittivity, language)
 
     def turn_page(self) -> None:

@@ -197,7 +197,7 @@ class MainWindow(TranslatedWidget):
         self.additions = AdditionsPresenter(
             traces.source,
             lambda: self.control.next_annotation.value.operator,
-            *(self._imaging.pictures, self._imaging.focus),
+            self._imaging.pictures,
         )
         self.result = ResultPage(
             *(self, SurveyResult(self._imaging), languages),

@@ -11,8 +11,7 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.cells import TILE_PX, Cell
 from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_operator.jobs.known_soils import NOT_KNOWN
-from gpr20_operator.jobs.pictures import FEWEST_TRACES, Imaging, Pictures
+from gpr20_operator.jobs.pictures import FEWEST_TRACES, NOT_KNOWN, Imaging, Pictures
 from gpr20_operator.jobs.result_texts import TARGETS, headline
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.snapshot import Snapshot
@@ -108,7 +107,7 @@ class GroundPage(WebPage):
 
     def _keep_image(self, ground: ShownGround) -> None:
         if not self._is_replay:
-            ground.keep_image()
+            ground.model.keep_image(ground.imaging)
 
     def live(self, text: Text) -> Mapping[str, Any]:
         """Return which pictures of the running survey are the newest, and its result at the end."""

@@ -74,7 +74,7 @@ class ShownGround:
         self.opened, self._source, self._report = opened, source, report
         self.imaging = imaging
         self.traces = TracePresenter(source, self._note)
-        self.additions = AdditionsPresenter(source, lambda: "", imaging.pictures, imaging.focus)
+        self.additions = AdditionsPresenter(source, lambda: "", imaging.pictures)
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.used_by, self.is_outdated = -math.inf, "", False
         self.problem: Optional[Message] = None
@@ -150,11 +150,6 @@ class ShownGround:
             soil = grid.permittivity if image is None else image.found.permittivity
             self.imaging.soils.take(grid.survey_id, soil)
             self.model.take_soil(grid.survey_id, soil)
-
-    def keep_image(self) -> None:
-        """Ask for a newer image, and for those of finer surveys."""
-        self.model.keep_image(self.imaging)
-        self.additions.focus_finer()
 
     def show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""

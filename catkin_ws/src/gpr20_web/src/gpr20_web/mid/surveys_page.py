@@ -19,8 +19,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.jobs.known_soils import NOT_KNOWN
-from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.folder.log_record import Kind

@@ -114,8 +114,6 @@ class GroundPage(QObject, Page):
         additions = self._additions
         additions.follow(self._traces.shown.survey_id, not self._replay)
         additions.refresh()
-        if not snapshot.running and not self._replay:
-            additions.focus_finer()
         self.finer.note_running(snapshot.running)
         self.markers.set_markers(additions.markers)
         if snapshot.running != self._running:

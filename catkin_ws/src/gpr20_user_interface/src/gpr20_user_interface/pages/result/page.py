@@ -169,7 +169,7 @@ class ResultPage(TranslatedWidget, Page):
         self.retranslate()
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Search when nothing else happens and the page is seen; never during a survey."""
+        """Search while the page is seen; during a survey only what is known is shown."""
         self.result.note_running(snapshot.running)
         self.result.latest_id = "" if snapshot.state is None else snapshot.state.survey_id
         if snapshot.simulated != self._simulated_robot:
@@ -228,9 +228,10 @@ class ResultPage(TranslatedWidget, Page):
         found = texts.doubts(result)
         self.doubts.setVisible(bool(found))
         self.doubts.setText(shown_text(texts.doubted(found)) if found else "")
-        self.stick.setEnabled(record is not None)
-        self.hiding.setEnabled(done)
-        self.soil.setEnabled(record is not None)
+        can_ask = record is not None and not result.survey_runs
+        self.stick.setEnabled(can_ask)
+        self.hiding.setEnabled(done and can_ask)
+        self.soil.setEnabled(can_ask)
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
         more = len(result.places) - len(result.shown)
         self.more.setVisible(more > 0)
@@ -302,6 +303,7 @@ class ResultPage(TranslatedWidget, Page):
             row.show_place(place, None if found is None else texts.found_line(found))
         for number, row in enumerate(self.rows):
             row.setVisible(number < len(result.shown))
+            row.setEnabled(not result.survey_runs)
         self.nothing.setText(shown_text(texts.NOT_SAFE))
 
     def _row(self, number: int) -> PlaceRow:

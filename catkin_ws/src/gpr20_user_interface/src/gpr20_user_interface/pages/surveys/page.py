@@ -218,7 +218,7 @@ class SurveysPage(TranslatedWidget, Page):
     def _show_choice(self) -> None:
         surveys, chosen = self._surveys, self.chosen
         for button, can in (
-            (self.result, surveys.can_analyze),
+            (self.result, surveys.can_open),
             (self.open, surveys.can_open),
             (self.resume, surveys.can_resume),
             (self.notes, lambda one: one.problem is None),
