@@ -22,6 +22,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
+from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of
@@ -89,7 +90,7 @@ class ViewSession:
     @property
     def first_request(self) -> ImageRequest:
         """The answer of the survey, which is shown first."""
-        subtracts = bool(default_steps(self.survey, self.options.method))
+        subtracts = bool(default_steps(self.survey))
         return ImageRequest(None, background=subtracts)
 
     @property
@@ -121,7 +122,7 @@ class ViewSession:
     def data(self, background: bool) -> xr.Dataset:
         """Return the survey, with its background or without it."""
         if background not in self._data:
-            self._data[background] = process_survey(self.survey, *self.options.method.default_steps)
+            self._data[background] = process_survey(self.survey, *DEFAULT_STEPS)
         return self._data[background]
 
     def compute(self, request: ImageRequest, loop: Callable[..., Iterable]) -> LiveImage:

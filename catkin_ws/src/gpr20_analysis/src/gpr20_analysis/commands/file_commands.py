@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shutil
-from dataclasses import astuple
+from dataclasses import astuple, fields
 from pathlib import Path
 from typing import Any, Dict, Tuple
 
@@ -18,7 +18,7 @@ from gpr20_analysis.errors import AnalysisError, ExportError, not_there, wrong_e
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_path, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
-from gpr20_analysis.formats.imports import ARGUMENTS, IMPORTS, Band, import_survey
+from gpr20_analysis.formats.imports import IMPORTS, Band, ImportOptions, import_survey
 from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.sample.real_line import real_line
 from gpr20_analysis.sample.sample_survey import sample_survey
@@ -125,7 +125,7 @@ def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     outputs.check([written], [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
         raise AnalysisError(not_there(chosen.input), fault=faults.INPUT)
-    options = {name: getattr(chosen, name) for name in ARGUMENTS}
+    options = {one.name: getattr(chosen, one.name) for one in fields(ImportOptions)}
     band = options["band"] = _band(*chosen.band) if chosen.band else None
     progress = inputs.progress_bar("reading")
     survey = import_survey(chosen.input, chosen.format, progress, **options)
