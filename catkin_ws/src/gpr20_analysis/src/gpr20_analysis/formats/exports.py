@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError
+from gpr20_analysis.errors import ExportError, wrong_ending
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.formats.facts import facts_path, write_facts
 from gpr20_analysis.formats.plain_csv import write_plain_csv
@@ -97,11 +97,4 @@ def check_ending(path: Path, form: str) -> None:
             )
         )
     if ENDINGS[form] and path.suffix != ENDINGS[form]:
-        raise ExportError(
-            Message(
-                "{file} must end in {ending} for the format {format}",
-                file=path.name,
-                ending=ENDINGS[form],
-                format=form,
-            )
-        )
+        raise ExportError(wrong_ending(path, (ENDINGS[form],)))

@@ -130,7 +130,8 @@ class Verification:
         if not self.sealed:
             return Message(
                 "INCOMPLETE, readable: {counted}, and the survey was not closed; without a "
-                "manifest, messages other than traces may have changed unseen",
+                "manifest, changes to messages other than traces at the end of survey.mcap cannot "
+                "be detected",
                 counted=self._counted,
             )
         if self.closed:
