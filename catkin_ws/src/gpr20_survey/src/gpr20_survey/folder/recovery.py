@@ -229,8 +229,8 @@ def _check(folder: Path, recovered: RecoveredSurvey) -> None:
         raise SurveyRefusedError(
             Message(
                 "{count} entries of the log of the survey in {folder} are damaged in both files, "
-                "or of another log; nothing was changed; `gpr20 repair`, or resuming the survey, "
-                "names what is lost",
+                "or of another log; nothing was changed; `gpr20 verify --repair`, or resuming the "
+                "survey, names what is lost",
                 count=count,
                 folder=printable(folder),
             ),
@@ -243,7 +243,8 @@ def _check(folder: Path, recovered: RecoveredSurvey) -> None:
         return  # there may be none: it was cut off, or reopened
     raise SurveyRefusedError(
         Message(
-            "{path} is damaged: {reason}; gpr20 repair writes it again if all else is right",
+            "{path} is damaged: {reason}; gpr20 verify --repair writes it again if all else is "
+            "right",
             path=printable(folder / manifest.MANIFEST_FILE),
             reason=reason,
         ),
