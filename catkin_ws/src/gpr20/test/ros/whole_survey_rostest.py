@@ -187,7 +187,7 @@ class WholeSurveyTest(unittest.TestCase):
             answer = self.add("", kind, json.dumps(values))
             self.assertEqual((answer.success, answer.survey_id), (True, survey_id), answer)
         self.assertEqual(len(json.loads(answer.markers_json)), 2)
-        answer = self.focus("during", survey_id, 5.0)
+        answer = self.focus(request_id="during", survey=survey_id, permittivity=5.0)
         self.assertTrue(answer.success, answer.message)
         self.assertEqual(answer.traces, len(json_traces(self.folder)))
         self.assertTrue(json.loads(answer.candidates_json)["simulated"])
