@@ -106,7 +106,7 @@ def _survey(site: Site, points: int) -> subprocess.Popen:
 
 def test_a_doctor_beside_the_robot_finds_no_fault(site: Site) -> None:
     command = ["rosrun", "gpr20_doctor", "doctor", "--json", "--wait", "60"]
-    printed = subprocess.run(command, stdout=subprocess.PIPE, check=False, timeout=110.0).stdout
+    printed = subprocess.run(command, stdout=subprocess.PIPE, check=False, timeout=200.0).stdout
     found = {one["check"]: one for one in reversed(json.loads(printed)["findings"])}
     # The surveys of this test are in /tmp, which a real robot must not use.
     assert found.pop("config_files")["fault_code"] == "config.wrong"
