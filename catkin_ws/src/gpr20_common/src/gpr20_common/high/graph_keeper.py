@@ -48,7 +48,7 @@ POLL_S = 0.5
 # Strangers, and a master that does not answer, are said this often [s].
 SAY_PERIOD_S = 10.0
 # Fewer within that time are not said: a busy computer makes a node of this robot late.
-FEWEST_STRANGERS = 3
+FEWEST_STRANGERS = 5
 
 
 class GraphKeeper:
