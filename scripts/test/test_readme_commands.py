@@ -78,7 +78,7 @@ def test_what_it_says_of_replaying_and_checking_works_as_printed(whole_survey, t
     own_master = f"export ROS_MASTER_URI=http://localhost:{free_port()}"
     lines = [own_master, *printed_lines(printed, "Replay it", "or with ROS's own")]
     for commands, said in (
-        (lines, f"{TRACES} traces in"),
+        (lines, f"{TRACES} traces were published"),
         (
             printed_lines(printed, "Check it", "\n\nThe report"),
             f"complete and intact: all {TRACES} planned traces",
@@ -105,7 +105,7 @@ def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(whole
     text = report.read_text(encoding="utf-8")
     assert "SIMULATED" in text
     # Pictures of the image, not only of the data.
-    assert "Maximum projections at 0 deg" in text
+    assert "Maximum projections, 0°" in text
     # Nothing of it runs.
     assert processes_about(str(folder.parent)) == []
 

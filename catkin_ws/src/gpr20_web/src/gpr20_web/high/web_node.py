@@ -35,9 +35,9 @@ from gpr20_operator.high.ros_events import (
 )
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Delivery
+from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
 from gpr20_operator.robot.robots import Robots
-from gpr20_operator.robot.senders import Senders
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.folder.log_record import Kind
 from gpr20_web.errors import AuditFileError, NotNowError
