@@ -3,26 +3,16 @@
 from __future__ import annotations
 
 import threading
-import time
 
 import pytest
 
 pytest.importorskip("PyQt5")
 
 from PyQt5.QtWidgets import QApplication
+from test_view_window import LIMIT_S, until
 
 from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.views.live_bridge import LiveBridge
-
-LIMIT_S = 60.0
-
-
-def until(holds):
-    deadline_s = time.monotonic() + LIMIT_S
-    while not holds():
-        assert time.monotonic() < deadline_s
-        QApplication.processEvents()
-        threading.Event().wait(0.002)
 
 
 class Gate:
