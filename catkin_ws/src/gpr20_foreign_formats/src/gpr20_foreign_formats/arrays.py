@@ -22,7 +22,6 @@ from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.header import Header, other_kind
-from gpr20_foreign_formats.traces import unknown_zero
 from gpr20_survey.files.regular_file import open_regular
 
 S21, A_SCANS, FREQUENCY, TIME, HEIGHT = "s21", "a_scans", "frequency_hz", "time_s", "height_m"
@@ -78,7 +77,14 @@ def read_arrays(path: Path, options: ImportOptions, _: Progress) -> xr.Dataset:
         if key not in found
     ]
     if kind == A_SCANS and DELAY not in found:
-        notes.append(unknown_zero(name))
+        notes.append(
+            Message(
+                "{file} has no {key}: its time zero is taken as 0, so depths are too large; store "
+                "it there, or give --delay to gpr20 image",
+                file=name,
+                key=DELAY,
+            )
+        )
     survey = on_grid(
         printable(name),
         positions * (1.0, dataset.MM_PER_M, dataset.MM_PER_M),

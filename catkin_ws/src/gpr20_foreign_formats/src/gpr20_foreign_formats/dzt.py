@@ -62,7 +62,8 @@ def read_dzt(path: Path, options: ImportOptions) -> Traces:
     own = first if channel == 1 else _header(path, content, HEADER_BYTES * (channel - 1))
     for key in OF_ALL_CHANNELS:
         expected = first.entries[key]
-        if own.entries[key] != expected:
+        # NaN differs from itself; it is refused below, as no number.
+        if own is not first and own.entries[key] != expected:
             as_first = Message("{expected:g}, as of the first channel", expected=expected)
             raise own.refused(key, as_first)
     bits, offset = first.entries["rh_bits"], HEADER_BYTES * blocks

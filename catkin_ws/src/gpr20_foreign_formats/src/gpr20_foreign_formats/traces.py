@@ -124,17 +124,13 @@ def _assumed(file: str, data: xr.Dataset) -> List[Message]:
         file=file,
     )
     zero_is_known = dataset.A_SCAN not in data or survey_attributes.ANTENNA_DELAY in data.attrs
-    notes = [] if zero_is_known else [unknown_zero(file)]
-    return notes if survey_attributes.ANTENNA_SEPARATION in data.attrs else [*notes, separation]
-
-
-def unknown_zero(file: str) -> Message:
-    """Return the note on A-scans whose time zero nobody has said."""
-    return Message(
+    zero = Message(
         "{file} does not record its time zero; 0 is used, so depths are too large; give "
         "--time-zero, or --delay to gpr20 image",
         file=file,
     )
+    notes = [] if zero_is_known else [zero]
+    return notes if survey_attributes.ANTENNA_SEPARATION in data.attrs else [*notes, separation]
 
 
 def needs_spacing(path: Path, reason: Message) -> AnalysisError:

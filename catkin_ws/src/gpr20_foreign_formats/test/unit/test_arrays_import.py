@@ -88,7 +88,7 @@ def test_a_scans_become_spectra_at_the_frequencies_that_are_given(tmp_path, band
     assert main([*command, *band]) == 0
     found = load_survey(output)
     assert "antenna_delay_s" not in found.attrs
-    for note in ("does not record its time zero", "no rotation_deg: 0 is assumed", "no y_m"):
+    for note in ("has no delay_s: its time zero", "no rotation_deg: 0 is assumed", "no y_m"):
         assert note in str(found.attrs["notes"])
     turns = np.exp(-2j * np.pi * np.outer(TIME_S, found.frequency.values))
     ratio = found.s21.values[0, 0] / (scans @ turns)

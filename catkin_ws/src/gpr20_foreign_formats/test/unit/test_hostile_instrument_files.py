@@ -118,6 +118,7 @@ ROW = [kit.SAMPLES] * 6
 WRONG = [
     ("l.dzt", partial(kit.write_dzt, tag=0x1234), ["rh_tag"]),
     ("l.dzt", partial(kit.write_dzt, epsr=0.5), ["rhf_epsr", "0.5", "between 1"]),
+    ("l.dzt", partial(kit.write_dzt, spm=float("nan")), ["rhf_spm", "between -100000"]),
     ("l.dzt", partial(kit.write_dzt, position=-9.0), ["time zero", "--time-zero"]),
     ("l.dzt", dzt_counts(channels=60000), ["rh_nchan"]),
     ("l.dzt", dzt_counts(data=1000), ["cut off"]),

@@ -14,7 +14,7 @@ from gpr20_analysis.candidates.files import ENDINGS, output_paths
 from gpr20_analysis.candidates.markers import MarkerList, marker_lines, write_markers
 from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command, number, print_rows
-from gpr20_analysis.errors import AnalysisError, not_there
+from gpr20_analysis.errors import AnalysisError, not_there, wrong_ending
 from gpr20_analysis.read.checks import found_in
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
@@ -34,7 +34,7 @@ from gpr20_survey.plan.annotation import (
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import list_from
-from gpr20_survey.results.found import PHOTOS, Found, What, present
+from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What, present
 from gpr20_survey.trace import utc_time
 
 NAMES = ("name", "operator", "site", "notes", "position", "heading_deg")
@@ -72,10 +72,15 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = chosen.survey
     if not survey.is_dir():
-        raise AnalysisError(not_there(survey), fault=faults.INPUT)
+        no_folder = Message("{path} is no folder; only a survey's folder takes notes", path=survey)
+        raise AnalysisError(no_folder if survey.exists() else not_there(survey), fault=faults.INPUT)
     given = [one is not None for one in (chosen.found, chosen.list, chosen.what)]
     if any(given) and not all(given):
         raise AnalysisError(Message("give --found, --list and --what, or none of them"))
+    if all(given) and not chosen.who:
+        raise AnalysisError(Message("give the name of who found it with --who"))
+    if chosen.photo is not None and chosen.photo.suffix.lower() not in PHOTO_ENDINGS:
+        raise AnalysisError(wrong_ending(chosen.photo, PHOTO_ENDINGS))
     written = [one for path in chosen.markers for one in output_paths(path)]
     outputs.check(written, [survey], chosen.overwrite)
     changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}

@@ -237,10 +237,10 @@ def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, t
         (("--found", "C09", *of_list, *whole), "C01, C02, C03"),
         (("--found", "C01", *whole), "--list"),
         (whole, "--found"),
-        (("--found", "C01", *of_list, "--what", "scrap"), "who"),
+        (("--found", "C01", *of_list, "--what", "scrap"), "with --who"),
         (("--found", "C01", *of_list), "--what"),
         (("--found", "C01", *of_list, *whole, "--depth-mm", "-1"), "10000"),
-        (("--found", "C01", *of_list, *whole, "--photo", str(listed)), "jpg"),
+        (("--found", "C01", *of_list, *whole, "--photo", str(listed)), "end in .jpg, .jpeg"),
         (("--found", "C01", "--list", str(folder / "survey.json"), *whole), "candidates"),
         (("--found", "C01", "--list", str(other), *whole), "survey"),
     ):

@@ -19,13 +19,14 @@ from gpr20_survey.trace.trace import MAX_COORDINATE
 FORMAT = "gpr20-found/1"
 PHOTOS = "photos"
 """Folder of a survey."""
+PHOTO_ENDINGS = (".jpg", ".jpeg", ".png", ".heic", ".webp")
 MAX_DEPTH_MM = 10_000.0
 TEXTS = {
     "who": ".{1,500}",
     "notes": ".{0,500}",
     "candidate": CANDIDATE_ID,
     "list_sha256": "[0-9a-f]{64}",
-    "photo": r"([0-9a-f]{64}\.(jpg|jpeg|png|heic|webp))?",
+    "photo": f"([0-9a-f]{{64}}({'|'.join(map(re.escape, PHOTO_ENDINGS))}))?",
 }
 
 
