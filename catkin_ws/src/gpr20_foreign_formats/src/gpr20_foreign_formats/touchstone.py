@@ -17,7 +17,7 @@ from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
-from gpr20_foreign_formats.header import Header, folder_of, other_kind, refusal
+from gpr20_foreign_formats.header import Header, folder_of, no_files, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
 from gpr20_survey.files.regular_file import check_regular
 
@@ -47,6 +47,8 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
 
     folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
+    if not paths:
+        raise no_files(folder, ", ".join(f"*{ending}" for ending in ENTRY))
     if len({one.suffix.lower() for one in paths}) != 1:
         raise refusal(
             Message(

@@ -147,6 +147,7 @@ WRONG = [
     ("t", touchstone("no Touchstone file"), ["X20_Y0.s2p", "kind Touchstone"]),
     ("t", sweep(3e9, 2e9, 1e9), ["sort the lines"]),
     ("t", sweep(1e9, 2e9, 4e9), ["not evenly spaced"]),
+    ("t", lambda path: path.mkdir(), ["contains no files *.s1p, *.s2p"]),
     (
         "t",
         partial(kit.write_touchstone, names=["X0.s1p", "X10.S2P"]),

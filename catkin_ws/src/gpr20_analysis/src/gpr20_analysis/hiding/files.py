@@ -33,13 +33,14 @@ def write_hiding(found: HidingMap, path: Union[str, Path]) -> None:
     write_with_checksum(Path(path), hiding_json(found))
 
 
-def read_hiding(path: Path) -> HidingMap:
+def read_hiding(path: Union[str, Path]) -> HidingMap:
     """Return the map in a JSON file that `gpr20 hiding` wrote.
 
     Raises:
         UnreadableFileError: It is no such file.
         OSError: It cannot be read.
     """
+    path = Path(path)
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise InvalidValueError(Message("it is too large"))
