@@ -117,7 +117,8 @@ def files_of_samples(
     Raises:
         UnreadableFileError: There is none, or others look like samples, but would not be read.
     """
-    own = sorted(one for one in folder.iterdir() if rule.fullmatch(one.name))
+    names = folder.iterdir() if folder.is_dir() else ()
+    own = sorted(one for one in names if rule.fullmatch(one.name))
     if not own:
         raise no_files(folder, example)
     read = {*beside, *(one.name for one in own)}

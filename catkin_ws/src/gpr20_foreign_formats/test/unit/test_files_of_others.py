@@ -1,6 +1,8 @@
 """Files that others made are read with their meaning, their times and their places, or refused."""
 
+import os
 import shutil
+import subprocess
 from pathlib import Path
 
 import h5py
@@ -14,6 +16,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.dataset_files import read_dataset
+from gpr20_analysis.formats.imports import import_survey
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting.scans import until
@@ -230,3 +233,20 @@ def test_numbers_of_options_may_have_decimal_commas(tmp_path):
     found = read_dataset(output)
     np.testing.assert_allclose(found.x, np.arange(kit.TRACES) * 0.0055)
     assert found.attrs["antenna_delay_s"] == pytest.approx(0.5e-9)
+
+
+@each_case("name", ["l.DZT", "a b;c.DZT", "it's.DZT", os.fsdecode(b"caf\xe9\\x41'.DZT")])
+def test_the_command_that_is_advised_names_the_file_in_a_shell(tmp_path, name):
+    kit.write_dzt(tmp_path / name)
+    with pytest.raises(AnalysisError) as refused:
+        load_survey(tmp_path / name)
+    command = str(refused.value).partition("import it first: gpr20 import ")[2]
+    shell = ["bash", "-c", f"printf '%s\\n' {command}"]
+    first = subprocess.run(shell, capture_output=True, check=True).stdout.split(b"\n")[0]
+    assert first == os.fsencode(tmp_path / name)
+
+
+def test_a_file_that_is_no_folder_of_samples_is_refused_as_that(tmp_path):
+    (tmp_path / "a.csv").write_text("x;y\n")
+    with raises_fault(faults.INPUT, "a.csv contains no files VNA_"):
+        import_survey(tmp_path / "a.csv", "group-csv")

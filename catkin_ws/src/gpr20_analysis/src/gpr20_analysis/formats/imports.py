@@ -18,6 +18,7 @@ from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.sentences import FAULTS, with_doubts
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
 from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
 
 OUTPUT = "survey.nc"
@@ -159,6 +160,12 @@ def refuse_device(path: Path) -> None:
         )
 
 
+def _typed(name: str) -> str:
+    """Return how a person types a name into a shell, also one that a terminal cannot show."""
+    plain = name.replace("\\", r"\\").replace("'", r"\'")
+    return shlex.quote(name) if printable(name) == name else f"$'{printable(plain)}'"
+
+
 def refuse_importable(path: Path) -> None:
     """Refuse files of the formats of installed packages with the command that imports them.
 
@@ -168,7 +175,7 @@ def refuse_importable(path: Path) -> None:
     for form in IMPORTS.added():
         whole = IMPORTS.find(form).whole(path)
         if whole is not None:
-            command = f"gpr20 import {shlex.quote(str(whole))} {OUTPUT} --format {form}"
+            command = f"gpr20 import {_typed(str(whole))} {OUTPUT} --format {form}"
             raise AnalysisError(
                 Message(
                     "{path} has the format {format}; import it first: {command}",
