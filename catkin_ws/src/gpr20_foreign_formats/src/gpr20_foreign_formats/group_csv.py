@@ -6,12 +6,13 @@ has says the same times without rounding, which changes delays by less than a th
 
 from __future__ import annotations
 
-import io
+import contextlib
 import re
 from pathlib import Path
 from typing import Tuple
 
 import numpy as np
+import orjson
 import xarray as xr
 
 from gpr20_analysis.dataset import MM_PER_M
@@ -49,6 +50,7 @@ UNITS = Message(
     "in the file names X, Y and H are mm, frequencies MHz and times us, in even steps from the "
     "first to the last"
 )
+NUMERALS = b"+-.0123456789Ee \t\r"
 UNIT = {VNA: 1e6, TIME: 1e-6}  # of the ends in names [Hz or s]
 MOST = 1e6  # MHz or us
 ROUNDED_S = 5e-11
@@ -131,24 +133,20 @@ def _read(path: Path, points: int, expected: str) -> np.ndarray:
                 file=path.name,
             )
         )
-    try:
-        found = np.loadtxt(io.BytesIO(content), delimiter=",", comments=None, ndmin=2)
-    except ValueError as error:
-        raise UnreadableFileError(
-            Message("{file} holds lines that are not two numbers", file=path.name)
-        ) from error
-    if found.shape != (points, 2) or not np.isfinite(found).all():
+    content, found = content.rstrip(), None
+    if content.translate(None, NUMERALS) == b"\n".join([b","] * points):
+        with contextlib.suppress(orjson.JSONDecodeError):  # three times as fast as np.loadtxt
+            found = orjson.loads(b"[%b]" % content.replace(b"\n", b","))
+    if found is None:
         raise UnreadableFileError(
             Message(
-                "{file} has {lines} lines of {columns} numbers, or NaN; by its name it must have "
-                "{points} lines of 2",
+                "{file} must hold {points} lines by its name, each of two numbers such as -0.5,"
+                "1e-3 and not NaN",
                 file=path.name,
-                lines=found.shape[0],
-                columns=found.shape[-1],
                 points=points,
             )
         )
-    return found[:, 0] + 1j * found[:, 1]
+    return np.array(found, np.float64).view(np.complex128)
 
 
 IMPORT = ImportFormat(read_group_csv, lambda path: folder_of(path, NAMES), ("band",))

@@ -5,6 +5,7 @@ A value that cannot be right is refused by its file; what may be right is a deci
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -117,11 +118,11 @@ def files_of_samples(
     Raises:
         UnreadableFileError: There is none, or others look like samples, but would not be read.
     """
-    names = folder.iterdir() if folder.is_dir() else ()
-    own = sorted(one for one in names if rule.fullmatch(one.name))
+    names = os.listdir(str(folder)) if folder.is_dir() else ()
+    own = sorted(filter(rule.fullmatch, names))
     if not own:
         raise no_files(folder, example)
-    read = {*beside, *(one.name for one in own)}
+    read = {*beside, *own}
     others = [
         one for one in regular_files(folder) if one not in read and not re.search(r"(^|/)\.", one)
     ]
@@ -136,7 +137,7 @@ def files_of_samples(
                 example=example,
             )
         )
-    return own, [_listed(OTHERS, others)] if others else []
+    return [folder / one for one in own], [_listed(OTHERS, others)] if others else []
 
 
 def check_sweep(file: str, start_hz: float, stop_hz: float) -> None:

@@ -37,6 +37,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     given = sys.argv[1:] if arguments is None else arguments
     if arguments is None:
         gc.disable()  # until all is imported
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a second one spins
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
         if given[:1] == ["info"]:
             # xarray loads dask where it is installed, for 0.1 s, and info runs no steps of others.

@@ -271,24 +271,29 @@ def local_clutter(
         away_m = np.hypot(axes_m[1][:, None] - y_m, axes_m[2][None, :] - x_m)
         deep = np.abs(axes_m[0] - depth_m) < BODY_RESOLUTIONS * resolution_m
         counted[deep] *= away_m >= BODY_M
-    local = _local_mean(level, counted, axes_m, RESOLUTIONS * resolution_m)
-    shallow = axes_m[0] < resolution_m
-    thin = _local_mean(level, counted, axes_m, SHALLOW_RESOLUTIONS * resolution_m)
-    local[shallow] = thin[shallow]
+    every, shallow = axes_m[0] == axes_m[0], axes_m[0] < resolution_m
+    local = _local_mean(level, counted, axes_m, RESOLUTIONS * resolution_m, every)
+    thin_m = SHALLOW_RESOLUTIONS * resolution_m
+    local[shallow] = _local_mean(level, counted, axes_m, thin_m, shallow)
     found: np.ndarray = np.exp(local + EULER / 2.0)
     return found
 
 
 def _local_mean(
-    level: np.ndarray, counted: np.ndarray, axes_m: Sequence[np.ndarray], deep_m: float
+    level: np.ndarray,
+    counted: np.ndarray,
+    axes_m: Sequence[np.ndarray],
+    deep_m: float,
+    wanted: np.ndarray,
 ) -> np.ndarray:
-    sums, shares = level * counted, counted
-    plane = sums.mean(axis=(1, 2)), shares.mean(axis=(1, 2))
-    for number, width_m in enumerate((deep_m, ACROSS_M, ACROSS_M)):
-        sums, shares = (_smoothed(one, axes_m[number], number, width_m) for one in (sums, shares))
-    of_plane, share = (_smoothed(one, axes_m[0], 0, 2.0 * deep_m) for one in plane)
+    """Return the mean level around the voxels of the wanted depths."""
+    both = level * counted, counted
+    of_plane, share = (_smoothed(one.mean(axis=(1, 2)), axes_m[0], 0, 2.0 * deep_m) for one in both)
     usual = (of_plane + 1e-9 * level.mean()) / (share + 1e-9)
-    local: np.ndarray = (sums + LEAST_SHARE * usual[:, None, None]) / (shares + LEAST_SHARE)
+    sums, shares = (_smoothed(one, axes_m[0], 0, deep_m)[wanted] for one in both)
+    for number in (1, 2):
+        sums, shares = (_smoothed(one, axes_m[number], number, ACROSS_M) for one in (sums, shares))
+    local: np.ndarray = (sums + LEAST_SHARE * usual[wanted, None, None]) / (shares + LEAST_SHARE)
     return local
 
 

@@ -13,7 +13,6 @@ from typing import Any, Iterator, List
 
 from mcap.reader import make_reader
 from mcap.well_known import Profile
-from rosbags.rosbag1 import Reader
 
 from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
@@ -188,6 +187,8 @@ def _of_mcap(path: Path, stream: Any, lost: Lost, datatype: str) -> Iterator[Rec
 
 
 def _of_bag(path: Path, stream: Any, _: Lost, datatype: str) -> Iterator[RecordedMessage]:
+    from rosbags.rosbag1 import Reader
+
     # The library opens a name: that of the descriptor is the file that was checked.
     bag = Reader(f"/dev/fd/{stream.fileno()}")
     try:

@@ -37,9 +37,10 @@ def regular_files(folder: Path) -> Iterator[str]:
 
     for parent, folders, names in os.walk(str(folder), onerror=refuse):
         folders.sort()
+        below = str(Path(parent).relative_to(folder))
         links = [name for name in folders if os.path.islink(os.path.join(parent, name))]
         for name in sorted(one for one in [*names, *links] if not is_temporary(one)):
-            yield (Path(parent) / name).relative_to(folder).as_posix()
+            yield os.path.normpath(os.path.join(below, name))
 
 
 def sum_of_file(path: Path) -> FileSum:
