@@ -19,7 +19,7 @@ import xarray as xr
 from scipy.constants import speed_of_light
 
 from gpr20_analysis.dataset import S21_DIMS, SAMPLE_DIMS
-from gpr20_analysis.sample.real_line import REAL_LINE_FILE
+from gpr20_analysis.sample import REAL_LINE_FILE
 
 DATA = Path(__file__).resolve().parents[2] / "benchmarks/worlds/data"
 LINES, AREAS, UNIANDES, REAL_LINE = "lines", "areas", "uniandes", "real_line_charisma"

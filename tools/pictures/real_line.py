@@ -10,7 +10,7 @@ import numpy as np
 from gpr20_analysis import load_survey
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.plotting.projections import candidate_map_figure
-from gpr20_analysis.sample.real_line import REAL_LINE_FILE
+from gpr20_analysis.sample import REAL_LINE_FILE
 
 PERMITTIVITY = "6"
 DEEPEST_MM = 160.0

@@ -39,7 +39,7 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "read.verification": ("verify_survey",),
     "report.sections": ("write_report",),
     "report.summary": ("summarize",),
-    "sample.sample_survey": ("sample_survey",),
+    "sample": ("sample_survey",),
     "sentences": ("message_of",),
 }
 __all__ = sorted(name for names in _HOMES.values() for name in names)

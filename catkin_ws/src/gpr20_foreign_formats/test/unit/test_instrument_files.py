@@ -13,7 +13,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.exports import export_survey
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sample.real_line import REAL_LINE_FILE
+from gpr20_analysis.sample import REAL_LINE_FILE
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import delay_kernel
 

@@ -15,7 +15,7 @@ from wait_kit import wait_until
 
 import gpr20_analysis
 from gpr20_analysis import faults as analysis_faults
-from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import ASKED_FOR, BUSY, DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
 from gpr20_imaging.errors import ImagingError

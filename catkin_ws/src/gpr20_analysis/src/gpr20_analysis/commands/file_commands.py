@@ -20,8 +20,7 @@ from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_path, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.formats.imports import IMPORTS, Band, ImportOptions, import_survey
 from gpr20_analysis.processing.to_frequency import to_frequency
-from gpr20_analysis.sample.real_line import real_line
-from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_analysis.sample import real_line, sample_survey
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say

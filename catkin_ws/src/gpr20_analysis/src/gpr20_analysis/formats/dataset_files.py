@@ -154,6 +154,9 @@ def _encoding(data: xr.Dataset) -> Dict[str, Dict[str, Any]]:
             # A chunk is a row of traces, or of an image.
             chunks = tuple(1 for _ in values.dims[:-2]) + values.shape[-2:]
             found[str(name)] = {"fletcher32": True, "chunksizes": chunks}
+            if values.dtype.kind == "M" and values.isnull().all():
+                # Where no moment is known pandas looks for a unit for 0.1 s.
+                found[str(name)]["units"] = "days since 1970-01-01 00:00:00"
     for name in data.dims:
         if name in data.coords:
             found.setdefault(str(name), {})["_FillValue"] = None

@@ -27,7 +27,7 @@ from gpr20_analysis.processing.chain import (
     text_of,
 )
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import NOT_ALLOWED
 
 DOCS = Path(__file__).parents[6] / "docs/extend"

@@ -17,7 +17,7 @@ import pytest
 import gpr20_analysis
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sample.real_line import real_line
+from gpr20_analysis.sample import real_line
 from gpr20_common.faults import NOT_ALLOWED
 
 ROOT = Path(__file__).resolve().parents[6]
@@ -70,7 +70,7 @@ def test_every_public_name_is_there_documented_and_told():
     ("call", "libraries"),
     [
         (["--help"], HEAVY),
-        (["info", str(gpr20_analysis.sample_survey())], (*SLOW, "dask", "scipy.fft")),
+        (["info", str(gpr20_analysis.sample_survey())], (*SLOW, "dask", "scipy.fft", "rosbags")),
         (["import", "--help"], SLOW),
         (["image", "--help"], SLOW),
     ],

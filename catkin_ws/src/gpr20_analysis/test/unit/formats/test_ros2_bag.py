@@ -14,7 +14,7 @@ from storage_kit import with_bag
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_analysis.sample import sample_survey
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 
 SAMPLE = sample_survey()

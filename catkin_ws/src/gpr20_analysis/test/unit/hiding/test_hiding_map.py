@@ -21,7 +21,7 @@ from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.sample.sample_survey import sample_survey
+from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.results.hidden_target import Target, Targets
 
