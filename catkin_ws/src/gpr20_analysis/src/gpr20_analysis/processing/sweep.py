@@ -112,6 +112,7 @@ def steps_to_top(level: np.ndarray, at: np.ndarray) -> np.ndarray:
         at: Step of each row's maximum, not the first nor the last.
     """
     rows = np.arange(len(level))
+    # In double precision the smallest curvature is not 0: the top of a plateau is its middle.
     before, here, after = (level[rows, at + one].astype(np.float64) for one in (-1, 0, 1))
     steps: np.ndarray = 0.5 * (before - after) / np.minimum(before - 2.0 * here + after, -1e-300)
     return steps

@@ -18,6 +18,7 @@ from gpr20_analysis.candidates.answer import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_analysis.read.load import GrowingSurvey, load_survey
 from gpr20_common.faults import BUSY
 from gpr20_survey.folder.survey_folder import trace_file_name
@@ -30,6 +31,11 @@ FREQUENCY_HZ = {stop: np.linspace(0.6e9, stop, 81) for stop in (2e9, 3e9, 6e9)}
 
 def _release(*cases):
     return [pytest.param(*one, marks=pytest.mark.release) for one in cases]
+
+
+def test_a_plateau_has_its_top_in_its_middle_in_every_precision():
+    for kind in (np.float32, np.float64):
+        assert steps_to_top(np.ones((1, 3), kind), np.array([1])) == 0.0
 
 
 def rank_of(found, x_m, y_m, within_m=0.05):
