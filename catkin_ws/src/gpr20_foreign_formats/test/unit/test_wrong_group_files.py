@@ -18,7 +18,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
+from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_analysis.read.load import load_survey
+from gpr20_analysis.work import no_progress
+from gpr20_foreign_formats.group_csv import IMPORT
 
 FIRST, LAST = "X000.00_Y000.00_Z000.00.json", "X020.00_Y015.00_Z000.00.json"
 ANYTHING = st.one_of(
@@ -112,6 +115,15 @@ def test_csv_files_that_cannot_be_right_are_refused_by_name(name, text, words, t
     (tmp_path / "scans" / GROUP).write_text(SCAN)
     (tmp_path / "scans" / name).write_text(text)
     refused(tmp_path / "scans", "group-csv", tmp_path / "data", words)
+
+
+def test_numbers_as_other_programs_write_them_are_read(tmp_path):
+    written = {"json": "0.1,0.2\n0.3,-0.1\n0.2,0.1", "other": ".1,+0.2\n3.E-1,-.1\n02e-1,1E-1"}
+    for name, rows in written.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / GROUP).write_text(f"S21_real,S21_imag\n{rows}\n")
+    read = [IMPORT.read(tmp_path / one, ImportOptions(), no_progress)["s21"] for one in written]
+    assert np.array_equal(*read)
 
 
 @each_case(
