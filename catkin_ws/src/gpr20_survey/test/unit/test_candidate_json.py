@@ -122,6 +122,12 @@ def test_the_missed_depth_is_the_first_at_which_too_few_were_found(counts, neede
             assert np.isnan(missed_m[row, column])
 
 
+def test_a_depth_at_which_too_few_targets_were_tried_says_so():
+    few, enough = a_map([[[5, 5]], [[6, 0]]], [[[5, 5]], [[6, 6]]]).details[2:4]
+    assert "20 mm deep: fewer than 6 targets were tried near each place" in str(few)
+    assert "40 mm deep: could hide on 50 % of the map" in str(enough)
+
+
 def test_the_warning_comes_first_and_never_are_there_words_of_clearance():
     found = a_map([[[6, 0]]], [[[6, 6]]])
     assert found.sentences[0] == ONLY_THIS

@@ -129,6 +129,13 @@ class HidingMap(HidingFacts):
         )
         layers = [
             Message(
+                "{depth_mm:.0f} mm deep: fewer than {fewest} targets were tried near each place, so "
+                "nothing shows where one could not hide; try more rounds",
+                depth_mm=MM_PER_M * depth_m,
+                fewest=FEWEST,
+            )
+            if np.all(tried < FEWEST)
+            else Message(
                 "{depth_mm:.0f} mm deep: could hide on {percent:.0f} % of the map; of the "
                 "targets within {within_mm:.0f} mm of a place {least:.0f} to {most:.0f} % were "
                 "found",
@@ -138,8 +145,8 @@ class HidingMap(HidingFacts):
                 least=100.0 * float(np.nan_to_num(share).min()),
                 most=100.0 * float(np.nan_to_num(share).max()),
             )
-            for depth_m, within_m, share, missed in zip(
-                self.depth_m, self.within_m, self.share, self.missed
+            for depth_m, within_m, share, tried, missed in zip(
+                self.depth_m, self.within_m, self.share, self.tried, self.missed
             )
         ]
         target = Message("target: {target}", target=self.target.sentence)
