@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Dict, List, Optional, Sequence, Tuple, Union
 
@@ -93,7 +94,7 @@ def write_report(
         places.figures.append(figure)
     sections = [
         places,
-        _missed(survey, hiding, catalogue),
+        _missed(survey, found, hiding, catalogue),
         _believed(survey, Path(path), found, catalogue),
         *([] if found is None else [_image(found, steps, options, catalogue)]),
         *_markers(survey, catalogue),
@@ -140,7 +141,9 @@ def _section(
     )
 
 
-def _missed(survey: xr.Dataset, hiding: Optional[HidingMap], catalogue: Catalogue) -> Section:
+def _missed(
+    survey: xr.Dataset, found: Optional[Answer], hiding: Optional[HidingMap], catalogue: Catalogue
+) -> Section:
     """Return what could have been missed: ground without data, and the map of what can hide."""
     size, absent = survey[dataset.QUALITY].size, len(dataset.missing_samples(survey))
     warnings, lines = [], []
@@ -162,6 +165,16 @@ def _missed(survey: xr.Dataset, hiding: Optional[HidingMap], catalogue: Catalogu
             )
         )
     else:
+        soil = hiding.permittivity if found is None else found.found.permittivity
+        if not math.isclose(soil, hiding.permittivity, rel_tol=0.01):
+            warnings.append(
+                Message(
+                    "The map of where a mine could hide is for the permittivity {other:.3g}, the "
+                    "places are for {soil:.3g}: make the map anew for this soil",
+                    other=hiding.permittivity,
+                    soil=soil,
+                )
+            )
         left_out = (ONLY_THIS, SIMULATED_LIST)
         lines += [one for one in hiding.sentences if one not in left_out]
     section = _section(Message("What could have been missed"), warnings, lines, catalogue)
