@@ -129,8 +129,8 @@ class HidingMap(HidingFacts):
         )
         layers = [
             Message(
-                "{depth_mm:.0f} mm deep: fewer than {fewest} targets were tried near each place, so "
-                "nothing shows where one could not hide; try more rounds",
+                "{depth_mm:.0f} mm deep: fewer than {fewest} targets were tried near each place, "
+                "so nothing shows where one could not hide; try more rounds",
                 depth_mm=MM_PER_M * depth_m,
                 fewest=FEWEST,
             )
