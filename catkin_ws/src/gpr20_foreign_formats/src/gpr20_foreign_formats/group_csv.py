@@ -53,8 +53,7 @@ UNITS = Message(
 NUMERALS = b"+-.0123456789Ee \t\r"
 UNIT = {VNA: 1e6, TIME: 1e-6}  # of the ends in names [Hz or s]
 MOST = 1e6  # MHz or us
-ROUNDED_S = 5e-11
-"""Rounding of times in names by the group's program [s]."""
+ROUNDED_S = 5e-11  # by the group's program, of times in names
 
 
 def read_group_csv(path: Path, _: ImportOptions, progress: Progress) -> xr.Dataset:
