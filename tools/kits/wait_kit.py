@@ -22,7 +22,7 @@ def wait_until(
     Args:
         condition: It is asked again and again.
         what: What is waited for.
-        alive: Processes that must go on running until then.
+        alive: Processes that must run until then.
         limit_s: When it fails [s].
         meanwhile: What is done between two questions.
     """

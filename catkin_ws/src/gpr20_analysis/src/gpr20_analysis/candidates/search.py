@@ -1,7 +1,7 @@
 """The candidates in an image: the places that are stronger than the clutter of their ground.
 
 Echoes near each other are one place. The list is cut where ground without bodies has as many places
-as the stated rate of false alarms: what is weaker cannot be told from clutter at that rate. Places
+as the stated rate of false alarms: what is weaker is no stronger than clutter at that rate. Places
 are ranked by how far their echoes together are above the clutter around them, because a mine is
 wider than a fragment, and its echo is several.
 """

@@ -170,7 +170,7 @@ def _missed(
             warnings.append(
                 Message(
                     "The map of where a mine could hide is for the permittivity {other:.3g}, the "
-                    "places are for {soil:.3g}: make the map anew for this soil",
+                    "places are for {soil:.3g}: make the map again for this soil",
                     other=hiding.permittivity,
                     soil=soil,
                 )

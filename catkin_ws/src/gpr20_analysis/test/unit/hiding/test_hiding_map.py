@@ -161,10 +161,10 @@ def test_report_shows_the_map_of_its_survey_only(sample_file, written, tmp_path,
     assert main([*given, str(written / "a.json")]) == DONE
     text = report.read_text(encoding="utf-8")
     assert "Where could a mine hide?" in text and "holds for this target only" in text
-    assert "make the map anew" not in text
+    assert "make the map again" not in text
     given[given.index("5")] = "8"
     assert main([*given, str(written / "a.json"), "--overwrite"]) == DONE
-    doubt = "for the permittivity 5, the places are for 8: make the map anew"
+    doubt = "for the permittivity 5, the places are for 8: make the map again"
     assert doubt in report.read_text(encoding="utf-8")
     values = json.loads((written / "a.json").read_text(encoding="utf-8"))
     other = tmp_path / "other.json"

@@ -11,7 +11,7 @@ from typing import Any, Iterator, Mapping, Tuple
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_web.calls import Call, Cookie, Person, Role, Route, text_of
-from gpr20_web.errors import TooManyLoginsError, WrongLoginError
+from gpr20_web.errors import AccountsFileError, TooManyLoginsError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.cookies import Logins
 from gpr20_web.mid.web_page import WebPage
@@ -59,10 +59,8 @@ class LoginLimits:
             self._put(key, (count + 1, now_s))
         try:
             yield
-        except WrongLoginError:
-            raise
-        except Exception:
-            # The file of the accounts is damaged: nobody has guessed.
+        except AccountsFileError:
+            # Nobody has guessed.
             with self._lock:
                 count, _last_s = self._failures.get(key, (1, now_s))
                 self._put(key, (count - 1, last_s))
