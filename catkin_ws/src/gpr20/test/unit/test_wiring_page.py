@@ -1,4 +1,4 @@
-"""The pins of docs/wiring.md and its picture are those of the robot's default configuration."""
+"""The pins of docs/first_real_survey.md and its picture are those of the robot's default configuration."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import yaml
 from gpr20_height_sensor.mid.height_driver import HeightParameters
 
 ROOT = Path(__file__).resolve().parents[5]
-PAGE = (ROOT / "docs/wiring.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/first_real_survey.md").read_text(encoding="utf-8")
 PICTURE = (ROOT / "docs/images/wiring.svg").read_text(encoding="utf-8")
 AXES = yaml.safe_load((ROOT / "catkin_ws/src/gpr20_launch/config/axes.yaml").read_text())
 SIGNALS = {"direction": "dir_pin", "step": "step_pin", "endstop": "sensor_pin"}

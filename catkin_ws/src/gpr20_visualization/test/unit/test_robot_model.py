@@ -13,9 +13,17 @@ from fault_kit import raises_fault
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_survey.axes import axis_id as frames
-from gpr20_visualization.errors import RobotModelError
-from gpr20_visualization.mid.axis_position import JOINTS, X_JOINT, Y_JOINT, Z_JOINT, joint_positions
-from gpr20_visualization.mid.robot_model import RobotModel, from_angles, rotated
+from gpr20_visualization.mid.robot_model import (
+    JOINTS,
+    X_JOINT,
+    Y_JOINT,
+    Z_JOINT,
+    RobotModel,
+    RobotModelError,
+    from_angles,
+    joint_positions,
+    rotated,
+)
 
 PACKAGE = Path(__file__).resolve().parents[2]
 URDF = PACKAGE / "urdf" / "gpr20.urdf"

@@ -1,4 +1,4 @@
-"""The node completes recordings without tf, and leaves those alone that hold it already."""
+"""The node completes recordings without tf."""
 
 import json
 from types import SimpleNamespace
@@ -7,7 +7,6 @@ import pytest
 
 pytest.importorskip("rospy")
 
-import rosgraph
 import rospy
 from std_msgs.msg import String
 from test_robot_model import URDF
@@ -26,8 +25,8 @@ STAMP = rospy.Time(1_600_000_000, 250_000_000)
 
 @pytest.fixture
 def graph(monkeypatch):
-    """What is published, by topic, what is subscribed to, and who else publishes."""
-    made = SimpleNamespace(sent={}, latched=set(), handlers={}, others={})
+    """What is published, by topic, and what is subscribed to."""
+    made = SimpleNamespace(sent={}, latched=set(), handlers={})
 
     def publisher(name, _kind, queue_size, latch):
         made.latched |= {name} if latch else set()
@@ -36,11 +35,9 @@ def graph(monkeypatch):
     def subscriber(name, _kind, handler, queue_size):
         made.handlers[name] = handler
 
-    state = SimpleNamespace(getSystemState=lambda: (list(made.others.items()), [], []))
     for place, name, value in (
         (rospy, "Publisher", publisher),
         (rospy, "Subscriber", subscriber),
-        (rosgraph, "Master", lambda _name: state),
         (visualization_node, "Diagnostics", lambda _name, health: health),
     ):
         monkeypatch.setattr(place, name, value)
@@ -87,17 +84,7 @@ def test_it_completes_a_recording_without_tf(graph):
     assert area.action == area.ADD and (area.points[0].x, area.points[0].y) == (0.01, 0.04)
     assert [round(one.x, 3) for one in stops.points] == [0.01, 0.02, 0.03]
     assert len(picture.data) == picture.height * picture.width and any(picture.data)
-    level, _message, values = graph.node._diagnostics()
-    assert (level, values) == (OK, {"positions": 1, "lines": 1})
-
-
-def test_it_leaves_a_recording_with_tf_alone_until_another_is_played(graph):
-    graph.others["/joint_states"] = ["/player"]
-    play(graph)
-    assert graph.sent == {}
-    graph.others.clear()
-    play(graph)
-    assert len(graph.sent["tf"]) == len(graph.sent["b_scan"]) == 1
+    assert graph.node._diagnostics()[0] == OK
 
 
 def test_what_cannot_be_shown_is_left_out_and_told(graph):

@@ -12,8 +12,6 @@ from gpr20_survey.trace.trace import Trace
 DELAY_STEP_S = 0.05e-9
 MAX_ROWS = 200
 DARKEST_DB = -60.0
-# A line is at least so many pixels wide, so that displays show it in full height.
-SMALLEST_WIDTH = 200
 WHITE = 255
 
 
@@ -46,18 +44,9 @@ def grey(echoes: np.ndarray) -> np.ndarray:
 
 
 def side_by_side(pictures: Sequence[np.ndarray]) -> np.ndarray:
-    """Return pictures beside each other, with a white line between them.
-
-    Each stop is made as many pixels wide as the whole needs to be SMALLEST_WIDTH wide.
-    """
-    columns = sum(one.shape[1] for one in pictures)
-    factor = max(1, -(-SMALLEST_WIDTH // columns))
-    parts = [np.repeat(one, factor, axis=1) for one in pictures]
-    between = np.full((parts[0].shape[0], 1), WHITE, np.uint8)
-    joined = [parts[0]]
-    for part in parts[1:]:
-        joined += [between, part]
-    return np.hstack(joined)
+    """Return pictures beside each other, with a white line between them."""
+    between = np.full((pictures[0].shape[0], 1), WHITE, np.uint8)
+    return np.hstack([part for one in pictures for part in (between, one)][1:])
 
 
 class LineImage:

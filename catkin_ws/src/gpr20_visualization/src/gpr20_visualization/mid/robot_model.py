@@ -4,17 +4,32 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Iterable, List, Mapping, Tuple
+from typing import Dict, Iterable, List, Mapping, Tuple
 from xml.etree import ElementTree
 
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_visualization.errors import RobotModelError
 
 Vector = Tuple[float, float, float]
 Quaternion = Tuple[float, float, float, float]
 
+MM_PER_M = 1000.0
+Y_JOINT, X_JOINT, Z_JOINT = "y_axis_joint", "x_axis_joint", "z_axis_joint"
+JOINTS = (Y_JOINT, X_JOINT, Z_JOINT)
 PRISMATIC, REVOLUTE, FIXED = "prismatic", "revolute", "fixed"
 TYPES = (PRISMATIC, REVOLUTE, FIXED)
+
+
+class RobotModelError(Gpr20Error, ValueError):
+    """The description of the robot (URDF) cannot be used."""
+
+    fault = CONFIGURATION
+
+
+def joint_positions(x_mm: float, y_mm: float, z_deg: float) -> Dict[str, float]:
+    """Return the position of each joint [m or rad]."""
+    return {Y_JOINT: y_mm / MM_PER_M, X_JOINT: x_mm / MM_PER_M, Z_JOINT: math.radians(z_deg)}
 
 
 @dataclass(frozen=True)
@@ -22,10 +37,7 @@ class Joint:
     """A joint of the robot.
 
     Attributes:
-        name: Its name.
         kind: prismatic, revolute or fixed.
-        parent: Link that it belongs to.
-        child: Link that it moves.
         origin_m: Place of the child in the parent at position 0 [m].
         rotation: Rotation of the child at position 0 (x, y, z, w).
         axis: Direction of motion, or axis of rotation, in the child at position 0.
@@ -45,33 +57,18 @@ class Joint:
         return self.kind == FIXED
 
     def transform(self, position: float = 0.0) -> LinkTransform:
-        """Return where the child is.
-
-        Args:
-            position: Of the joint [m or rad].
-        """
+        """Return where the child is with the joint at a position [m or rad]."""
         if self.kind == REVOLUTE:
             turned = product(self.rotation, about(self.axis, position))
             return LinkTransform(self.parent, self.child, self.origin_m, turned)
         moved = rotated(self.rotation, scaled(self.axis, position))
-        place = (
-            self.origin_m[0] + moved[0],
-            self.origin_m[1] + moved[1],
-            self.origin_m[2] + moved[2],
-        )
-        return LinkTransform(self.parent, self.child, place, self.rotation)
+        x, y, z = (place + way for place, way in zip(self.origin_m, moved))
+        return LinkTransform(self.parent, self.child, (x, y, z), self.rotation)
 
 
 @dataclass(frozen=True)
 class LinkTransform:
-    """Where a link is in its parent.
-
-    Attributes:
-        parent: Frame of the parent.
-        child: Frame of the link.
-        place_m: Its origin [m].
-        rotation: Its rotation (x, y, z, w).
-    """
+    """Where a link is in its parent; the rotation is x, y, z, w."""
 
     parent: str
     child: str
@@ -110,11 +107,7 @@ class RobotModel:
         return cls(joints)
 
     def moving(self, positions: Mapping[str, float]) -> List[LinkTransform]:
-        """Return where every link is that moves.
-
-        Args:
-            positions: Position of each joint by its name [m or rad].
-        """
+        """Return where every link is that moves, by the positions of the joints [m or rad]."""
         return [one.transform(positions[one.name]) for one in self.joints if not one.is_fixed]
 
     def fixed(self) -> List[LinkTransform]:

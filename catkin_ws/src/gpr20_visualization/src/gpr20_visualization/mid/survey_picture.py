@@ -10,8 +10,8 @@ import numpy as np
 
 from gpr20_survey.plan.imported import measured_area
 from gpr20_survey.trace.trace import Trace
-from gpr20_visualization.mid.axis_position import MM_PER_M
 from gpr20_visualization.mid.line_image import LineImage
+from gpr20_visualization.mid.robot_model import MM_PER_M
 
 Place = Tuple[float, float]
 
@@ -37,11 +37,7 @@ class Area:
 
 
 def area_of(description: str) -> Optional[Area]:
-    """Return the area of a survey; None if it is not known.
-
-    Args:
-        description: The content of survey.json.
-    """
+    """Return the area of a survey by its survey.json; None if it is not known."""
     try:
         values: Mapping[str, Any] = measured_area(json.loads(description))
         rotations = values["polarizations_deg"]
@@ -54,19 +50,6 @@ def area_of(description: str) -> Optional[Area]:
         return None
 
 
-@dataclass(frozen=True)
-class FinishedLine:
-    """A line along X that was measured.
-
-    Attributes:
-        picture: Its B-scan (delays x stops, uint8).
-        ended_us: Time of its last trace [us since 1970, UTC].
-    """
-
-    picture: np.ndarray
-    ended_us: int
-
-
 class SurveyPicture:
     """Follows the traces of a survey; a trace of another survey begins a new one."""
 
@@ -75,8 +58,9 @@ class SurveyPicture:
         self._area: Optional[Area] = None
         self._line = LineImage()
         self._y_mm = 0.0
-        self._ended_us = 0
         self._shown = True
+        self._last_us = self.ended_us = 0
+        """Time of the last trace of the line that `add` has returned [us since 1970, UTC]."""
         self._stops: Dict[Place, None] = {}
 
     @property
@@ -88,8 +72,8 @@ class SurveyPicture:
         """Set the area of the survey whose traces come next."""
         self._area = area
 
-    def add(self, trace: Trace) -> Optional[FinishedLine]:
-        """Add a trace; return the line that is finished by it, or before it."""
+    def add(self, trace: Trace) -> Optional[np.ndarray]:
+        """Add a trace; return the B-scan (delays x stops, uint8) of the line that it finishes."""
         finished = None
         if trace.survey_id != self._survey_id:
             self._survey_id = trace.survey_id
@@ -100,7 +84,7 @@ class SurveyPicture:
             self._begin_line(trace)
         self._stops[trace.x_coord_mm, trace.y_coord_mm] = None
         self._line.add(trace)
-        self._ended_us, self._shown = trace.timestamp_us, False
+        self._last_us, self._shown = trace.timestamp_us, False
         if self._area is not None and len(self._line) >= self._area.line_samples:
             return self._finished()
         return finished
@@ -109,8 +93,8 @@ class SurveyPicture:
         self._line = LineImage(self._line.transform)
         self._y_mm, self._shown = trace.y_coord_mm, False
 
-    def _finished(self) -> Optional[FinishedLine]:
+    def _finished(self) -> Optional[np.ndarray]:
         if self._shown or not len(self._line):
             return None
-        self._shown = True
-        return FinishedLine(self._line.picture(), self._ended_us)
+        self._shown, self.ended_us = True, self._last_us
+        return self._line.picture()
