@@ -63,14 +63,20 @@ def _score(chosen: argparse.Namespace, _catalogue: Catalogue) -> int:
 
 
 def _warnings(plan: Plan, score: Score) -> List[str]:
-    """Return which lanes a method has no list of, or surveyed only a part of."""
+    """Return which lanes a method did not survey whole, and lists of another place."""
     areas_m2 = {(one.listed.method, one.listed.lane): one.listed.area_m2 for one in score.lanes}
     pairs = itertools.product(dict.fromkeys(method for method, _ in areas_m2), plan.lanes)
-    return [
+    partly = [
         f"{method} surveyed only {areas_m2.get((method, lane), 0.0):.3g} m2 of lane {lane}: do not "
         "compare its totals with those of others (Simpson's paradox)."
         for method, lane in pairs
         if areas_m2.get((method, lane), 0.0) < LEAST_PART * plan.lanes[lane].area_m2
+    ]
+    return partly + [
+        f"no place of {one.listed.method} is in lane {one.listed.lane} or near a target: places of "
+        "a list are metres in the coordinates of the lane"
+        for one in score.lanes
+        if one.outside and len(one.outside) == len(one.listed.marks)
     ]
 
 

@@ -8,6 +8,7 @@ import xarray as xr
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
     FREQUENCY,
+    HZ_PER_MHZ,
     POLARIZATION,
 )
 from gpr20_analysis.errors import WrongDatasetError
@@ -70,9 +71,9 @@ def matched(reference: xr.Dataset, survey: xr.Dataset) -> xr.Dataset:
 def _settings(data: xr.Dataset) -> Message:
     frequency_hz = data[FREQUENCY].values
     return Message(
-        "{start_hz:g} to {stop_hz:g} Hz, {count} points, {rotations} deg",
-        start_hz=frequency_hz[0],
-        stop_hz=frequency_hz[-1],
+        "{start_mhz:g} to {stop_mhz:g} MHz, {count} points, {rotations} deg",
+        start_mhz=frequency_hz[0] / HZ_PER_MHZ,
+        stop_mhz=frequency_hz[-1] / HZ_PER_MHZ,
         count=len(frequency_hz),
         rotations=tuple(map(numeral, data[POLARIZATION].values)),
     )

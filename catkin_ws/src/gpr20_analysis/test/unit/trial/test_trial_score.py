@@ -153,6 +153,9 @@ def test_a_list_of_gpr20_says_simulated_and_how_much_of_the_lane_it_is_of(trial,
     said = capsys.readouterr().out
     assert "SIMULATED" in said and "surveyed only 0.25 m2 of lane L1" in said
     assert not NEVER.search(said)
+    (tmp_path / "mm.csv").write_text("id,x_m,y_m\nC1,50,40\n")
+    assert trial(lists=[("radar", "L1", "mm.csv")]) == 0
+    assert "no place of radar is in lane L1" in capsys.readouterr().out
     (tmp_path / "list.json").write_text('{"format": "other"}')
     for wrong in ("list.json", "."):
         assert trial(lists=[("radar", "L1", wrong)]) == 3
