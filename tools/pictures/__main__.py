@@ -15,7 +15,6 @@ GROUPS = {
     "real_line": "the image of the real line",
     "report": "two pages of a report of the sample survey",
     "hiding": "where a mine could hide in the sample survey",
-    "trial": "the report of a trial that is made up",
     "window": "every tab of the window during a survey, in 800x480",
     "candidates": "the candidates of a survey in the window",
     "replay": "the window during a replay",

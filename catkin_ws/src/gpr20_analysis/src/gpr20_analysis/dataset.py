@@ -45,6 +45,7 @@ AUX_PREFIX = "aux_"
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 
 MM_PER_M = 1000.0
+HZ_PER_MHZ = 1e6
 NAMED = 3
 """Number of samples that a message about many names."""
 

@@ -36,7 +36,7 @@ class Pick:
         x_m: Place along X [m].
         y_m: Place along Y [m].
         depth_m: Depth below the surface [m], as the permittivity gives it.
-        polarization_deg: Rotation of the antennas [deg]; None: a combination of several.
+        polarization_deg: Rotation of the antennas [deg].
         permittivity: Relative permittivity with which the depth was read.
         permittivity_source: Where it is from: `slider`, or the source of an image's permittivity.
         level_db: Level of the image there, relative to its brightest voxel [dB]; None: unknown.
@@ -49,7 +49,7 @@ class Pick:
     x_m: float
     y_m: float
     depth_m: float
-    polarization_deg: Optional[float]
+    polarization_deg: float
     permittivity: float
     permittivity_source: str
     level_db: Optional[float]
@@ -64,7 +64,7 @@ class Pick:
             PickRefusedError: A value is not possible.
         """
         numbers = [self.x_m, self.y_m, self.depth_m, self.permittivity]
-        numbers += [one for one in (self.polarization_deg, self.level_db) if one is not None]
+        numbers += [self.polarization_deg, *([] if self.level_db is None else [self.level_db])]
         is_possible = self.depth_m >= 0.0 and all(math.isfinite(one) for one in numbers)
         if not is_possible or not MIN_PERMITTIVITY <= self.permittivity <= LARGEST_PERMITTIVITY:
             raise PickRefusedError(

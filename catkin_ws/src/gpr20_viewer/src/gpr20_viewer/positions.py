@@ -38,7 +38,7 @@ class Line:
         position_m: Positions along the line [m].
         other_m: Position of the line on the other axis [m].
         height_m: Height of the antennas at each position; the mean where it is unknown [m].
-        rotation_deg: Rotation of the antennas [deg]; NaN: a combination, taken as unseparated.
+        rotation_deg: Rotation of the antennas [deg].
         advance_s: What the step time_zero has taken from the delays [s].
         delay_s: Delay of cables and antennas [s].
     """
@@ -61,8 +61,7 @@ class Line:
         """
         across_m = np.full_like(self.position_m, self.other_m)
         x_m, y_m = (self.position_m, across_m) if self.along == X else (across_m, self.position_m)
-        turn = 0.0 if np.isnan(self.rotation_deg) else np.radians(self.rotation_deg)
-        apart_m = 0.0 if np.isnan(self.rotation_deg) else separation_m / 2.0
+        turn, apart_m = np.radians(self.rotation_deg), separation_m / 2.0
         total = self.delay_s - self.advance_s
         for side in (1.0, -1.0):
             distance_m = np.hypot(
@@ -74,8 +73,7 @@ class Line:
 
     def surface_delays_s(self, separation_m: float) -> np.ndarray:
         """Return the two-way delay of the surface below each position [s]."""
-        apart_m = 0.0 if np.isnan(self.rotation_deg) else separation_m
-        down_m = np.hypot(self.height_m, apart_m / 2.0)
+        down_m = np.hypot(self.height_m, separation_m / 2.0)
         return np.asarray(two_way_delay_s(down_m) + self.delay_s - self.advance_s)
 
     def depth_m(

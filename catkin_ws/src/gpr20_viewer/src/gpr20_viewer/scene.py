@@ -59,10 +59,9 @@ class Scene:
         self.line: Line = session.line(turn, along, self.other_of(place))
 
     @property
-    def polarization_deg(self) -> Optional[float]:
-        """Rotation of the antennas [deg]; None: a combination of several."""
-        turn_deg = self.session.rotations_deg[self.turn]
-        return None if math.isnan(turn_deg) else turn_deg
+    def polarization_deg(self) -> float:
+        """Rotation of the antennas [deg]."""
+        return self.session.rotations_deg[self.turn]
 
     def along_of(self, place: Place) -> float:
         """Return where a place is along the line [m]."""

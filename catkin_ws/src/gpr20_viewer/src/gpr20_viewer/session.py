@@ -74,7 +74,7 @@ class ViewSession:
 
     @property
     def rotations_deg(self) -> Tuple[float, ...]:
-        """Rotation of each polarization [deg]; NaN: a combination."""
+        """Rotation of each polarization [deg]."""
         return tuple(float(one) for one in self.survey[POLARIZATION].values)
 
     @property

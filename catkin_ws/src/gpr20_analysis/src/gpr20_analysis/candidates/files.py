@@ -146,6 +146,5 @@ def _csv(head: Record, records: Sequence[Record], columns: Sequence[str]) -> str
 def _flat(value: Any) -> Any:
     """Return a value as a cell holds it: flags and rotations are separated by spaces."""
     if isinstance(value, list):
-        return " ".join("combined" if one is None else f"{one:g}" if isinstance(one, float) else one
-                        for one in value)  # fmt: skip
+        return " ".join(f"{one:g}" if isinstance(one, float) else one for one in value)
     return int(value) if isinstance(value, bool) else value

@@ -223,7 +223,7 @@ def _candidate(
         y_uncertainty_m=of_place_m[Y],
         depth_uncertainty_m=math.hypot(*of_depth_m) + max(of_permittivity_m, 0.0),
         above_clutter_db=10.0 * math.log10(np.sum(10.0 ** (above_db[counted] / 10.0))),
-        rotations_deg=tuple(None if math.isnan(one) else float(one) for one in rotations_deg),
+        rotations_deg=tuple(map(float, rotations_deg)),
         polarization_ratio_db=ratio_db,
         flags=_flags(members, body, echoes, image, least_db),
     )

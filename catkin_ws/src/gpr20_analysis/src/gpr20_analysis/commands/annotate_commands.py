@@ -7,7 +7,7 @@ import hashlib
 import time
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, Optional
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import ENDINGS, output_paths
@@ -15,7 +15,7 @@ from gpr20_analysis.candidates.markers import MarkerList, marker_lines, write_ma
 from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command, number, print_rows
 from gpr20_analysis.errors import AnalysisError, not_there, wrong_ending
-from gpr20_analysis.read.checks import found_in
+from gpr20_analysis.read.checks import found_rows
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import IN_USE
@@ -24,7 +24,7 @@ from gpr20_common.terminal_text import say
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description, recover
+from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.plan.annotation import (
     Annotation,
     Wgs84Position,
@@ -34,7 +34,7 @@ from gpr20_survey.plan.annotation import (
 from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import list_from
-from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What, present
+from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.trace import utc_time
 
 NAMES = ("name", "operator", "site", "notes", "position", "heading_deg")
@@ -84,13 +84,15 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     written = [one for path in chosen.markers for one in output_paths(path)]
     outputs.check(written, [survey], chosen.overwrite)
     changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}
+    # First, so that nothing is stored of a request that is refused.
+    found_fact = _found_fact(chosen) if all(given) else None
     if changes:
         # What another program annotated meanwhile stays.
         _add(survey, lambda there: Fact(
             Kind.ANNOTATION, replace(annotation_of(there), **changes).values()
         ))  # fmt: skip
-    if all(given):
-        _add_found(chosen)
+    if found_fact is not None:
+        _add(survey, found_fact)
     description = read_description(survey)
     annotation = annotation_of(description)
     markers = _markers(description, annotation, chosen.removed)
@@ -100,7 +102,7 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     texts = {name: "-" if one in (None, "") else str(one) for name, one in values.items()}
     print_rows([(verbatim(name), verbatim(text)) for name, text in texts.items()], catalogue)
     lines = marker_lines(markers, catalogue) if markers.markers else []
-    for line in [*lines, *_found_lines(survey)]:
+    for line in [*lines, *map("  ".join, found_rows(survey))]:
         say(line)
     return DONE
 
@@ -131,7 +133,7 @@ def _now() -> str:
     return utc_time.iso_text(time.time_ns() // utc_time.NS_PER_US)
 
 
-def _add_found(chosen: argparse.Namespace) -> None:
+def _found_fact(chosen: argparse.Namespace) -> Callable[[Dict[str, Any]], Fact]:
     photo = None if chosen.photo is None else read_regular(chosen.photo)
     name = ""
     if photo is not None:
@@ -153,7 +155,7 @@ def _add_found(chosen: argparse.Namespace) -> None:
             durable_files.write_new_file(folder / name, photo)
         return Fact(Kind.FOUND, found.values())
 
-    _add(chosen.survey, fact_of)
+    return fact_of
 
 
 def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
@@ -168,16 +170,6 @@ def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
     ids = ", ".join(one.id for one in listed)
     other = Message("there is no candidate {id}; write {ids}", id=chosen.found, ids=ids)
     raise AnalysisError(other, fault=faults.INPUT)
-
-
-def _found_lines(folder: Path) -> List[str]:
-    """Return a line for the last record of each candidate of each list."""
-    lines = []
-    for one in present(found_in(recover(folder).found.records)):
-        depth = "-" if one.depth_mm is None else f"{one.depth_mm:.0f}"
-        place = (one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value, depth)
-        lines.append("  ".join([*place, one.who, one.time[:16], one.notes]).rstrip())
-    return lines
 
 
 def _markers(description: Dict[str, Any], annotation: Annotation, removed: bool) -> MarkerList:

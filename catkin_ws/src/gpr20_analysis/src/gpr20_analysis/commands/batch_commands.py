@@ -208,7 +208,9 @@ def called(arguments: List[str]) -> Tuple[int, List[str]]:
     said = io.StringIO()
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(said):
         status = main(arguments)
-    return status, said.getvalue().splitlines()
+    lines = said.getvalue().splitlines()
+    # A wrong option: the usage would be said of each survey.
+    return status, lines[-1:] if lines and lines[0].startswith("usage: ") else lines
 
 
 def _jobs(chosen: argparse.Namespace) -> List[Job]:

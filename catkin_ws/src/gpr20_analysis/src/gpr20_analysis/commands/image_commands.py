@@ -7,15 +7,11 @@ import json
 from pathlib import Path
 from typing import List, Tuple
 
-import numpy as np
-
-from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.candidates.answer import Answer, answer
 from gpr20_analysis.candidates.files import ENDINGS, output_paths, write_candidates
 from gpr20_analysis.candidates.table import candidate_lines
 from gpr20_analysis.commands import image_options, inputs, outputs, steps
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.dataset import DEPTH, MM_PER_M, POLARIZATION, is_line
 from gpr20_analysis.errors import StepError
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.imaging.permittivity import permittivity_line
@@ -26,8 +22,6 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_survey.results.candidates import json_text
-
-MOST_SLICES = 12
 
 
 def _add_process(parser: argparse.ArgumentParser) -> None:
@@ -52,19 +46,12 @@ def _add_image(parser: argparse.ArgumentParser) -> None:
     _add_answer(parser)
     meaning = "image as .nc; may be given more than once"
     outputs.add_output(parser, [NETCDF], meaning, action="append", default=[])
-    parser.add_argument(
-        "--figures", type=Path, metavar="FOLDER", help="draw projections and slices as PNG"
-    )
 
 
 def _image(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    folders = [chosen.figures] if chosen.figures else []
-    found, status = _answer(chosen, [*folders, *chosen.output], catalogue)
+    found, status = _answer(chosen, chosen.output, catalogue)
     for path in chosen.output:
         write_dataset(found.image, path)
-    for folder in folders:
-        with atomic_output(folder) as place:
-            _draw(found, place, catalogue)
     _print(found, chosen, catalogue)
     return status
 
@@ -109,23 +96,6 @@ def _print(found: Answer, chosen: argparse.Namespace, catalogue: Catalogue) -> N
     for line in [*notes, permittivity_line(found.image)]:
         say(shown(line, catalogue))
     say(*candidate_lines(found.found, catalogue, chosen.weaker))
-
-
-def _draw(found: Answer, folder: Path, catalogue: Catalogue) -> None:
-    from gpr20_analysis.plotting.projections import projection_figure
-    from gpr20_analysis.plotting.scans import c_scan_figure
-
-    folder.mkdir()
-    image, places = found.image, found.found.shown()
-    for turn, degrees in enumerate(image[POLARIZATION].values):
-        figure = projection_figure(image, turn, places, catalogue)
-        word = "combined" if np.isnan(degrees) else f"{degrees:g}deg"
-        outputs.save_figure(figure, folder / f"projections_{word}.png")
-    marked = [] if is_line(image) else places[:MOST_SLICES]
-    depths_m = image[DEPTH].sel(depth=[one.depth_m for one in marked], method="nearest")
-    for depth_m in list(dict.fromkeys(depths_m.values.tolist())):
-        figure = c_scan_figure(image, depth_m, catalogue)
-        outputs.save_figure(figure, folder / f"slice_{round(depth_m * MM_PER_M):04d}mm.png")
 
 
 PROCESS = Command(

@@ -87,8 +87,8 @@ def _within(data: xr.Dataset, axis: str, given: Optional[float], scale: float, u
 
 
 PLOT = Command(
-    "Draw a survey or its A-scans. Missing samples are grey and counted below it. Those of an "
-    "image are written by gpr20 image --figures.",
+    "Draw a survey or its A-scans. Missing samples are grey and counted below it. The image "
+    "is in gpr20 report and gpr20 view.",
     _add_arguments,
     _plot,
 )

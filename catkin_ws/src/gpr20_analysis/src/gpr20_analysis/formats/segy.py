@@ -43,9 +43,8 @@ LINES, LINE_LENGTH = 40, 80
 
 
 def file_of(path: Path, rotation_deg: float) -> Path:
-    """Return the file of a polarization, such as NAME_090.sgy; NAME_combined.sgy for both."""
-    word = "combined" if np.isnan(rotation_deg) else f"{round(float(rotation_deg)):03d}"
-    return path.with_name(f"{path.stem}_{word}{path.suffix}")
+    """Return the file of a polarization, such as NAME_090.sgy."""
+    return path.with_name(f"{path.stem}_{round(float(rotation_deg)):03d}{path.suffix}")
 
 
 def write_segy(survey: xr.Dataset, path: Path, progress: Progress = no_progress) -> int:

@@ -19,7 +19,6 @@ from gpr20_analysis.plotting.style import (
     draw,
     in_mm,
     new_figure,
-    rotation_name,
 )
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
@@ -53,7 +52,7 @@ def projection_figure(
     """
     title = catalogue.tr(
         "Maximum projections, {rotation}, permittivity {permittivity:.3g}",
-        rotation=rotation_name(float(image[POLARIZATION][turn]), image, catalogue),
+        rotation=f"{float(image[POLARIZATION][turn]):g}°",
         permittivity=float(image.attrs.get("permittivity", np.nan)),
     )
     magnitude, scale = _magnitude(image)

@@ -30,7 +30,6 @@ from gpr20_analysis.plotting.style import (
     draw_plan,
     in_mm,
     new_figure,
-    rotation_name,
     turn_panels,
 )
 from gpr20_analysis.processing.delay import ADVANCE
@@ -88,7 +87,7 @@ def a_scan_figure(
     axes = figure.subplots()
     delay_ns = shown[DELAY].values * NS_PER_S
     for turn, values in zip(in_time[POLARIZATION].values, trace.values):
-        name = rotation_name(float(turn), in_time, catalogue)
+        name = f"{turn:g}°"
         label = catalogue.tr("{rotation}, envelope", rotation=name)
         (line,) = axes.plot(delay_ns, np.abs(values), label=label)
         label = catalogue.tr("{rotation}, real part", rotation=name)

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gpr20_analysis.dataset import DISPLAY_ONLY, MM_PER_M, POLARIZATION, is_line
-from gpr20_analysis.processing.samples import COMBINED
 from gpr20_analysis.sentences import (
     DOUBTS,
     ENGLISH,
@@ -92,13 +91,6 @@ def remarks_of(data: xr.Dataset) -> List[Message]:
     return [*remarks, *sentences_of(data, DOUBTS), *limited(sentences_of(data, NOTES), LISTED)]
 
 
-def rotation_name(turn_deg: float, data: xr.Dataset, catalogue: Catalogue = ENGLISH) -> str:
-    """Return the name of a polarization."""
-    if np.isnan(turn_deg):
-        return catalogue.text(sentence_of(data, COMBINED) or Message("combination"))
-    return f"{turn_deg:g}°"
-
-
 def turn_panels(
     data: xr.Dataset, title: str, catalogue: Catalogue, **options: Any
 ) -> Tuple[Figure, List[Axes]]:
@@ -107,7 +99,7 @@ def turn_panels(
     figure = new_figure(data, len(turns), title, catalogue)
     panels = list(figure.subplots(1, len(turns), squeeze=False, **options)[0])
     for axes, turn in zip(panels, turns):
-        axes.set_title(rotation_name(float(turn), data, catalogue), fontsize=PANEL_TITLE_PT)
+        axes.set_title(f"{turn:g}°", fontsize=PANEL_TITLE_PT)
     return figure, panels
 
 

@@ -1,39 +1,23 @@
-"""Polarizations: one selected, two combined, and a reference of the same ones."""
+"""Polarizations: one selected, and a reference of the same ones."""
 
 from __future__ import annotations
-
-import enum
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import (
-    A_SCAN,
     FREQUENCY,
+    HZ_PER_MHZ,
     POLARIZATION,
-    S21,
-    SAMPLE_DIMS,
 )
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.sentences import with_sentence
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 
 ROTATION_TOLERANCE_DEG = 0.5
 # Of the sweep's step.
 FREQUENCY_TOLERANCE = 1e-3
-COMBINED = "polarizations"
-"""Attribute: how a polarization was combined of two."""
-
-
-class Combination(enum.Enum):
-    """How two polarizations become one."""
-
-    SUM = "sum"
-    """Independent of the orientation of a target."""
-    DIFFERENCE = "difference"
-    """Shows targets that reflect one polarization more, such as elongated ones."""
 
 
 def select_polarization(survey: xr.Dataset, rotation_deg: float) -> xr.Dataset:
@@ -87,45 +71,9 @@ def matched(reference: xr.Dataset, survey: xr.Dataset) -> xr.Dataset:
 def _settings(data: xr.Dataset) -> Message:
     frequency_hz = data[FREQUENCY].values
     return Message(
-        "{start_hz:g} to {stop_hz:g} Hz, {count} points, {rotations} deg",
-        start_hz=frequency_hz[0],
-        stop_hz=frequency_hz[-1],
+        "{start_mhz:g} to {stop_mhz:g} MHz, {count} points, {rotations} deg",
+        start_mhz=frequency_hz[0] / HZ_PER_MHZ,
+        stop_mhz=frequency_hz[-1] / HZ_PER_MHZ,
         count=len(frequency_hz),
         rotations=tuple(map(numeral, data[POLARIZATION].values)),
     )
-
-
-def combine_polarizations(survey: xr.Dataset, method: Combination = Combination.SUM) -> xr.Dataset:
-    """Combine the two polarizations of a survey into one; its rotation is NaN.
-
-    A sample that is missing in one of them is missing. The height is the mean of both.
-
-    Raises:
-        WrongDatasetError: The data do not have two polarizations.
-    """
-    turns = survey[POLARIZATION].values
-    if len(turns) != 2:
-        raise WrongDatasetError(
-            Message(
-                "the data have {count} polarizations; a combination needs two", count=len(turns)
-            )
-        )
-    sign = 1.0 if method is Combination.SUM else -1.0
-    combined = xr.Dataset(attrs=dict(survey.attrs))
-    for name, variable in survey.data_vars.items():
-        if variable.dims != SAMPLE_DIMS and name not in (S21, A_SCAN):
-            continue
-        first, second = (variable.isel({POLARIZATION: index}, drop=True) for index in (0, 1))
-        if variable.dtype.kind in "fc":
-            combined[name] = (first + (sign if name in (S21, A_SCAN) else 1.0) * second) / 2.0
-        elif variable.dtype.kind in "bu":
-            combined[name] = first | second
-    combined = combined.expand_dims({POLARIZATION: [np.nan]})
-    for kept in combined.variables:
-        combined[kept].attrs.update(survey[kept].attrs)
-    values = {"first_deg": turns[0], "second_deg": turns[1]}
-    if method is Combination.SUM:
-        name = Message("sum of {first_deg:g} and {second_deg:g} deg", **values)
-    else:
-        name = Message("difference of {first_deg:g} and {second_deg:g} deg", **values)
-    return combined.assign_attrs(with_sentence(combined.attrs, COMBINED, name))

@@ -22,7 +22,6 @@ from gpr20_analysis.processing.antenna_step import without_antenna
 from gpr20_analysis.processing.background import remove_background, subtract_coupling
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.samples import (
-    combine_polarizations,
     select_polarization,
 )
 from gpr20_analysis.processing.sweep import select_band
@@ -37,7 +36,6 @@ FUNCTIONS: Dict[str, Callable[..., xr.Dataset]] = {
     "background": remove_background,
     "band": select_band,
     "time_zero": set_time_zero,
-    "combine": combine_polarizations,
     "polarization": select_polarization,
     "time": to_time,
 }

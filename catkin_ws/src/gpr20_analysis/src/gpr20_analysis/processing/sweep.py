@@ -9,7 +9,7 @@ import scipy.fft
 import xarray as xr
 
 from gpr20_analysis import faults
-from gpr20_analysis.dataset import FREQUENCY, S21, S21_DIMS, require
+from gpr20_analysis.dataset import FREQUENCY, HZ_PER_MHZ, S21, S21_DIMS, require
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -129,13 +129,13 @@ def select_band(survey: xr.Dataset, start_hz: float, stop_hz: float) -> xr.Datas
     if np.count_nonzero(kept) < 2:
         raise WrongDatasetError(
             Message(
-                "the band {start_hz:g} to {stop_hz:g} Hz contains {count} frequencies of the sweep "
-                "{first_hz:g} to {last_hz:g} Hz; two or more are needed",
-                start_hz=start_hz,
-                stop_hz=stop_hz,
+                "the band {start_mhz:g} to {stop_mhz:g} MHz contains {count} frequencies of the "
+                "sweep {first_mhz:g} to {last_mhz:g} MHz; two or more are needed",
+                start_mhz=start_hz / HZ_PER_MHZ,
+                stop_mhz=stop_hz / HZ_PER_MHZ,
                 count=np.count_nonzero(kept),
-                first_hz=frequency_hz[0],
-                last_hz=frequency_hz[-1],
+                first_mhz=frequency_hz[0] / HZ_PER_MHZ,
+                last_mhz=frequency_hz[-1] / HZ_PER_MHZ,
             ),
             fault=NOT_ALLOWED,
         )

@@ -13,6 +13,7 @@ from gpr20_analysis.dataset import (
     ATTRIBUTES,
     DELAY,
     FREQUENCY,
+    HZ_PER_MHZ,
     S21,
     S21_DIMS,
     SAMPLE_DIMS,
@@ -65,22 +66,22 @@ def to_frequency(
         start_hz, stop_hz, points = _band_of(survey, a_scans.values, step_s)
         notes = [
             Message(
-                "the frequencies of the A-scans are not recorded; the band {start_hz:.4g} to "
-                "{stop_hz:.4g} Hz was taken from the spectra; give --band if it is different",
-                start_hz=start_hz,
-                stop_hz=stop_hz,
+                "the frequencies of the A-scans are not recorded; the band {start_mhz:.4g} to "
+                "{stop_mhz:.4g} MHz was taken from the spectra; give --band if it is different",
+                start_mhz=start_hz / HZ_PER_MHZ,
+                stop_mhz=stop_hz / HZ_PER_MHZ,
             )
         ]
     # Written so that NaN is refused too.
     if not (0.0 < start_hz < stop_hz <= 1.0 / step_s and points >= 2):
         raise WrongDatasetError(
             Message(
-                "the band {start_hz:g} to {stop_hz:g} Hz with {points} points is not allowed; it "
-                "must lie between 0 and {highest_hz:g} Hz and have 2 points or more",
-                start_hz=start_hz,
-                stop_hz=stop_hz,
+                "the band {start_mhz:g} to {stop_mhz:g} MHz with {points} points is not allowed; "
+                "it must lie between 0 and {highest_mhz:g} MHz and have 2 points or more",
+                start_mhz=start_hz / HZ_PER_MHZ,
+                stop_mhz=stop_hz / HZ_PER_MHZ,
                 points=points,
-                highest_hz=1.0 / step_s,
+                highest_mhz=1.0 / step_s / HZ_PER_MHZ,
             ),
             fault=NOT_ALLOWED,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 from gpr20_analysis.read.traces import of_other_survey
 from gpr20_analysis.read.verdict import Verification
@@ -16,12 +16,12 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.files.file_sums import FileSum, sum_if_readable, sum_of_file
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.folder.recovery import RecoveredSurvey
+from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.folder.survey_folder import BAG_FILE, DAMAGED_FOLDER, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
-from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of
+from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of, present
 from gpr20_survey.trace import trace_message
 
 DATA = "traces and recording"
@@ -76,6 +76,21 @@ def found_in(records: Sequence[LogRecord]) -> List[Found]:
     """Return what the records of a log say was found; those of later versions are left out."""
     values = [one.values for one in records if one.kind == Kind.FOUND]
     return [found_of(one) for one in values if one.get("format") == FORMAT]
+
+
+def found_rows(folder: Path) -> List[Tuple[str, ...]]:
+    """Return what people found in a survey's folder: a row for each candidate of each list.
+
+    Candidate, x and y [mm], what, depth [mm], who, when, notes; the last record counts.
+    """
+    return [
+        (
+            *(one.candidate, f"{one.x_mm:.0f}", f"{one.y_mm:.0f}", one.what.value),
+            "-" if one.depth_mm is None else f"{one.depth_mm:.0f}",
+            *(one.who, one.time[:16], one.notes),
+        )
+        for one in present(found_in(recover(folder).found.records))
+    ]
 
 
 def _photo_faults(folder: Path, records: Sequence[LogRecord]) -> List[Message]:

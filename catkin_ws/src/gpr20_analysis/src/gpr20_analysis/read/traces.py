@@ -8,7 +8,7 @@ from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
-from gpr20_analysis.dataset import AXIS, HEIGHT, SAMPLE_DIMS
+from gpr20_analysis.dataset import AXIS, HEIGHT, HZ_PER_MHZ, SAMPLE_DIMS
 from gpr20_analysis.read.sources import Damage
 from gpr20_analysis.read.survey_attributes import OF_ANALYZER
 from gpr20_analysis.read.survey_grid import SurveyGrid, exact_grid, grid_of, planned_positions
@@ -106,11 +106,11 @@ class TraceTable:
             self.other_frequencies += 1
             message = Message(
                 "trace {index} has other frequencies than the first trace: {count} from "
-                "{first_hz:g} to {last_hz:g} Hz",
+                "{first_mhz:g} to {last_mhz:g} MHz",
                 index=trace.index,
                 count=len(trace.frequency_hz),
-                first_hz=trace.frequency_hz[0],
-                last_hz=trace.frequency_hz[-1],
+                first_mhz=trace.frequency_hz[0] / HZ_PER_MHZ,
+                last_mhz=trace.frequency_hz[-1] / HZ_PER_MHZ,
                 details=trace.sample_id,
             )
             self.faults.append(Damage(message, trace.index))

@@ -20,6 +20,7 @@ from gpr20_analysis.imaging.permittivity import permittivity_line
 from gpr20_analysis.plotting import maps, projections, scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
+from gpr20_analysis.read.checks import found_rows
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_attributes import NAME, SITE
 from gpr20_analysis.read.verification import FILES, verify_survey
@@ -40,6 +41,7 @@ from gpr20_common.catalogue import Catalogue, Language, language_from_code, read
 from gpr20_common.message import Message, numeral, verbatim
 from gpr20_common.mid.checks import with_unit
 from gpr20_survey.folder.log_record import Kind, log_values
+from gpr20_survey.folder.survey_folder import LOG_FILE
 from gpr20_survey.results.candidates import NO_CLEARANCE, CandidateList
 from gpr20_survey.results.candidates import SIMULATED as SIMULATED_LIST
 from gpr20_survey.results.hiding_map import ONLY_THIS, HidingMap
@@ -97,6 +99,7 @@ def write_report(
         _missed(survey, found, hiding, catalogue),
         _believed(survey, Path(path), found, catalogue),
         *([] if found is None else [_image(found, steps, options, catalogue)]),
+        *_found(Path(path), catalogue),
         *_markers(survey, catalogue),
         _quality(survey, catalogue),
         _measured(survey, options, catalogue),
@@ -250,6 +253,14 @@ def _b_scans(
 def _middle(survey: xr.Dataset) -> Tuple[float, float]:
     x_m, y_m = (float(survey[axis][survey.sizes[axis] // 2]) for axis in (dataset.X, dataset.Y))
     return x_m, y_m
+
+
+def _found(path: Path, catalogue: Catalogue) -> List[Section]:
+    """Return what people found where they dug, of a survey's folder."""
+    rows = found_rows(path) if (path / LOG_FILE).is_file() else []
+    names = ("candidate", "x mm", "y mm", "found", "depth mm", "operator", "time", "notes")
+    heading = tuple(map(catalogue.tr, names))
+    return [Section(catalogue.tr("What people found"), heading=heading, rows=rows)] if rows else []
 
 
 def _markers(survey: xr.Dataset, catalogue: Catalogue) -> List[Section]:

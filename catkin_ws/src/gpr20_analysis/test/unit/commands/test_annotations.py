@@ -207,6 +207,15 @@ def test_a_record_has_place_depth_list_who_and_photograph_and_is_corrected_by_an
     assert [one.split()[:1] for one in printed[-2:]] == [["C02"], ["C03"]]
 
 
+@pytest.mark.usefixtures("blank_figures")
+def test_the_report_says_what_people_found(folder, listed, tmp_path):
+    assert note(folder, listed, "C02", "device", "--remark", "PMN") == 0
+    report = tmp_path / "report.html"
+    main(["report", str(folder), "-o", str(report), "--permittivity", "4"])
+    (section,) = report.read_text("utf-8").split("What people found")[1:]
+    assert all(one in section for one in ("C02", "device", "Ana", "PMN"))
+
+
 def test_verify_finds_a_photograph_that_is_not_the_one_of_the_log(folder, listed, photo, capsys):
     assert note(folder, listed, "C01", "scrap", "--photo", str(photo)) == 0
     stored = folder / "photos" / read_found(folder)[0].photo
@@ -231,10 +240,11 @@ def test_a_folder_of_photographs_that_leads_elsewhere_is_refused(folder, listed,
 def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, tmp_path, capsys):
     other = tmp_path / "other.json"
     other.write_text(json_text(candidate_list([candidate(1)])), encoding="utf-8")
-    before = sorted(os.walk(folder))
+    before, log = sorted(os.walk(folder)), (folder / "log.jsonl").read_bytes()
     of_list, whole = ("--list", str(listed)), ("--what", "scrap", "--who", "A")
     for options, said in (
         (("--found", "C09", *of_list, *whole), "C01, C02, C03"),
+        (("--name", "X", "--found", "C09", *of_list, *whole), "C01, C02, C03"),
         (("--found", "C01", *whole), "--list"),
         (whole, "--found"),
         (("--found", "C01", *of_list, "--what", "scrap"), "with --who"),
@@ -246,7 +256,7 @@ def test_what_is_not_complete_is_refused_and_nothing_is_stored(folder, listed, t
     ):
         assert annotate(folder, *options) == 3, options
         assert said in capsys.readouterr().err, options
-    assert sorted(os.walk(folder)) == before and read_found(folder) == []
+    assert sorted(os.walk(folder)) == before and (folder / "log.jsonl").read_bytes() == log
 
 
 def test_a_record_of_a_later_version_is_left_out_and_a_damaged_one_is_a_fault(folder, listed):

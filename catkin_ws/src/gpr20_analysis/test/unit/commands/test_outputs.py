@@ -62,13 +62,12 @@ def test_a_folder_that_holds_something_is_never_replaced(finished, tmp_path, ref
     home = str(tmp_path / "home")
     for call in (
         ("export", str(finished), home, "--format", "touchstone", "--overwrite"),
-        ("image", str(finished), *IMAGE, "--figures", home, "--overwrite"),
         ("process", str(finished), "--step", "time", "-o", home + ".nc", "--overwrite"),
     ):
         if call[0] == "process":
             (tmp_path / "home").rename(home + ".nc")
         assert main(list(call)) == 3, call
-    assert refusals == 3 * [NOT_ALLOWED.code]
+    assert refusals == 2 * [NOT_ALLOWED.code]
     assert (tmp_path / "home.nc" / "thesis.txt").read_text() == "precious"
 
 

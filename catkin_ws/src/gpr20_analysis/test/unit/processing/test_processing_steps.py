@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import S21_DIMS
-from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
 from gpr20_analysis.processing.chain import (
     apply_steps,
@@ -23,8 +21,6 @@ from gpr20_analysis.processing.chain import (
 )
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.samples import (
-    Combination,
-    combine_polarizations,
     select_polarization,
 )
 from gpr20_analysis.processing.sweep import FrequencyGrid, select_band
@@ -96,20 +92,6 @@ def test_a_scans_become_the_spectra_that_they_were_made_of():
     np.testing.assert_allclose(found.s21.values, measured.s21.values, atol=1e-9)
 
 
-def test_a_difference_shows_what_one_polarization_sees_alone_and_can_be_imaged():
-    both, wire = survey(TARGET), survey(TARGET)
-    wire.s21[1] += 1e-3
-    assert power(combine_polarizations(both, Combination.DIFFERENCE)) < 1e-6 * power(both)
-    difference = combine_polarizations(wire, Combination.DIFFERENCE)
-    np.testing.assert_allclose(difference.s21.values, -0.5e-3, atol=1e-5)
-    assert np.isnan(difference.polarization.values[0])
-    assert "difference" in difference.attrs["polarizations"]
-    combined = combine_polarizations(remove_background(wire))
-    assert image_survey(combined, ImageOptions(permittivity=4.0)).sizes["polarization"] == 1
-    with raises_fault(faults.STEPS):
-        combine_polarizations(combined)
-
-
 def test_parameters_and_references_that_do_not_suit_are_refused():
     measured = survey(TARGET)
     band = select_band(measured, 1.14e9, 1.248e9)
@@ -177,7 +159,7 @@ def never(path):
 def test_the_recorded_steps_repeat_the_result(tmp_path):
     read = []
     texts = [f"coupling:reference={tmp_path}/sky.nc", "background:method=moving,width=5"]
-    texts += ["time_zero", "combine:method=difference", "time"]
+    texts += ["time_zero", "time"]
     steps = [step_from_text(text) for text in texts]
     first = apply_steps(FEW, steps, lambda path: read.append(path) or FEW * 0.5)
     assert read == [f"{tmp_path}/sky.nc"]

@@ -39,10 +39,7 @@ class Settings(QWidget):
         background: bool,
     ) -> None:
         super().__init__()
-        turns = {
-            "combination" if math.isnan(one) else f"{one:g}°": number
-            for number, one in enumerate(rotations_deg)
-        }
+        turns = {f"{one:g}°": number for number, one in enumerate(rotations_deg)}
         self.tree = Parameter.create(
             name="settings",
             type="group",

@@ -243,13 +243,13 @@ class PicksTab(QWidget):
 
 
 def _row(pick: Pick) -> Dict[str, str]:
-    turn_deg, level_db = pick.polarization_deg, pick.level_db
+    level_db = pick.level_db
     return {
         NAME: pick.id,
         "x mm": f"{pick.x_m * MM_PER_M:.0f}",
         "y mm": f"{pick.y_m * MM_PER_M:.0f}",
         "depth mm": f"{pick.depth_m * MM_PER_M:.0f}",
-        "rotation": "combination" if turn_deg is None else f"{turn_deg:g}°",
+        "rotation": f"{pick.polarization_deg:g}°",
         NOTE: pick.note,
         "permittivity": f"{pick.permittivity:.3g}",
         "level dB": "" if level_db is None else f"{round(level_db, 1) + 0.0:.1f}",
