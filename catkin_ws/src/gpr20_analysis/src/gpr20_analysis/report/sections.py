@@ -258,9 +258,12 @@ def _middle(survey: xr.Dataset) -> Tuple[float, float]:
 def _found(path: Path, catalogue: Catalogue) -> List[Section]:
     """Return what people found where they dug, of a survey's folder."""
     rows = found_rows(path) if (path / LOG_FILE).is_file() else []
-    names = ("candidate", "x mm", "y mm", "found", "depth mm", "operator", "time", "notes")
-    heading = tuple(map(catalogue.tr, names))
-    return [Section(catalogue.tr("What people found"), heading=heading, rows=rows)] if rows else []
+    tr = catalogue.tr
+    heading = (
+        *(tr("candidate"), tr("x mm"), tr("y mm"), tr("found"), tr("depth mm")),
+        *(tr("operator"), tr("time"), tr("notes")),
+    )
+    return [Section(tr("What people found"), heading=heading, rows=rows)] if rows else []
 
 
 def _markers(survey: xr.Dataset, catalogue: Catalogue) -> List[Section]:
