@@ -124,6 +124,7 @@ SCANS = {"a_scans": np.ones((5, 200)), "time_s": TIME_S, "s21": None, "frequency
         ({**SCANS, "time_s": TIME_S**1.01}, ["time_s", "equal steps"]),
         ({**SCANS, "time_s": TIME_S * 1e9}, ["time_s", "0.0001"]),
         ({"delay_s": "late"}, ["delay_s"]),
+        ({"s21": np.zeros((5, 21), complex)}, ["no sample other than 0"]),
     ],
 )
 def test_what_does_not_fit_is_named(tmp_path, arrays, shown):

@@ -135,7 +135,7 @@ def on_grid(
 
     Raises:
         DamagedSurveyError: The positions do not form a grid.
-        UnreadableFileError: Two samples have the same position.
+        UnreadableFileError: Two samples have the same position, or all are 0.
     """
     notes = list(notes)
     known = _on_known_grid(positions, facts)
@@ -157,6 +157,11 @@ def on_grid(
     height_m[cells] = heights_m
     for cell, spectrum in zip(cells, spectra):
         values[cell] = spectrum
+    if not np.nan_to_num(values).any():
+        raise UnreadableFileError(
+            Message("{source} has no sample other than 0; give measured data", source=source),
+            fault=faults.INPUT,
+        )
     data = as_dataset(
         values.reshape(*grid.shape, -1),
         grid.polarization_deg,
