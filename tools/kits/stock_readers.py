@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, Dict, Iterator
 
 import yaml
+import zstandard
 from mcap.exceptions import McapError
 from mcap.reader import McapReader, NonSeekingReader, make_reader
 from rosbags.highlevel import AnyReader
@@ -58,7 +59,7 @@ def torn_mcap_traces(path: Path) -> Iterator[Any]:
     with path.open("rb") as file:
         try:
             yield from _messages_of(NonSeekingReader(file))
-        except (McapError, EOFError, struct.error, ValueError):
+        except (McapError, EOFError, struct.error, ValueError, zstandard.ZstdError):
             # Torn here; what was acknowledged must have come before.
             return
 

@@ -5,12 +5,11 @@ import multiprocessing
 import os
 import sys
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
-from fault_suite import judge, worker
+from fault_suite import worker
 from fault_suite.__main__ import main
-from fault_suite.judge import Became, Ledger
+from fault_suite.judge import Ledger
 from run_seed import SEED
 
 from gpr20_survey.folder.log_record import Kind
@@ -35,10 +34,7 @@ def suite(folder, *options):
     "options", [["--quick"], pytest.param(["--quick", "--count", "20"], marks=pytest.mark.release)]
 )
 def test_nothing_is_lost_doubled_moved_or_laundered_by(options, tmp_path):
-    assert suite(tmp_path, *options, "--only", "kills", "cuts", "flips", "calls", "writers") == (
-        NOTHING_LOST,
-        "",
-    )
+    assert suite(tmp_path, *options) == (NOTHING_LOST, "")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -60,18 +56,14 @@ def add_twice(log, record, add=SurveyLog.add):
     return add(log, log.next(Kind(record.kind), record.values, record.time))
 
 
-INTACT = SimpleNamespace(status=0, verdict="intact")
-
-
 @pytest.mark.timeout(LIMIT_S)
 @pytest.mark.parametrize(
     ("module", "name", "broken", "options", "found"),
     [
-        (worker, "new_storage", without_fsync, "cuts --simulated-disk --count 8", ["LOST"]),
+        (worker, "new_storage", without_fsync, "calls --count 40", ["LOST"]),
         (worker, "new_storage", with_other_numbers, "calls --count 1", ["CHANGED", "LAUNDERED"]),
         (worker, "add_fact", lambda _processing, _fact: None, "kills --count 2", ["LOST"]),
         (SurveyLog, "add", add_twice, "calls --count 4", ["DOUBLED"]),
-        (judge, "verify_survey", lambda _folder: INTACT, "flips --count 8", ["UNSEEN"]),
     ],
 )
 def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path, monkeypatch):
@@ -87,10 +79,11 @@ def test_each_difference_of_a_trace_is_found():
     right, other = (json.loads(trace_json.encode(worker.TRACES[one])) for one in (0, 1))
     for traces, became in (
         ([right], []),
-        ([], [Became.LOST]),
-        ([right, right], [Became.DOUBLED]),
-        ([{**right, "x_coord_mm": 11.0}], [Became.MOVED, Became.CHANGED]),
-        ([{**right, "s21_real": other["s21_real"]}], [Became.CHANGED]),
-        ([right, other], [Became.CHANGED]),
+        ([], ["LOST"]),
+        ([right, right], ["DOUBLED"]),
+        ([{**right, "x_coord_mm": 11.0}], ["MOVED", "CHANGED"]),
+        ([{**right, "s21_real": other["s21_real"]}], ["CHANGED"]),
+        ([right, other], ["CHANGED"]),
     ):
-        assert [one for one, _ in ledger.of_traces("JSON", traces, ledger.stored)] == became
+        found = ledger.of_traces("JSON", traces, ledger.stored)
+        assert [one.split(":")[0] for one in found] == became
