@@ -80,58 +80,6 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
     )
 
 
-class MemoryRecording:
-    """A recording whose disk can be full."""
-
-    def __init__(self) -> None:
-        self.collected: List[RecordedMessage] = []
-        self.durable: List[RecordedMessage] = []
-        self.error: Any = None
-        self.finished = False
-
-    @property
-    def collected_bytes(self) -> int:
-        """How much waits for a commit [bytes]."""
-        return sum(len(message.data) for message in self.collected)
-
-    def write(self, message: RecordedMessage) -> None:
-        """Collect a message."""
-        self.collected.append(message)
-
-    def write_alone(self, message: RecordedMessage) -> None:
-        """Collect a message that may stand alone."""
-        self.write(message)
-
-    def in_place(self) -> bool:
-        """Return whether it is where it was made."""
-        return True
-
-    def commit(self) -> None:
-        """Make durable what was collected, unless the disk is full."""
-        if self.error is not None:
-            raise self.error
-        self.durable += self.collected
-        self.collected = []
-
-    def finish(self) -> None:
-        """Make everything durable, and accept nothing more."""
-        self.commit()
-        self.finished = True
-
-    def abandon(self) -> None:
-        """Forget what was collected."""
-        self.collected = []
-
-    def texts(self, topic: str) -> List[str]:
-        """Return the texts of a topic that are durable."""
-        durable: Iterable[Any] = (
-            TYPES.deserialize_ros1(message.data, "std_msgs/msg/String")
-            for message in self.durable
-            if message.topic == topic
-        )
-        return [message.data for message in durable]
-
-
 class Kit:
     """A storage over a temporary folder and what it said."""
 

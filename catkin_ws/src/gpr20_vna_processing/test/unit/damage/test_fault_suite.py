@@ -1,6 +1,5 @@
 """The quick course of the fault suite, and that it finds what a broken storage does."""
 
-import json
 import multiprocessing
 import os
 import sys
@@ -9,12 +8,10 @@ from dataclasses import replace
 import pytest
 from fault_suite import worker
 from fault_suite.__main__ import main
-from fault_suite.judge import Ledger
 from run_seed import SEED
 
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
-from gpr20_survey.trace import trace_json
 
 LIMIT_S = 600.0
 NOTHING_LOST, LOST = 0, 1
@@ -71,19 +68,3 @@ def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path
     status, failures = suite(tmp_path, "--only", *options.split())
     assert status == LOST
     assert all(one in failures for one in found)
-
-
-def test_each_difference_of_a_trace_is_found():
-    ledger = Ledger()
-    ledger.stored.add(0)
-    right, other = (json.loads(trace_json.encode(worker.TRACES[one])) for one in (0, 1))
-    for traces, became in (
-        ([right], []),
-        ([], ["LOST"]),
-        ([right, right], ["DOUBLED"]),
-        ([{**right, "x_coord_mm": 11.0}], ["MOVED", "CHANGED"]),
-        ([{**right, "s21_real": other["s21_real"]}], ["CHANGED"]),
-        ([right, other], ["CHANGED"]),
-    ):
-        found = ledger.of_traces("JSON", traces, ledger.stored)
-        assert [one.split(":")[0] for one in found] == became
