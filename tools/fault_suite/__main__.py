@@ -18,13 +18,14 @@ from __future__ import annotations
 
 import argparse
 import errno
+import itertools
 import random
 import shutil
 import sys
 import tempfile
 import time
 from pathlib import Path
-from typing import Any, Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, List, Optional, Sequence
 
 from failing_disk import FOR_EVER, Failure
 from power_cut_disk import PowerCutDisk, PowerCutError, can_be_cut
@@ -45,26 +46,103 @@ ERRORS = (errno.ENOSPC, errno.EIO, errno.EROFS, errno.EDQUOT)
 LOST_SHARES = (0.3, 0.5, 0.8, 1.0)
 
 
-class Course(NamedTuple):
-    """What one seed gives: its random numbers, a folder, what is acknowledged and wrong there."""
+class Course:
+    """What one seed gives: each method makes accidents of one kind in one survey.
 
-    chance: random.Random
-    place: Path
-    ledger: Ledger
-    wrong: List[str]
+    Attributes:
+        ledger: What was acknowledged.
+        wrong: What was not found of it.
+        count: How many accidents there were.
+    """
 
-    def interrupt(self, data: Path, strike: Callable[[Worker], bool], *fault: Any) -> int:
+    def __init__(self, name: str, place: Path) -> None:
+        self.chance, self.place = random.Random(name), place
+        self.ledger, self.count = Ledger(), 0
+        self.wrong: List[str] = []
+        place.mkdir(parents=True)
+
+    def kills(self) -> None:
+        """Kill a worker with -9 at a random moment of a step."""
+
+        def kill(worker: Worker) -> bool:
+            time.sleep(STEP_S * self.chance.random())
+            return worker.end(kill=True)
+
+        self._interrupt(self.place / "data", kill)
+
+    def cuts(self) -> None:
+        """Cut the power of an ext4 in a file."""
+        disk = PowerCutDisk(self.place)
+        disk.mount()
+        (disk.folder / "data").mkdir()
+        disk.write_back()
+
+        def cut(worker: Worker) -> bool:
+            time.sleep(STEP_S * self.chance.random())
+            worker.freeze()
+            disk.cut()
+            worker.end(kill=True)
+            disk.unmount()
+            disk.mount()
+            return True
+
+        self._interrupt(disk.folder / "data", cut)
+        disk.unmount()
+
+    def calls(self) -> None:
+        """Let calls of the disk fail, or cut the power of a model of it, which tears files."""
+        chance, data, after = self.chance, self.place / "data", self.place / "after"
+        failure = Failure(
+            chance.randrange(MOST_CALLS),
+            power=chance.random() < 0.3,
+            lost_share=chance.choice(LOST_SHARES),
+            seed=chance.getrandbits(30),
+            by_sector=chance.random() < 0.8,
+            error=chance.choice(ERRORS),
+            lasts=chance.choice(FAILING),
+            short=chance.random() < 0.5,
+        )
+
+        def fail(worker: Worker) -> bool:
+            worker.end()
+            if after.exists():
+                shutil.rmtree(str(data))
+                after.rename(data)
+            return failure.power or bool(worker.texts(Event.FAILED))
+
+        self._interrupt(data, fail, failure, after)
+
+    def writers(self) -> None:
+        """Let two processes reopen a survey, add to it and finish it; one may be refused."""
+        data, chance = self.place / "data", self.chance
+        data.mkdir()
+        steps = new_course(chance, begins=True)
+        # It was finished, stopped, interrupted or crashed.
+        end = chance.choice([Call.FINISHED, Call.STOPPED, Call.SHUT_DOWN, None])
+        if end is not Call.FINISHED:
+            ends = (Call.FINISHED, Call.STOPPED)
+            last = next(number for number, one in enumerate(steps) if one.call in ends)
+            steps = steps[: chance.randint(2, last)] + ([Step(end)] if end else [])
+        self._end(Worker(data, steps))
+        pair = [Worker(data, new_course(chance, begins=False)) for _ in range(2)]
+        for worker in pair:
+            self._end(worker)
+        self.count += 1
+        self.wrong.extend(dict.fromkeys(judged(data, self.ledger, *pair)))
+
+    def _end(self, worker: Worker) -> None:
+        worker.end()
+        self.ledger.take_down(worker)
+
+    def _interrupt(self, data: Path, strike: Callable[[Worker], bool], *fault: Any) -> None:
         """Let workers have accidents in one survey, one after the other, each at a random step.
 
         Args:
             data: The data folder.
             strike: Ends a worker whose step has begun; returns whether it had an accident.
             fault: How the disk of a worker fails from that step on.
-
-        Returns:
-            How many accidents there were.
         """
-        count, chance = 0, self.chance
+        chance = self.chance
         data.mkdir(exist_ok=True)
         for turn in range(chance.randint(1, MOST_TURNS)):
             steps = new_course(chance, begins=turn == 0)
@@ -72,99 +150,12 @@ class Course(NamedTuple):
             number = chance.choice([n for n, one in enumerate(steps) if one.phase == phase])
             worker = Worker(data, steps, number, *fault)
             worker.wait_for(number)
-            count += strike(worker)
+            self.count += strike(worker)
             self.ledger.take_down(worker)
             found = dict.fromkeys(judged(data, self.ledger, worker))
             self.wrong.extend(f"{one} (turn {turn}, {phase})" for one in found)
             if not self.ledger.opened:
                 break
-        return count
-
-
-def kills(course: Course) -> int:
-    """Kill a worker with -9 at a random moment; its survey is resumed, and interrupted again."""
-
-    def kill(worker: Worker) -> bool:
-        time.sleep(STEP_S * course.chance.random())
-        return worker.end(kill=True)
-
-    return course.interrupt(course.place / "data", kill)
-
-
-def power_cuts(course: Course) -> int:
-    """Cut the power of an ext4 in a file."""
-    disk = PowerCutDisk(course.place)
-    disk.mount()
-    (disk.folder / "data").mkdir()
-    disk.write_back()
-
-    def cut(worker: Worker) -> bool:
-        time.sleep(STEP_S * course.chance.random())
-        worker.freeze()
-        disk.cut()
-        worker.end(kill=True)
-        disk.unmount()
-        disk.mount()
-        return True
-
-    count = course.interrupt(disk.folder / "data", cut)
-    disk.unmount()
-    return count
-
-
-def disk_faults(course: Course) -> int:
-    """Let calls of the disk fail, or cut the power of a model of it, which tears what it holds."""
-    chance, data, after = course.chance, course.place / "data", course.place / "after"
-    failure = Failure(
-        chance.randrange(MOST_CALLS),
-        power=chance.random() < 0.3,
-        lost_share=chance.choice(LOST_SHARES),
-        seed=chance.getrandbits(30),
-        by_sector=chance.random() < 0.8,
-        error=chance.choice(ERRORS),
-        lasts=chance.choice(FAILING),
-        short=chance.random() < 0.5,
-    )
-
-    def fail(worker: Worker) -> bool:
-        worker.end()
-        if after.exists():
-            shutil.rmtree(str(data))
-            after.rename(data)
-        return failure.power or bool(worker.texts(Event.FAILED))
-
-    return course.interrupt(data, fail, failure, after)
-
-
-def two_writers(course: Course) -> int:
-    """Let two processes reopen a survey, add to it and finish it; one may be refused."""
-    data, chance = course.place / "data", course.chance
-    data.mkdir()
-    steps = new_course(chance, begins=True)
-    # It was finished, stopped, interrupted or crashed.
-    end = chance.choice([Call.FINISHED, Call.STOPPED, Call.SHUT_DOWN, None])
-    if end is not Call.FINISHED:
-        last = next(n for n, one in enumerate(steps) if one.call in (Call.FINISHED, Call.STOPPED))
-        steps = steps[: chance.randint(2, last)] + ([Step(end)] if end else [])
-    course.ledger.take_down(_ended(Worker(data, steps)))
-    pair = [Worker(data, new_course(chance, begins=False)) for _ in range(2)]
-    for worker in pair:
-        course.ledger.take_down(_ended(worker))
-    course.wrong.extend(dict.fromkeys(judged(data, course.ledger, *pair)))
-    return 1
-
-
-def _ended(worker: Worker) -> Worker:
-    worker.end()
-    return worker
-
-
-ACCIDENTS: Dict[str, Callable[[Course], int]] = {
-    "kills": kills,
-    "cuts": power_cuts,
-    "calls": disk_faults,
-    "writers": two_writers,
-}
 
 
 def main(arguments: Optional[Sequence[str]] = None) -> int:
@@ -183,45 +174,34 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     place = Path(tempfile.mkdtemp(prefix="gpr20_fault_suite_", dir=chosen.data)).resolve()
     total, failures = 0, []
     for kind in chosen.only:
-        count = COUNTS[kind][chosen.quick] if chosen.count is None else chosen.count
+        least = COUNTS[kind][chosen.quick] if chosen.count is None else chosen.count
         try:
             if kind == "cuts":
                 can_be_cut()
         except PowerCutError as error:
             print(f"{kind:8} not possible here: {error}")
             continue
-        accidents, acknowledged, wrong = run(kind, place / kind, count, chosen.seed)
-        print(
-            f"{kind:8} {accidents:4} accidents, {acknowledged:5} acknowledged, {len(wrong)} wrong"
-        )
-        total += accidents
-        failures += wrong
+        count, acknowledged, wrong = 0, 0, len(failures)
+        for seed in itertools.count(chosen.seed):
+            name = f"{kind} --seed {seed}"
+            course = Course(name, place / kind / str(seed))
+            getattr(course, kind)()
+            count += course.count
+            acknowledged += len(course.ledger.stored) + len(course.ledger.acknowledged())
+            failures += [f"{one}; {name}" for one in course.wrong]
+            if not course.wrong:
+                shutil.rmtree(str(course.place))
+            if count >= least:
+                break
+        wrong = len(failures) - wrong
+        print(f"{kind:8} {count:4} accidents, {acknowledged:5} acknowledged, {wrong} wrong")
+        total += count
     if failures:
         (place / "failures.txt").write_text("\n".join(failures), "utf-8")
         print(*failures[:20], f"all {len(failures)} are in {place}, with the surveys", sep="\n")
         return LOST
     shutil.rmtree(str(place))
     return NOTHING_LOST if total else NOT_POSSIBLE
-
-
-def run(kind: str, place: Path, least: int, seed: int) -> Tuple[int, int, List[str]]:
-    """Run courses, of which each has its seed, until there were so many accidents.
-
-    Returns:
-        How many accidents there were, how much was acknowledged, and what is wrong.
-    """
-    count, acknowledged, wrong = 0, 0, []
-    while count < least:
-        name = f"{kind} --seed {seed}"
-        course = Course(random.Random(name), place / str(seed), Ledger(), [])
-        course.place.mkdir(parents=True)
-        count += ACCIDENTS[kind](course)
-        acknowledged += len(course.ledger.stored) + len(course.ledger.acknowledged())
-        wrong += [f"{one}; {name}" for one in course.wrong]
-        if not course.wrong:
-            shutil.rmtree(str(course.place))
-        seed += 1
-    return count, acknowledged, wrong
 
 
 if __name__ == "__main__":

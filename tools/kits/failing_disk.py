@@ -12,7 +12,7 @@ import random
 import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, BinaryIO, Callable, Dict, List, Optional, Sequence, Tuple
 
 CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
 MORE_CALLS = (*CALLS, "open", "write", "fdatasync", "rename")
@@ -92,24 +92,13 @@ class FailingDisk:
         for stream in self._open.values():
             stream.close()
 
-    @contextlib.contextmanager
-    def failing(self, failure: Optional[Failure], after_cut: Path) -> Iterator[None]:
-        """Fail in the middle of what is done, or after it.
+    def begin(self, failure: Optional[Failure], after_cut: Path) -> None:
+        """Fail in the middle of what is done from now on.
 
         Args:
             failure: What fails; None: nothing does.
             after_cut: Where what a power cut leaves is put.
         """
-        self.begin(failure, after_cut)
-        try:
-            yield
-        except BaseException:
-            self._failure = None
-            raise
-        self.end()
-
-    def begin(self, failure: Optional[Failure], after_cut: Path) -> None:
-        """Count the calls from now on, and fail; see `failing`."""
         self.has_failed, self._after_cut, self._failed = False, after_cut, 0
         self._left = failure.calls if failure else 0
         self._failure = failure

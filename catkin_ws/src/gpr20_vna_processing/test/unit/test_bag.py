@@ -164,8 +164,9 @@ def test_a_disk_that_refuses_or_loses_its_power_anywhere_leaves_no_half_bag(copi
         after = tmp_path / f"after{calls}" / folder.name
         disk = FailingDisk(folder)
         try:
-            with disk.failing(Failure(calls, calls % 2 == 1), after):
-                with_bag(folder)
+            disk.begin(Failure(calls, calls % 2 == 1), after)
+            with_bag(folder)
+            disk.end()
             done = not disk.has_failed
         except StorageFailedError:
             done = False
