@@ -38,7 +38,6 @@ def test_every_page_of_the_repository_is_on_the_site(site):
         assert (site / page.relative_to(ROOT).with_suffix(".html")).exists()
     for readme in ROOT.glob("catkin_ws/src/gpr20_*/README.md"):
         assert (site / readme.relative_to(ROOT)).with_name("index.html").exists()
-    assert (site / "catkin_ws/src/gpr20/CHANGELOG.html").exists()
     assert "docs/index.html" in text_of(site / "index.html")
 
 

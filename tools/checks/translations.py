@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import re
 import sys
 from pathlib import Path
 from typing import Dict, Iterable, Iterator, List, Set
@@ -24,9 +23,6 @@ COMPLETE = FOLDER / "es.po"
 FUNCTIONS = ("Message", "tr")
 # They pass on a template that was written elsewhere.
 PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
-LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
-HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
-HEADER += '"Content-Type: text/plain; charset=UTF-8\\n"\n'
 
 
 def module_files() -> Dict[str, Path]:
@@ -117,20 +113,12 @@ def update(path: Path, wanted: Set[str]) -> None:
 
 
 def main() -> None:
-    """Update, check or begin catalogues."""
+    """Update or check catalogues."""
     parser = argparse.ArgumentParser(prog="translations.sh")
     parser.add_argument("--check", action="store_true")
-    parser.add_argument("--new", action="store_true")
     parser.add_argument("file", type=Path, nargs="?")
-    parser.add_argument("name", nargs="?", default="")
     chosen = parser.parse_args()
     paths = [chosen.file.resolve()] if chosen.file else sorted(FOLDER.glob("*.po"))
-    if chosen.new:
-        if paths[0].exists() or not chosen.name or not LANGUAGE.fullmatch(paths[0].stem):
-            sys.exit("translations.sh: name a new file and its language: --new pt.po Português")
-        header = HEADER.format(code=paths[0].stem, name=chosen.name)
-        paths[0].parent.mkdir(parents=True, exist_ok=True)
-        paths[0].write_text(header, encoding="utf-8")
     wanted = templates_of(shown_files())
     for path in paths:
         if not chosen.check:

@@ -12,7 +12,8 @@ import random
 import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Callable, Dict, List, Optional, Sequence, Tuple
+from typing import Any, BinaryIO, Callable, Dict, Optional, Sequence
+from unittest import mock
 
 CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
 MORE_CALLS = (*CALLS, "open", "write", "fdatasync", "rename")
@@ -61,7 +62,7 @@ class FailingDisk:
         calls: Sequence[str] = CALLS,
         on_cut: Callable[[], None] = lambda: None,
     ) -> None:
-        self._former: List[Tuple[Any, str, Any]] = []
+        self._patches = contextlib.ExitStack()
         self._failure: Optional[Failure] = None
         self._left = self._failed = 0
         self.has_failed = False
@@ -75,20 +76,16 @@ class FailingDisk:
             self._note_durable(descriptor)
             os.close(descriptor)
         for name in calls:
-            self._replace(os, name, self._passing_on(name, getattr(os, name)))
+            new = self._passing_on(name, getattr(os, name))
+            self._patches.enter_context(mock.patch.object(os, name, new))
         if "write" in calls:
             # Python's own files call the kernel past `os`; those written in Python do not.
             for module in (builtins, io):
-                self._replace(module, "open", _pyio.open)
-
-    def _replace(self, module: Any, name: str, new: Any) -> None:
-        self._former.append((module, name, getattr(module, name)))
-        setattr(module, name, new)
+                self._patches.enter_context(mock.patch.object(module, "open", _pyio.open))
 
     def release(self) -> None:
         """Let the calls go to the disk itself."""
-        while self._former:
-            setattr(*self._former.pop())
+        self._patches.close()
         for stream in self._open.values():
             stream.close()
 

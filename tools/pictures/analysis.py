@@ -13,11 +13,9 @@ from PIL import Image
 from gpr20_analysis import (
     ImageOptions,
     find_candidates,
-    hiding_figure,
     image_survey,
     load_survey,
     process_survey,
-    read_hiding,
     sample_survey,
 )
 from gpr20_analysis.commands.main import main
@@ -77,13 +75,8 @@ def real_line(folder: Path) -> None:
 
 def hiding(folder: Path) -> None:
     """Draw the map of where a mine could hide."""
-    with tempfile.TemporaryDirectory() as place:
-        stored = Path(place) / "hiding.json"
-        options = ("--permittivity", PERMITTIVITY, "--rounds", "24", "-o", str(stored))
-        _run("hiding", str(sample_survey()), *options)
-        path = folder / "hiding.png"
-        hiding_figure(read_hiding(stored)).savefig(str(path), dpi=110)
-    print(path)
+    options = ("--permittivity", PERMITTIVITY, "--rounds", "24")
+    _run("hiding", str(sample_survey()), *options, "-o", str(folder / "hiding.png"))
 
 
 def report(folder: Path) -> None:

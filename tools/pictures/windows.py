@@ -95,6 +95,7 @@ def window(folder: Path) -> None:
     with simulated_robot("time_scale:=50") as robot, shown_window(robot.data) as shown:
         window, operator = shown.window, Operator()
         wait(lambda: window.survey.snapshot.can_start, "the robot is ready")
+        wait(lambda: window.survey.snapshot.health.trouble is None, "each part reports")
         shown.take(folder / "plan")
         # For the list of surveys.
         operator.start(x_points=3, y_points=3)
@@ -130,6 +131,7 @@ def candidates(folder: Path) -> None:
         wait(lambda: operator.code == ControlStatus.FINISHED, "the survey ends")
         wait(lambda: result.record is not None, "the survey is read")
         result.set_permittivity(PERMITTIVITY)
+        wait(lambda: result.permittivity == PERMITTIVITY, "the permittivity is stored")
 
         def end(job: Job) -> None:
             wait(lambda: job.state in (JobState.DONE, JobState.FAILED), "the search ends")

@@ -24,7 +24,6 @@ from mkdocs.structure.pages import Page
 import gpr20_analysis
 
 ROOT = Path(__file__).resolve().parents[2]
-CHANGELOG = "catkin_ws/src/gpr20/CHANGELOG.rst"
 INTERFACES = "catkin_ws/src/gpr20_msgs/README.md"
 KINDS = {"msg": "Messages", "srv": "Services", "action": "Actions"}
 API = '\n<a href="../../api/gpr20_analysis.html">The complete reference</a>\n'
@@ -67,7 +66,7 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     toc["slugify"] = heading_anchor
     config.markdown_extensions.insert(0, ListsOfGitHub())  # type: ignore[arg-type]
     packages = [one for one in _outside_pages() if one.startswith("catkin_ws/")]
-    listed = [one for one in packages if one not in (INTERFACES, CHANGELOG)]
+    listed = [one for one in packages if one != INTERFACES]
     config.nav = [*config.nav[:-1], {"Packages": listed}, *config.nav[-1:]]
     return config
 
@@ -76,7 +75,6 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Return the pages where the repository has them, what they link to, and the Python API."""
     pages = {f"docs/{one.src_uri}": one.content_string for one in files.documentation_pages()}
     pages.update({one: (ROOT / one).read_text("utf-8") for one in _outside_pages()})
-    pages[CHANGELOG] = _changelog(pages[CHANGELOG])
     pages[INTERFACES] += _interfaces((ROOT / INTERFACES).parent)
     pages["docs/reference/messages.md"] += messages_markdown()
     pages["docs/reference/api.md"] += API
@@ -86,7 +84,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for path in sorted(linked - pages.keys()):
         made.append(File.generated(config, path, abs_src_path=str(ROOT / path)))
     for name, text in pages.items():
-        made.append(File.generated(config, _site_name(name), content=text))
+        made.append(File.generated(config, name, content=text))
     made.append(File.generated(config, "index.html", content=FRONT))
     with tempfile.TemporaryDirectory() as folder:
         for page in write_api(Path(folder)):
@@ -103,8 +101,6 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         path = posixpath.normpath(posixpath.join(here, link[2]))
         if path == "README.md":
             return f"{link[1]}{posixpath.relpath('docs/index.md', here or '.')}"
-        if path == CHANGELOG:
-            return f"{link[1]}{posixpath.relpath(_site_name(path), here or '.')}"
         return f"{link[0]}/README.md" if (ROOT / path / "README.md").is_file() else link[0]
 
     return LINK.sub(change, markdown)
@@ -129,23 +125,12 @@ def write_api(folder: Path) -> List[Path]:
 def _outside_pages() -> List[str]:
     readmes = sorted(ROOT.glob("catkin_ws/src/gpr20_*/README.md"))
     packages = [one.relative_to(ROOT).as_posix() for one in readmes]
-    return ["CONTRIBUTING.md", "SECURITY.md", CHANGELOG, *packages]
-
-
-def _site_name(path: str) -> str:
-    return path.replace(".rst", ".md")
+    return ["CONTRIBUTING.md", "SECURITY.md", *packages]
 
 
 def _linked_files(page: str, text: str) -> List[str]:
     targets = (posixpath.join(posixpath.dirname(page), link[2]) for link in LINK.finditer(text))
     return [one for one in map(posixpath.normpath, targets) if (ROOT / one).is_file()]
-
-
-def _changelog(text: str) -> str:
-    """Return a changelog, reStructuredText as REP 132 of ROS wants it, as Markdown."""
-    text = re.sub(r"^\^+\n(.+)\n\^+$", r"# \1", text, flags=re.MULTILINE)
-    text = re.sub(r"^(.+)\n-{4,}$", r"## \1", text, flags=re.MULTILINE)
-    return text.replace("``", "`")
 
 
 def _interfaces(package: Path) -> str:
