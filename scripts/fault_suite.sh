@@ -2,7 +2,7 @@
 # Make accidents of the storage on purpose (kills, power cuts, failing disks, two writers), and look
 # for all that it had acknowledged. Prints a line for each kind.
 #   scripts/fault_suite.sh                           everything, for a release
-#   scripts/fault_suite.sh --quick                   a few of each kind, in seconds
+#   scripts/fault_suite.sh --count 3                 a few of each kind, in seconds
 #   scripts/fault_suite.sh --data DIR --only cuts    some kinds on the disk of this folder
 #   scripts/fault_suite.sh --help                    what else can be chosen, and the exit status
 set -euo pipefail

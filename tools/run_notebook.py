@@ -25,12 +25,9 @@ RESOLUTION_DPI = 70
 def run_cells(notebook: Dict[str, Any]) -> Dict[str, Any]:
     """Run all code cells in order, store their outputs, and return the names they made."""
     names: Dict[str, Any] = {"__name__": "__main__"}
-    count = 0
-    for cell in notebook["cells"]:
+    for count, cell in enumerate(notebook["cells"]):
         if cell["cell_type"] == "code":
-            count += 1
             cell["outputs"] = _run("".join(cell["source"]), names, f"<cell {count}>")
-            cell["execution_count"] = count
     return names
 
 

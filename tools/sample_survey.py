@@ -39,9 +39,8 @@ def main() -> None:
     """Record the survey and copy its traces into the file that is named."""
     output = Path(sys.argv[1])
     with simulated_robot(f"scene:={SCENE}", "time_scale:=50") as robot:
-        status = robot.client(*SURVEY).wait()
-        if status:
-            raise SystemExit(f"the survey did not finish (status {status})")
+        if robot.client(*SURVEY).wait():
+            raise SystemExit("the survey did not finish")
         (folder,) = (one.parent for one in robot.data.glob("*/survey.json"))
         verification = verify_survey(folder)
         print(verification.verdict)

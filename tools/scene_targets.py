@@ -16,7 +16,6 @@ import yaml
 # A candidate farther from a target than this is another object.
 REACH_MM = 30.0
 LINE = "  {:18} {:24} {}"
-Place = Tuple[float, float, float]
 
 
 def table(scene: Dict[str, Any], listed: Dict[str, Any]) -> Iterator[str]:
@@ -35,7 +34,7 @@ def table(scene: Dict[str, Any], listed: Dict[str, Any]) -> Iterator[str]:
         yield LINE.format(one["name"], _text((x_mm, y_mm, 1000.0 * one["depth_m"])), found)
 
 
-def _text(place: Place) -> str:
+def _text(place: Tuple[float, ...]) -> str:
     return "x {:.0f}, y {:.0f}, depth {:.0f}".format(*place)
 
 

@@ -19,7 +19,6 @@ from collections import Counter
 import bad_link
 import pytest
 from network_namespaces import badly_linked_machines
-from robot_kit import has_bag
 from two_machine_survey import (
     CLIENT,
     launched,
@@ -28,6 +27,7 @@ from two_machine_survey import (
     stored_traces,
     survey_folder,
 )
+from user_shell import has_bag
 from wait_kit import wait_until
 
 SEEDS = int(os.environ.get("GPR20_LINK_SEEDS", "1"))

@@ -8,17 +8,14 @@ import sys
 
 import pytest
 from user_shell import ROOT, printed_by
-from wings_kit import NEEDS_ALL
 
 sys.path.insert(0, str(ROOT / "tools/site"))
 
-from messages_page import all_faults
-from site_hooks import heading_anchor
+from site_hooks import all_faults, heading_anchor
 
 import gpr20_analysis
 
-# The pages name and link every package.
-pytestmark = [NEEDS_ALL, pytest.mark.release]
+pytestmark = pytest.mark.release
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,6 @@ import re
 import pytest
 from house import limits, lines_by_part
 from user_shell import ROOT, printed_by
-from wings_kit import NEEDS_ALL
 
 SOURCES = sorted(
     [*ROOT.glob("catkin_ws/src/*/src/*/__init__.py"), *ROOT.glob("deploy/*/*/__init__.py")],
@@ -15,7 +14,6 @@ SOURCES = sorted(
 )
 
 
-@NEEDS_ALL
 @pytest.mark.timeout(450)
 def test_the_lint_finds_nothing():
     printed_by(ROOT / "scripts/lint.sh")
@@ -27,7 +25,6 @@ def test_no_part_is_larger_than_its_limit_in_pyproject():
     assert {one: number for one, number in found.items() if number > allowed[one]} == {}
 
 
-@NEEDS_ALL
 def test_every_package_is_covered_by_the_contracts_on_imports():
     contracts = (ROOT / "pyproject.toml").read_text()
     roots = contracts.split("root_packages = [")[1].split("]")[0]

@@ -10,6 +10,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from gpr20_survey.files.folder_lock import writer_of
+
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 600.0
 SOURCED = (
@@ -60,6 +62,11 @@ def printed_by(*command, status=0, folder=None, **more):
         printed = output.read()
     assert status in (None, ended.returncode), printed
     return printed
+
+
+def has_bag(folder):
+    """Return whether the bag of a survey that has ended is made, and named in its log."""
+    return (folder / "survey.bag").exists() and writer_of(folder) is None
 
 
 def is_ready(log):

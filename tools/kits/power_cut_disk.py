@@ -6,7 +6,6 @@ mkfs.ext4 and a loop device.
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import fcntl
 import os
@@ -15,7 +14,6 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from typing import Iterator
 
 UNMOUNT_LIMIT_S = 10.0
 # <linux/sched.h> and <linux/ext4.h>; the number of the call is _IOR('X', 125, __u32).
@@ -53,17 +51,18 @@ class PowerCutDisk:
 
     def write_back(self) -> None:
         """Write everything to the disk, as the kernel does by itself now and then."""
-        with self._opened() as descriptor:
-            ctypes.CDLL(None, use_errno=True).syncfs(descriptor)
+        _run("sync", "-f", str(self.folder))
 
     def cut(self) -> None:
         """Cut the power: every call for the disk fails until it was unmounted and mounted."""
         flags = struct.pack("I", EXT4_GOING_FLAGS_NOLOGFLUSH)
+        descriptor = os.open(str(self.folder), os.O_RDONLY | os.O_CLOEXEC)
         try:
-            with self._opened() as descriptor:
-                fcntl.ioctl(descriptor, EXT4_IOC_SHUTDOWN, flags)
+            fcntl.ioctl(descriptor, EXT4_IOC_SHUTDOWN, flags)
         except OSError as error:
             raise PowerCutError(f"ext4 cannot be shut down: {error}") from error
+        finally:
+            os.close(descriptor)
 
     def unmount(self) -> None:
         """Unmount it, when the processes that used it and were killed have let go of it."""
@@ -75,14 +74,6 @@ class PowerCutDisk:
                 if time.monotonic() > deadline_s:
                     raise
             time.sleep(0.02)
-
-    @contextlib.contextmanager
-    def _opened(self) -> Iterator[int]:
-        descriptor = os.open(str(self.folder), os.O_RDONLY | os.O_CLOEXEC)
-        try:
-            yield descriptor
-        finally:
-            os.close(descriptor)
 
 
 def can_be_cut() -> None:

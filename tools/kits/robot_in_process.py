@@ -190,10 +190,8 @@ class RobotInProcess:
 
     def _build_driver(self, parameters: VnaParameters) -> VNADriver:
         limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)
-        deadline = RequestDeadline(self.world.time)
-        analyzer = make_analyzer(
-            parameters, lambda address: self.world.vna.connect(address, limits), deadline
-        )
+        deadline, connect = RequestDeadline(self.world.time), self.world.vna.connect
+        analyzer = make_analyzer(parameters, lambda address: connect(address, limits), deadline)
         return VNADriver(analyzer, parameters, deadline, lambda _warning: None)
 
     def _description(self, analyzer: VnaParameters) -> DescribedRobot:

@@ -19,9 +19,6 @@ from typing import Any, Dict, Iterator, List, Optional
 
 import psutil
 
-from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder.survey_folder import BAG_FILE
-
 MASTER = "rosmaster"
 BESIDE_MASTER = Path(__file__).resolve().parents[2] / "deploy/beside_master.py"
 # roslaunch starts it last: once it is there, a signal ends the whole launch.
@@ -72,11 +69,6 @@ def free_port() -> int:
         claim.detach()
         return port
     raise RuntimeError(f"none of the ports {ports[0]} to {ports[-1]} is free")
-
-
-def has_bag(folder: Path) -> bool:
-    """Return whether the bag of a survey that has ended is made, and named in its log."""
-    return (folder / BAG_FILE).exists() and writer_of(folder) is None
 
 
 class LaunchedRobot:

@@ -60,9 +60,7 @@ def real_line(folder: Path) -> None:
         figure = candidate_map_figure(load_survey(image), [])
     figure.set_size_inches(9.0, 3.2)
     figure.suptitle(f"Real line over 14 reinforcing bars, permittivity {REAL_PERMITTIVITY}")
-    axes, bar = figure.axes
-    bar.set_ylabel("magnitude [dB]")
-    axes.set_title("")
+    axes = figure.axes[0]
     axes.set_aspect("auto")
     axes.set_ylim(DEEPEST_MM, 0.0)
     with np.load(str(REAL_LINE_FILE)) as file:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import os
 import tempfile
 from pathlib import Path
-from typing import Callable, Iterator
+from typing import Callable, Iterator, NamedTuple
 
 import rosgraph
 import rospy
@@ -39,11 +40,8 @@ TARGET_MM = (155.0, 140.0, 60.0)
 # What is measured of the survey that the pictures of the tabs show.
 MEASURED = round(0.7 * 21 * 21 * 2)
 REPLAYED = 20
-
-
-def wait(condition: Callable[[], bool], what: str) -> None:
-    """Let the window live until a condition holds."""
-    run_until(condition, what, LIMIT_S)
+# Lets the window live until a condition holds.
+wait = functools.partial(run_until, limit_s=LIMIT_S)
 
 
 def save(widget: QWidget, path: Path) -> None:
@@ -54,16 +52,16 @@ def save(widget: QWidget, path: Path) -> None:
     print(path, flush=True)
 
 
-class Shown:
+class Shown(NamedTuple):
     """The window of the robot while it is shown."""
 
-    def __init__(self, window: MainWindow, languages: Languages) -> None:
-        self.window, self._languages = window, languages
+    window: MainWindow
+    languages: Languages
 
     def take(self, path: Path, prepare: Callable[[], None] = lambda: None) -> None:
         """Prepare the window and take a picture, in each language."""
         for language in catalogue.languages():
-            self._languages.use(language)
+            self.languages.use(language)
             prepare()
             save(self.window, path.with_name(f"{path.name}_{language.value}.png"))
 

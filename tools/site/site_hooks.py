@@ -6,22 +6,25 @@ docs/ it has the READMEs of the packages, some pages of the project, and the fil
 
 from __future__ import annotations
 
+import importlib
+import itertools
 import posixpath
 import re
 import tempfile
 import warnings
 from pathlib import Path
-from typing import Any, List
+from typing import Any, Iterator, List
 
 import pdoc
 from markdown import Extension, Markdown
 from markdown.preprocessors import Preprocessor
-from messages_page import messages_markdown
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 import gpr20_analysis
+from gpr20_common.catalogue import Catalogue, Language, read_catalogue
+from gpr20_common.message import Fault, Severity
 
 ROOT = Path(__file__).resolve().parents[2]
 INTERFACES = "catkin_ws/src/gpr20_msgs/README.md"
@@ -142,3 +145,43 @@ def _interfaces(package: Path) -> str:
             definition = path.read_text(encoding="utf-8").strip()
             parts.append(f"### {path.stem}\n\n```\n{definition}\n```\n")
     return "\n".join(parts)
+
+
+def messages_markdown() -> str:
+    """Return what the site adds to docs/reference/messages.md: a heading for each area."""
+    spanish, area, parts = read_catalogue(Language.SPANISH), "", []
+    for code, same in itertools.groupby(all_faults(), key=lambda one: one.code):
+        if code.split(".")[0] != area:
+            area = code.split(".")[0]
+            parts.append(f"\n## {area}\n")
+        parts.append("- " + "<br>\n  ".join(_lines([*same], spanish)))
+    return "\n".join(parts) + "\n"
+
+
+def all_faults() -> List[Fault]:
+    """Return the faults of all packages, in the order of their codes."""
+    found = []
+    for path in sorted(ROOT.glob("catkin_ws/src/gpr20_*/src/*/faults.py")):
+        module = importlib.import_module(f"{path.parent.name}.faults")
+        found += [one for one in vars(module).values() if isinstance(one, Fault)]
+    return sorted(found, key=lambda one: one.code)
+
+
+def _lines(same: List[Fault], spanish: Catalogue) -> Iterator[str]:
+    """Yield what holds for all faults of one code."""
+    severities = {one.severity for one in same}
+    remarks = [one.value for one in severities - {Severity.FAULT} if len(severities) == 1]
+    remarks += ["something may still move"] * all(one.may_move for one in same)
+    remarks += ["the survey cannot continue"] * (not any(one.can_continue for one in same))
+    yield f"`{same[0].code}`" + (f" ({', '.join(remarks)})" if remarks else "")
+    (remedy,) = {one.remedy for one in same}
+    if remedy is not None:
+        # Remedies that only analysts read are English.
+        template = spanish.template(remedy.template)
+        yield _markdown(remedy.template)
+        if template != remedy.template:
+            yield f"*{_markdown(template)}*"
+
+
+def _markdown(text: str) -> str:
+    return re.sub(r"([\\*_\[\]<>`#|])", r"\\\1", " ".join(text.split()))
