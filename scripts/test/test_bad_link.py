@@ -18,9 +18,9 @@ from collections import Counter
 
 import bad_link
 import pytest
-from network_namespaces import badly_linked_machines
-from two_machine_survey import (
+from network_namespaces import (
     CLIENT,
+    badly_linked_machines,
     launched,
     outcome,
     statuses,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -62,6 +63,15 @@ def printed_by(*command, status=0, folder=None, **more):
         printed = output.read()
     assert status in (None, ended.returncode), printed
     return printed
+
+
+def unit_values(name, key):
+    """Return the values of a key of a unit of debian/, with what services share, in their order."""
+    (file,) = (ROOT / "debian").glob(f"*{name}.service")
+    text = file.read_text("utf-8")
+    if name in ("gpr20-robot", "gpr20-server"):
+        text += (ROOT / "deploy/service.conf").read_text("utf-8")
+    return re.findall(rf"^{key}=(.*)$", text.replace("\\\n", " "), re.MULTILINE)
 
 
 def has_bag(folder):

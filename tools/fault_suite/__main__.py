@@ -171,7 +171,8 @@ def main(arguments: Optional[Sequence[str]] = None) -> int:
     chosen = parser.parse_args(arguments)
     chosen.data.mkdir(parents=True, exist_ok=True)
     place = Path(tempfile.mkdtemp(prefix="gpr20_fault_suite_", dir=chosen.data)).resolve()
-    total, failures = 0, []
+    total = 0
+    failures: List[str] = []
     for kind in chosen.only:
         least = COUNTS[kind] if chosen.count is None else chosen.count
         try:

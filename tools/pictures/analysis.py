@@ -94,5 +94,5 @@ def report(folder: Path) -> None:
 
 
 def _run(*arguments: str) -> None:
-    if main(arguments):
+    if main([*arguments]):
         raise SystemExit(f"gpr20 {arguments[0]} has failed")

@@ -67,10 +67,13 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     """Read Markdown as GitHub does, and list the packages."""
     toc: Any = config.mdx_configs.setdefault("toc", {})
     toc["slugify"] = heading_anchor
-    config.markdown_extensions.insert(0, ListsOfGitHub())  # type: ignore[arg-type]
+    extensions: Any = config.markdown_extensions
+    extensions.insert(0, ListsOfGitHub())
     packages = [one for one in _outside_pages() if one.startswith("catkin_ws/")]
     listed = [one for one in packages if one != INTERFACES]
-    config.nav = [*config.nav[:-1], {"Packages": listed}, *config.nav[-1:]]
+    # Before the evidence, which is the last.
+    nav: Any = config.nav
+    nav.insert(-1, {"Packages": listed})
     return config
 
 
