@@ -71,7 +71,7 @@ def assert_recorded(folder):
         assert (moisture["name"], moisture["unit"]) == ("soil_moisture", "m3/m3")
         assert 0.2 <= moisture["value"] <= 0.3
         assert (temperature["name"], temperature["value"]) == ("soil_temperature", 18.5)
-        assert moisture["stamp"] <= trace["sweep_ended"]
+        assert moisture["stamp"] <= trace["timestamp"]
         assert trace["quality"] == []
     assert len({trace["aux"][0]["value"] for trace in traces}) > 1
     described = json.loads((folder / "survey.json").read_text())

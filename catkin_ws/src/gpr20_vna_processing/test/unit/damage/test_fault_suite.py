@@ -56,9 +56,9 @@ def add_twice(log, record, add=SurveyLog.add):
     ("module", "name", "broken", "options", "found"),
     [
         (worker, "new_storage", without_fsync, "calls --count 40", ["LOST"]),
-        (worker, "new_storage", with_other_numbers, "calls --count 1", ["CHANGED", "LAUNDERED"]),
-        (worker, "add_fact", lambda _processing, _fact: None, "kills --count 2", ["LOST"]),
-        (SurveyLog, "add", add_twice, "calls --count 4", ["DOUBLED"]),
+        (worker, "new_storage", with_other_numbers, "calls --count 4", ["CHANGED", "LAUNDERED"]),
+        (worker, "add_fact", lambda _processing, _fact: None, "kills --count 6", ["LOST"]),
+        (SurveyLog, "add", add_twice, "calls --count 12", ["DOUBLED"]),
     ],
 )
 def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path, monkeypatch):
