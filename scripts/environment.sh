@@ -5,7 +5,7 @@ GPR20_ROOT="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)"
 GPR20_VENV="$GPR20_ROOT/.venv"
 GPR20_WORKSPACE="$GPR20_ROOT/catkin_ws"
 # Where Python finds what the tests, benchmarks and generators share.
-GPR20_TOOLS="$GPR20_ROOT/tools:$GPR20_ROOT/tools/kits:$GPR20_ROOT/tools/pages"
+GPR20_TOOLS="$GPR20_ROOT/tools:$GPR20_ROOT/tools/kits"
 export GPR20_ROOT GPR20_VENV GPR20_WORKSPACE GPR20_TOOLS
 
 # Make the workspace and its interpreter the ones that ROS finds.

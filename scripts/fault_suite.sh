@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Make accidents of the storage on purpose (kills, power cuts, flipped bits, failing disks, two
-# writers), and look for all that it had acknowledged. Prints one table.
+# Make accidents of the storage on purpose (kills, power cuts, failing disks, two writers), and look
+# for all that it had acknowledged. Prints a line for each kind.
 #   scripts/fault_suite.sh                           everything, for a release
-#   scripts/fault_suite.sh --quick                   a few of each kind, in seconds
+#   scripts/fault_suite.sh --count 3                 a few of each kind, in seconds
 #   scripts/fault_suite.sh --data DIR --only cuts    some kinds on the disk of this folder
 #   scripts/fault_suite.sh --help                    what else can be chosen, and the exit status
 set -euo pipefail
@@ -12,8 +12,6 @@ if [ ! -x "$GPR20_VENV/bin/python" ]; then
     echo "fault_suite.sh: run scripts/setup.sh first" >&2
     exit 2
 fi
-# Only the kills in the graph need it, and its packages before their sources.
-if [ -f "$GPR20_WORKSPACE/devel/setup.bash" ]; then gpr20_use_workspace; fi
 sources="$(printf '%s:' "$GPR20_ROOT"/catkin_ws/src/*/src)"
 PYTHONPATH="$GPR20_TOOLS:${PYTHONPATH:+$PYTHONPATH:}${sources%:}" \
     exec "$GPR20_VENV/bin/python" -m fault_suite "$@"

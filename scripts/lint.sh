@@ -14,11 +14,11 @@ ruff format --check . "${nodes[@]}"
 # The messages are those that the build made.
 messages=catkin_ws/devel/lib/python3/dist-packages
 packages=(catkin_ws/src/*/src deploy/update)
-MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits,pages} benchmarks)$messages"
+MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits} benchmarks)$messages"
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
 "${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py ros2/*/*.py \
-    tools/*.py tools/{checks,kits,pages}/*.py tools/{pictures,fault_suite,pytest_gpr20}
+    tools/*.py tools/{checks,kits,site}/*.py tools/{pictures,fault_suite,pytest_gpr20}
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 

@@ -3,7 +3,6 @@
 #   scripts/translations.sh                     update each: new sentences have an empty msgstr
 #   scripts/translations.sh --check             fail on a sentence without Spanish, and on an entry
 #                                               that no program has or with other {values}
-#   scripts/translations.sh --new FILE.po NAME  begin a catalogue; FILE is the code of its language
 #   scripts/translations.sh FILE.po             update a catalogue of another folder
 #   scripts/translations.sh --check FILE.po     check it; entries may be missing
 set -euo pipefail

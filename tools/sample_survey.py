@@ -6,11 +6,11 @@ import shutil
 import sys
 from pathlib import Path
 
-from mcap.reader import make_reader
 from robot_kit import simulated_robot
 
 from gpr20_analysis import verify_survey
-from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import McapFile
 
 SCENES = Path(__file__).resolve().parents[1] / "catkin_ws" / "src" / "gpr20_simulator" / "scenes"
 SCENE = SCENES / "imaging_targets.yaml"
@@ -27,33 +27,20 @@ TOPICS = ("replay", "trace", "survey_metadata", "survey_log", "survey_parameters
 
 def copy_traces(recorded: Path, output: Path) -> None:
     """Copy the messages of `TOPICS` as a survey is recorded, each trace in a chunk of its own."""
-    with recorded.open("rb") as source:
-        reader = make_reader(source)
-        target = McapFile(output)
-        for schema, channel, message in reader.iter_messages(log_time_order=False):
-            name = channel.topic.split("/")[-1]
-            if schema is None or name not in TOPICS:
-                continue
-            copied = RecordedMessage(
-                channel.topic,
-                schema.name,
-                channel.metadata["md5sum"],
-                schema.data.decode(),
-                message.data,
-                message.log_time,
-                channel.metadata["latching"] == "1",
-            )
-            (target.write_alone if name == "trace" else target.write)(copied)
-        target.finish()
+    target = McapFile(output)
+    for message in StoredMcap(recorded).messages():
+        name = message.topic.split("/")[-1]
+        if name in TOPICS:
+            (target.write_alone if name == "trace" else target.write)(message)
+    target.finish()
 
 
 def main() -> None:
     """Record the survey and copy its traces into the file that is named."""
     output = Path(sys.argv[1])
     with simulated_robot(f"scene:={SCENE}", "time_scale:=50") as robot:
-        status = robot.client(*SURVEY).wait()
-        if status:
-            raise SystemExit(f"the survey did not finish (status {status})")
+        if robot.client(*SURVEY).wait():
+            raise SystemExit("the survey did not finish")
         (folder,) = (one.parent for one in robot.data.glob("*/survey.json"))
         verification = verify_survey(folder)
         print(verification.verdict)

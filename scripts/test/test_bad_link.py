@@ -18,16 +18,16 @@ from collections import Counter
 
 import bad_link
 import pytest
-from network_namespaces import badly_linked_machines
-from robot_kit import has_bag
-from two_machine_survey import (
+from network_namespaces import (
     CLIENT,
+    badly_linked_machines,
     launched,
     outcome,
     statuses,
     stored_traces,
     survey_folder,
 )
+from user_shell import has_bag
 from wait_kit import wait_until
 
 SEEDS = int(os.environ.get("GPR20_LINK_SEEDS", "1"))

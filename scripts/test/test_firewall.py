@@ -8,10 +8,20 @@ import sys
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 
-import install_page
 import pytest
-from network_namespaces import ROBOT, ROBOT_STRANGER, SERVER, SERVER_STRANGER, two_machines
-from two_machine_survey import CLIENT, launched, outcome, stored_traces
+from network_namespaces import (
+    CLIENT,
+    ROBOT,
+    ROBOT_STRANGER,
+    SERVER,
+    SERVER_STRANGER,
+    firewall_commands,
+    launched,
+    outcome,
+    remote_shell_rule,
+    stored_traces,
+    two_machines,
+)
 from wait_kit import wait_until
 
 pytestmark = [pytest.mark.release, pytest.mark.needs("network namespaces", "firewall")]
@@ -62,16 +72,16 @@ WANTED = {
 def test_the_commands_of_the_page_shut_out_everybody_but_the_other_machine(tmp_path):
     with two_machines() as (server, robot), listening(server, SERVER), listening(robot, ROBOT):
         assert what_works(server, robot)["from a third machine"]
-        server.shut_out_others(install_page.firewall())
+        server.shut_out_others(firewall_commands())
         assert what_works(server, robot) == WANTED
         # The line for a remote shell admits that alone.
-        rule = install_page.remote_shell_rule(ROBOT_STRANGER)
+        rule = remote_shell_rule(ROBOT_STRANGER)
         server.shut_out_others([rule])
         assert what_works(server, robot) == WANTED
         server.shut_out_others([rule.replace("dport 22", f"dport {PORT}")])
         assert robot.reached(ROBOT_STRANGER, SERVER, [PORT])
         # They work as the lines of a file, as the page says.
-        rules = [line.replace("nft ", "", 1).replace("'", "") for line in install_page.firewall()]
+        rules = [line.replace("nft ", "", 1).replace("'", "") for line in firewall_commands()]
         (tmp_path / "nftables.conf").write_text("\n".join(["flush ruleset", *rules]) + "\n")
         server.shut_out_others([f"nft -f {tmp_path}/nftables.conf"])
         assert what_works(server, robot) == WANTED
@@ -80,7 +90,7 @@ def test_the_commands_of_the_page_shut_out_everybody_but_the_other_machine(tmp_p
 def test_a_survey_runs_on_two_machines_and_a_third_one_reaches_none_of_their_ports(tmp_path):
     with two_machines() as (server, robot):
         for machine in (server, robot):
-            machine.shut_out_others(install_page.firewall())
+            machine.shut_out_others(firewall_commands())
         with launched(server, robot, tmp_path) as (_on_server, on_robot):
             assert on_robot.run(SURVEY) == 0
             # The master, and two servers of every node.

@@ -11,15 +11,14 @@ import os
 import random
 import resource
 import socket
-import threading
 import time
 from urllib.parse import urlsplit
 
 import pytest
 from fault_kit import raises_fault
-from robot_kit import MASTER, NODES, LaunchedRobot, free_port, has_bag
+from robot_kit import MASTER, NODES, LaunchedRobot, free_port
 from run_seed import SEED
-from user_shell import printed_by
+from user_shell import has_bag, printed_by
 from wait_kit import wait_until
 
 pytest.importorskip("rosgraph")
@@ -137,49 +136,21 @@ def test_a_survey_goes_on_beside_a_second_launch_that_finds_an_empty_master(robo
     assert verify_survey(folder).faults == []
 
 
-class Strangers:
-    """Connect to ports, say what ROS does not understand, and stay; again when they are ended."""
-
-    def __init__(self, addresses):
-        self._ended = threading.Event()
-        self._random = random.Random(SEED)
-        openings = itertools.cycle((*OPENINGS, None))
-        self._open = [(address, next(openings), None) for address in addresses * STRANGERS]
-        self.made = 0
-        self._thread = threading.Thread(target=self._come)
-        self._thread.start()
-
-    def close(self):
-        self._ended.set()
-        self._thread.join()
-
-    def _come(self):
-        while not self._ended.wait(1.0):
-            self._open = [self._again(*one) for one in self._open]
-        for _address, _opening, connection in self._open:
-            if connection is not None:
-                connection.close()
-
-    def _again(self, address, opening, connection):
-        if self._ended.is_set() or (connection is not None and is_open(connection)):
-            return address, opening, connection
-        with contextlib.suppress(OSError):
-            if connection is not None:
-                connection.close()
-            connection = socket.create_connection(address, STOP_LIMIT_S)
-            connection.sendall(
-                bytes(self._random.choices(range(256), k=99)) if opening is None else opening
-            )
-            self.made += 1
-        return address, opening, connection
-
-
-def is_open(connection):
-    connection.setblocking(False)
+@contextlib.contextmanager
+def strangers(addresses):
+    """Connect to ports many times, send what ROS does not understand, and stay."""
+    draw, opened = random.Random(SEED), []
+    openings = itertools.cycle((*OPENINGS, bytes(draw.choices(range(256), k=99))))
     try:
-        return bool(connection.recv(1, socket.MSG_PEEK))
-    except OSError as error:
-        return isinstance(error, BlockingIOError)
+        for address in addresses * STRANGERS:
+            # A port may have ended the connection before it is written to.
+            with contextlib.suppress(ConnectionError):
+                opened.append(socket.create_connection(address, LIMIT_S))
+                opened[-1].sendall(next(openings))
+        yield
+    finally:
+        for one in opened:
+            one.close()
 
 
 def node_addresses():
@@ -211,16 +182,13 @@ def test_stop_and_storing_do_not_wait_behind_strangers(robot, tmp_path):
     addresses = node_addresses()
     _soft, most = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
-    strangers = Strangers(addresses)
-    try:
-        wait_until(lambda: strangers.made > STRANGERS * len(addresses))
+    with strangers(addresses):
         assert robot.client(*AREA).wait(3 * LIMIT_S) == 0
-        client = robot.client(*AREA)
-        wait_until(lambda: stored(robot, 2) > 5, alive=[client])
+    client = robot.client(*AREA)
+    wait_until(lambda: stored(robot, 2) > 5, alive=[client])
+    with strangers(addresses):
         answer = stop_survey()
-        assert answer.success, answer.message
-        assert client.wait(LIMIT_S) != 0
-    finally:
-        strangers.close()
+    assert answer.success, answer.message
+    assert client.wait(LIMIT_S) != 0
     check_complete(folders(robot)[0])
     assert "nothing that ROS understands" in (tmp_path / "launch.log").read_text(errors="replace")

@@ -6,6 +6,7 @@ import os
 from pathlib import Path
 
 import pytest
+from case_kit import each_case
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
@@ -30,7 +31,7 @@ def nodes_of(file: str, *arguments: str):
     return {node.name: node for node in all_nodes(file, *arguments)}
 
 
-@pytest.mark.parametrize("robot, is_real", [("gpr20", True), ("simulated", False)])
+@each_case("robot, is_real", [("gpr20", True), ("simulated", False)])
 def test_the_window_of_the_real_robot_covers_its_screen_and_comes_back(robot, is_real):
     nodes = nodes_of("survey.launch", f"robot:={robot}")
     window = nodes.pop("user_interface")
@@ -50,7 +51,7 @@ def test_the_window_of_the_real_robot_covers_its_screen_and_comes_back(robot, is
     assert nodes_of("survey.launch", f"robot:={robot}", "ui:=false").keys() == nodes.keys()
 
 
-@pytest.mark.parametrize("file", ["survey.launch", "server.launch"])
+@each_case("file", ["survey.launch", "server.launch"])
 def test_the_web_page_runs_where_the_surveys_are_only_if_it_is_asked_for(file):
     assert "web" not in nodes_of(file)
     page = nodes_of(file, "web:=true")["web"]
@@ -61,7 +62,7 @@ def test_the_web_page_runs_where_the_surveys_are_only_if_it_is_asked_for(file):
     assert page.args.startswith("configuration:=/launch")
 
 
-@pytest.mark.parametrize("file", ["survey.launch", "robot.launch", "server.launch"])
+@each_case("file", ["survey.launch", "robot.launch", "server.launch"])
 def test_every_node_of_a_robot_is_in_its_namespace(file):
     nodes = all_nodes(file, "ns:=robot7")
     assert {node.namespace.split("/")[1] for node in nodes} == {"robot7"}

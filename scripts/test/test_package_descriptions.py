@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 
-import metadata
 import pytest
+import yaml
 from user_shell import ROOT
 
+PACKAGES = [*ROOT.glob("catkin_ws/src/*/package.xml"), *ROOT.glob("ros2/*/package.xml")]
 (VERSION,) = re.findall(
     r'^current_version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE
 )
@@ -18,28 +19,22 @@ PINNED = {
 }
 
 
-def test_every_package_has_the_metadata_of_the_project():
-    for path, text in metadata.written_files(ROOT).items():
-        assert path.read_text(encoding="utf-8") == text, "run tools/pages/metadata.py"
+def test_every_package_has_the_people_licence_and_addresses_of_the_project():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    wanted = [*citation["contact"][0].values(), citation["license"]]
+    wanted += [citation[key] for key in ("url", "repository-code") if key in citation]
+    for path in [*PACKAGES, *ROOT.glob("catkin_ws/src/*/pyproject.toml")]:
+        text = path.read_text(encoding="utf-8")
+        assert [one for one in wanted if one not in text] == [], path
 
 
-@pytest.mark.parametrize(
-    ("files", "pattern", "at_least"),
-    [
-        ("catkin_ws/src/*/package.xml", r"<version>(.+)</version>", 10),
-        ("ros2/*/package.xml", r"<version>(.+)</version>", 1),
-        ("catkin_ws/src/*/src/*/__init__.py", r'^__version__ = "(.+)"$', 0),
-        ("CITATION.cff", r"^version: (.+)$", 1),
-    ],
-)
-def test_every_version_is_that_of_all(files, pattern, at_least):
-    found = [
-        version
-        for path in ROOT.glob(files)
-        for version in re.findall(pattern, path.read_text(), re.MULTILINE)
-    ]
-    assert len(found) >= at_least
-    assert set(found) <= {VERSION}, "change it by scripts/release.sh and nowhere by hand"
+def test_every_version_is_that_of_all():
+    texts = [path.read_text() for path in [*PACKAGES, ROOT / "CITATION.cff"]]
+    found = [re.findall(r"(?:<version>|^version: )([\w.]+)", one, re.MULTILINE) for one in texts]
+    texts = [path.read_text() for path in ROOT.glob("catkin_ws/src/*/src/*/__init__.py")]
+    found += filter(None, (re.findall(r'^__version__ = "(.+)"$', one, re.M) for one in texts))
+    assert len(found) > 10
+    assert found == [[VERSION]] * len(found), "change it by scripts/release.sh, never by hand"
 
 
 def test_the_changelog_that_release_tools_of_ros_read_has_the_version():
@@ -56,9 +51,8 @@ def names(path):
     return {re.sub(r"[-_.]+", "-", one).lower() for one in found}
 
 
-@pytest.mark.parametrize("python", PINNED)
-def test_every_listed_requirement_is_pinned(python):
-    pinned = names(ROOT / f"requirements/python{python}.txt")
-    for listed in PINNED[python]:
-        missing = names(ROOT / f"requirements/{listed}.in") - pinned
-        assert not missing, f"run scripts/requirements.sh: no version of {sorted(missing)}"
+def test_every_listed_requirement_is_pinned():
+    for python, lists in PINNED.items():
+        pinned = names(ROOT / f"requirements/python{python}.txt")
+        missing = {one for file in lists for one in names(ROOT / f"requirements/{file}.in")}
+        assert missing <= pinned, "run scripts/requirements.sh"

@@ -5,17 +5,29 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import subprocess
 from pathlib import Path
 
-import install_page
-import package_files
 import pytest
-from network_namespaces import ROBOT, SERVER
-from package_files import unit_values
-from user_shell import ROOT, printed_by
+from case_kit import each_case
+from network_namespaces import ROBOT, SERVER, firewall_commands, remote_shell_rule
+from user_shell import ROOT, printed_by, unit_values
 
 from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
 
+VERSION = "1.2.3"
+CHANGELOG = f"""gpr20 ({VERSION}) stable; urgency=medium
+
+  * A change.
+
+ -- Someone <someone@robot.example>  Fri, 27 Nov 2026 12:00:00 +0000
+"""
+# What debian/install makes, without building.
+INSTALL = """#!/bin/sh
+mkdir -p "$GPR20_PACKAGE/deploy"
+cp deploy/gpr20-run "$GPR20_PACKAGE/deploy"
+dpkg-parsechangelog -S Version >"$GPR20_PACKAGE/release"
+"""
 ADMIN = "192.168.1.0/24"
 UNITS = {
     "gpr20-robot": ["gpr20-firewall", "gpr20-robot", "gpr20-window"],
@@ -27,9 +39,56 @@ pytestmark = pytest.mark.release
 needs_network = pytest.mark.needs("network namespaces", "firewall")
 
 
+class Packages:
+    """What was built, as .deb files in a folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def file(self, name):
+        (found,) = self.folder.glob(f"{name}_{VERSION}_*.deb")
+        return found
+
+    def extract(self, target, *names):
+        """Write the files of packages below a folder, without running their scripts."""
+        # As on an installed system.
+        for name in ("bin", "lib", "sbin"):
+            (target / "usr" / name).mkdir(parents=True, exist_ok=True)
+            (target / name).symlink_to(f"usr/{name}")
+        for name in names:
+            # Not dpkg-deb --extract, which would replace the links by folders.
+            files = subprocess.Popen(
+                ["dpkg-deb", "--fsys-tarfile", str(self.file(name))], stdout=subprocess.PIPE
+            )
+            unpack = ["tar", "--extract", "--keep-directory-symlink", "--directory", str(target)]
+            subprocess.run(unpack, stdin=files.stdout, check=True)
+            assert files.wait() == 0
+
+    def field(self, name, field):
+        return printed_by("dpkg-deb", "--field", self.file(name), field).strip()
+
+    def control(self, name, part):
+        """Return a control file of a package, such as conffiles."""
+        return printed_by("dpkg-deb", "--info", self.file(name), part)
+
+
+def build(folder):
+    """Build the packages of this checkout in a folder."""
+    sources = folder / "gpr20"
+    for name in ("debian", "deploy"):
+        shutil.copytree(ROOT / name, sources / name)
+    (sources / "docs").mkdir()
+    shutil.copy(ROOT / "docs/install.md", sources / "docs")
+    (sources / "debian/changelog").write_text(CHANGELOG)
+    (sources / "debian/install").write_text(INSTALL)
+    options = ["--build=binary", "--no-sign", "--no-check-builddeps"]
+    printed_by("dpkg-buildpackage", *options, folder=sources)
+    return Packages(folder)
+
+
 @pytest.fixture(scope="module")
 def packages(tmp_path_factory):
-    return package_files.build(tmp_path_factory.mktemp("packages"))
+    return build(tmp_path_factory.mktemp("packages"))
 
 
 @pytest.fixture(scope="module", params=UNITS)
@@ -171,7 +230,7 @@ def rules_after(*commands, **variables):
 def test_the_firewall_has_the_rules_of_the_page(environment):
     program("nft")
     settings = environment()
-    own = rules_after(*install_page.firewall(), install_page.remote_shell_rule(ADMIN))
+    own = rules_after(*firewall_commands(), remote_shell_rule(ADMIN))
     load = f"{FIREWALL} load"
     assert rules_after(load, **settings) == own
     # Loaded again, they replace themselves; unloaded, nothing is left.
@@ -216,20 +275,20 @@ def test_the_web_page_is_reached_from_its_networks_alone(environment, tmp_path, 
     assert port_rules(rules, port) == [f"tcp dport {port} drop"]
 
 
-WRONG = {
-    "nobody could get in": ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
-    "no address": ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
-    "one is missing": ({"GPR20_SERVER": ""}, "GPR20_SERVER is ''"),
-    "the same": ({"GPR20_SERVER": ROBOT}, "must differ"),
-    "everybody gets in": ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
-    "a command": ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),
-    "every browser gets in": ({"GPR20_WEB": "0.0.0.0/0"}, "GPR20_WEB is '0.0.0.0/0'"),
-    "neither on nor off": ({"GPR20_FIREWALL": "OFF"}, "GPR20_FIREWALL is 'OFF'"),
-    "a comment": ({"GPR20_SERVER": "10.20.0.2 # pc"}, "GPR20_SERVER has a comment behind it"),
-}
+WRONG = [
+    ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
+    ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
+    ({"GPR20_SERVER": ""}, "GPR20_SERVER is ''"),
+    ({"GPR20_SERVER": ROBOT}, "must differ"),
+    ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
+    ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),
+    ({"GPR20_WEB": "0.0.0.0/0"}, "GPR20_WEB is '0.0.0.0/0'"),
+    ({"GPR20_FIREWALL": "OFF"}, "GPR20_FIREWALL is 'OFF'"),
+    ({"GPR20_SERVER": "10.20.0.2 # pc"}, "GPR20_SERVER has a comment behind it"),
+]
 
 
-@pytest.mark.parametrize("changed, reason", WRONG.values(), ids=WRONG)
+@each_case("changed, reason", WRONG)
 def test_wrong_addresses_are_refused_by_name_and_value(environment, changed, reason):
     settings = environment(**changed)
     assert reason in printed_by(FIREWALL, "load", status=1, **settings)

@@ -11,10 +11,9 @@ from collections import Counter
 
 import psutil
 import pytest
-from package_files import unit_values
+from network_namespaces import CLIENT, outcome, stored_traces, survey_folder
 from robot_kit import free_port
-from two_machine_survey import CLIENT, outcome, stored_traces, survey_folder
-from user_shell import ROOT, Terminal, is_ready, user_environment
+from user_shell import ROOT, Terminal, is_ready, unit_values, user_environment
 from wait_kit import wait_until
 
 pytestmark = pytest.mark.release

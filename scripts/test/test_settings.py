@@ -7,6 +7,7 @@ import re
 import subprocess
 
 import pytest
+from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
@@ -51,35 +52,32 @@ WEB = SHIPPED.replace("GPR20_WEB=", "GPR20_WEB=192.168.1.0/24")
 TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2", "ROS_IP": "127.0.0.1"}
 
 
-def test_the_robot_of_a_pc_waits_for_its_master(machine):
-    done = machine(SHIPPED, **TWO)
-    assert done.stdout.startswith("<--wait><gpr20><robot.launch>"), done.stderr
-
-
 def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine):
     assert "<web:=true>" in machine(WEB).stdout
     assert "<web:=true>" in machine(WEB, "server", **TWO).stdout
+    # The robot of a PC waits for its master.
+    assert machine(SHIPPED, **TWO).stdout.startswith("<--wait><gpr20><robot.launch>")
     for done in (machine(SHIPPED), machine(SHIPPED, "server", **TWO)):
         assert done.returncode == 0 and "web" not in done.stdout, done.stderr
 
 
-WRONG = {
-    "space before": (f" {SIMULATED}", "is not NAME=value"),
-    "export": (f"export {SIMULATED}", "is not NAME=value"),
-    "comment behind": (f"{SIMULATED} # real later", "has a comment behind it"),
-    "quotes, then a comment": ('GPR20_LAUNCH_ARGUMENTS="robot:=simulated" # x', "has a quote"),
-    "space behind": (f"{SIMULATED} ", "begins or ends with a space"),
-    "carriage return": (f"{SIMULATED}\r", "carriage return"),
-    "twice": (f"{SIMULATED}\n{SIMULATED}", "is set in line"),
-    "name with a mistake": (SIMULATED.replace("ARGUMENTS", "ARGUMENT"), "is unknown"),
-    "argument in capitals": (SIMULATED.replace("robot", "Robot"), "'Robot:=simulated'"),
-    "another robot": (SIMULATED.replace("simulated", "simulation"), "must name the robot"),
-    "two robots": (f"{SIMULATED} robot:=gpr20", "has robot more than once"),
-    "no argument": (f"{SIMULATED} fast", "'fast'"),
-}
+WRONG = [
+    (f" {SIMULATED}", "is not NAME=value"),
+    (f"export {SIMULATED}", "is not NAME=value"),
+    (f"{SIMULATED} # real later", "has a comment behind it"),
+    ('GPR20_LAUNCH_ARGUMENTS="robot:=simulated" # x', "has a quote"),
+    (f"{SIMULATED} ", "begins or ends with a space"),
+    (f"{SIMULATED}\r", "carriage return"),
+    (f"{SIMULATED}\n{SIMULATED}", "is set in line"),
+    (SIMULATED.replace("ARGUMENTS", "ARGUMENT"), "is unknown"),
+    (SIMULATED.replace("robot", "Robot"), "'Robot:=simulated'"),
+    (SIMULATED.replace("simulated", "simulation"), "must name the robot"),
+    (f"{SIMULATED} robot:=gpr20", "has robot more than once"),
+    (f"{SIMULATED} fast", "'fast'"),
+]
 
 
-@pytest.mark.parametrize("line, reason", WRONG.values(), ids=WRONG)
+@each_case("line, reason", WRONG)
 def test_a_line_that_is_not_understood_starts_nothing(machine, line, reason):
     done = machine(SHIPPED.replace(SIMULATED, line))
     assert done.returncode == 2 and done.stdout == "", done.stdout
@@ -99,7 +97,7 @@ def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path)
 
 
 LINES = st.sampled_from(
-    [SIMULATED, *(line for line, _reason in WRONG.values()), "", "# robot:=gpr20", "GPR20_ROBOT="]
+    [SIMULATED, *(line for line, _reason in WRONG), "", "# robot:=gpr20", "GPR20_ROBOT="]
 )
 
 

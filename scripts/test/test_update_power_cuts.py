@@ -20,7 +20,7 @@ from pathlib import Path
 
 import pytest
 import update_kit
-from power_cut_disk import PowerCutDisk, PowerCutError, check, hide_mounts
+from power_cut_disk import PowerCutDisk, PowerCutError, can_be_cut
 
 CUTS = int(os.environ.get("GPR20_UPDATE_CUTS", "30"))
 SEED = int(os.environ.get("GPR20_UPDATE_SEED", "31"))
@@ -153,8 +153,7 @@ class Computer:
 @pytest.fixture
 def computer(tmp_path):
     try:
-        hide_mounts()
-        check()
+        can_be_cut()
     except PowerCutError as error:
         pytest.skip(str(error))
     if not BASE.exists():

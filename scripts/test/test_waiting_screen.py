@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 
-import pytest
 from user_shell import ROOT, imported, printed_by
 
 from gpr20_common.catalogue import Language
@@ -35,22 +34,16 @@ def test_what_is_missing_is_named_the_link_first_then_the_pc():
     assert "the address 10.20.0.1" in missing({**TWO, **own}, own=False)[0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "remembered", "language"),
-    [
+def test_it_has_the_language_of_the_window(tmp_path):
+    for arguments, remembered, language in (
         ("", "language: es", Language.SPANISH),
         ("_language:=es", "", Language.SPANISH),
         ("_language:=auto", "language: es", Language.SPANISH),
-        ("", "", Language.ENGLISH),
         ("_language:=xx", "", Language.ENGLISH),
-    ],
-)
-def test_it_has_the_language_of_the_window(tmp_path, arguments, remembered, language):
-    (tmp_path / "window.yaml").write_text(remembered)
-    found = waiting_screen.language_of(
-        {"GPR20_WINDOW_ARGUMENTS": arguments}, tmp_path / "window.yaml"
-    )
-    assert found == language
+    ):
+        (tmp_path / "window.yaml").write_text(remembered)
+        own = {"GPR20_WINDOW_ARGUMENTS": arguments}
+        assert waiting_screen.language_of(own, tmp_path / "window.yaml") == language
 
 
 SHOW = """

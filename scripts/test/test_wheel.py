@@ -13,7 +13,6 @@ import pytest
 from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit
 from user_shell import ROOT, printed_by
-from wings_kit import needs
 
 pytestmark = pytest.mark.release
 SOURCES = ROOT / "catkin_ws/src"
@@ -37,9 +36,7 @@ def wheel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def wings(tmp_path_factory):
-    """The wheels of the wings whose folders are here."""
-    here = [one for one in (FORMATS, VIEWER) if (SOURCES / one).exists()]
-    return {one: wheel_of(one, tmp_path_factory.mktemp(one)) for one in here}
+    return {one: wheel_of(one, tmp_path_factory.mktemp(one)) for one in (FORMATS, VIEWER)}
 
 
 def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
@@ -52,7 +49,7 @@ def test_the_wheel_holds_the_analysis_and_what_a_survey_is(wheel):
     assert "gpr20_analysis/sample/real_line_charisma.npz" in names
 
 
-@pytest.mark.parametrize("wing", [pytest.param(one, marks=needs(one)) for one in (FORMATS, VIEWER)])
+@pytest.mark.parametrize("wing", [FORMATS, VIEWER])
 def test_the_wheel_of_a_wing_holds_the_wing_alone(wings, wing):
     with zipfile.ZipFile(wings[wing]) as archive:
         names = {name.split("/")[0] for name in archive.namelist()}
@@ -88,7 +85,6 @@ def test_the_wheel_alone_reads_a_survey(gpr20, tmp_path):
     assert (tmp_path / "report.html").stat().st_size > 10_000
 
 
-@needs(FORMATS)
 def test_the_wheel_of_the_foreign_formats_adds_them(gpr20, tmp_path):
     hz = np.linspace(1e9, 2e9, 11)
     np.savez(tmp_path / "l.npz", s21=np.ones((3, 11)) * 1j, x_m=[0.0, 0.1, 0.2], frequency_hz=hz)

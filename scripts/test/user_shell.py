@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import importlib
 import os
+import re
 import signal
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+
+from gpr20_survey.files.folder_lock import writer_of
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 600.0
@@ -60,6 +63,20 @@ def printed_by(*command, status=0, folder=None, **more):
         printed = output.read()
     assert status in (None, ended.returncode), printed
     return printed
+
+
+def unit_values(name, key):
+    """Return the values of a key of a unit of debian/, with what services share, in their order."""
+    (file,) = (ROOT / "debian").glob(f"*{name}.service")
+    text = file.read_text("utf-8")
+    if name in ("gpr20-robot", "gpr20-server"):
+        text += (ROOT / "deploy/service.conf").read_text("utf-8")
+    return re.findall(rf"^{key}=(.*)$", text.replace("\\\n", " "), re.MULTILINE)
+
+
+def has_bag(folder):
+    """Return whether the bag of a survey that has ended is made, and named in its log."""
+    return (folder / "survey.bag").exists() and writer_of(folder) is None
 
 
 def is_ready(log):

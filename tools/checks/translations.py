@@ -1,23 +1,19 @@
 """Keep the catalogues of translations; scripts/translations.sh starts it and says how.
 
-Translated is what an operator can meet: the sentences of every program in nodes/ and deploy/, of
-every module that sends or answers messages of gpr20_msgs, and of every module and program that one
-of them imports, names or runs, directly or not. Programs that only analysts and maintainers use are
-listed in pyproject.toml: what only they say is English.
+Translated are the sentences of every module and program, unless pyproject.toml lists it: what only
+analysts and maintainers read is English.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
-import re
 import sys
 from pathlib import Path
 from typing import Dict, Iterable, Iterator, List, Set
 
 import polib
 
-import gpr20_analysis
 from gpr20_common.catalogue import FOLDER, read_translations
 from gpr20_common.errors import Gpr20Error
 
@@ -27,68 +23,26 @@ COMPLETE = FOLDER / "es.po"
 FUNCTIONS = ("Message", "tr")
 # They pass on a template that was written elsewhere.
 PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
-PROGRAM = "program"
-INTERFACES = re.compile(r"^(from|import) gpr20_msgs\b", re.MULTILINE)
-NAMED = re.compile(r"\bgpr20_\w+(?:\.\w+)+")
-LANGUAGE = re.compile("[a-z]{2,3}(_[A-Z]{2})?")
-HEADER = 'msgid ""\nmsgstr ""\n"Language: {code}\\n"\n"X-Language-Name: {name}\\n"\n'
-HEADER += '"Content-Type: text/plain; charset=UTF-8\\n"\n'
-
-
-def shown_files() -> Set[Path]:
-    """Return the files of all programs that operators use, and of all modules that these reach."""
-    import tomllib  # Python 3.8 has none, and its tests look up templates only
-
-    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    chosen = settings["tool"]["translations"]
-    english = tuple(f"{one}." for one in chosen["english_modules"])
-    modules = {k: path for k, path in module_files().items() if not f"{k}.".startswith(english)}
-    waiting = [modules[name] for name in chosen["loaded_by_configuration"]]
-    for path in (*ROOT.glob("catkin_ws/src/*/nodes/*"), *ROOT.glob("deploy/*.py")):
-        if path.is_file() and path.name not in chosen["english_programs"]:
-            waiting.append(path)
-    waiting += [one for one in modules.values() if INTERFACES.search(one.read_text("utf-8"))]
-    found: Set[Path] = set()
-    while waiting:
-        path = waiting.pop()
-        if path not in found:
-            found.add(path)
-            for name in _names(ast.parse(path.read_text(encoding="utf-8"))):
-                # What is no module is something in one.
-                while name not in modules and "." in name:
-                    name = name.rpartition(".")[0]
-                waiting += [modules[name]] if name in modules else []
-    return found
 
 
 def module_files() -> Dict[str, Path]:
-    """Return the files of modules, of programs, and of the public interface of the analysis."""
-    found = {}
+    """Return the files of all modules and programs, by `package.module` or `package.program`."""
+    found = {path.stem: path for path in ROOT.glob("deploy/*.py")}
     for folder in ROOT.glob("catkin_ws/src/*/src"):
         for path in folder.rglob("*.py"):
-            name = ".".join(path.relative_to(folder).with_suffix("").parts)
-            found[name.replace(".__init__", "")] = path
+            found[".".join(path.relative_to(folder).with_suffix("").parts)] = path
     for path in ROOT.glob("catkin_ws/src/*/nodes/*"):
-        found[f"{path.parts[-3]}.{path.name}.{PROGRAM}"] = path
-    for home, names in gpr20_analysis._HOMES.items():
-        found.update({f"gpr20_analysis.{one}": found[f"gpr20_analysis.{home}"] for one in names})
+        found[f"{path.parts[-3]}.{path.name}"] = path
     return found
 
 
-def _names(tree: ast.AST) -> Iterator[str]:
-    """Yield what a program imports, what it takes of a module, and what its texts name."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Import):
-            yield from (one.name for one in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield from (f"{node.module}.{one.name}" for one in node.names)
-        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
-            yield f"{node.value.id}.{node.attr}"
-        elif isinstance(node, (ast.List, ast.Tuple)):
-            words = [getattr(one, "value", "") for one in node.elts]
-            yield from [".".join([*words[1:3], PROGRAM])] if words[:1] == ["rosrun"] else []
-        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
-            yield from NAMED.findall(node.value)
+def shown_files() -> Set[Path]:
+    """Return those of which operators may meet a sentence."""
+    import tomllib  # Python 3.8 has none, and its tests look up templates only
+
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    english = tuple(f"{one}." for one in settings["tool"]["translations"]["english_modules"])
+    return {path for name, path in module_files().items() if not f"{name}.".startswith(english)}
 
 
 def templates(source: str, passes_on: bool = False) -> Iterator[str]:
@@ -159,20 +113,12 @@ def update(path: Path, wanted: Set[str]) -> None:
 
 
 def main() -> None:
-    """Update, check or begin catalogues."""
+    """Update or check catalogues."""
     parser = argparse.ArgumentParser(prog="translations.sh")
     parser.add_argument("--check", action="store_true")
-    parser.add_argument("--new", action="store_true")
     parser.add_argument("file", type=Path, nargs="?")
-    parser.add_argument("name", nargs="?", default="")
     chosen = parser.parse_args()
     paths = [chosen.file.resolve()] if chosen.file else sorted(FOLDER.glob("*.po"))
-    if chosen.new:
-        if paths[0].exists() or not chosen.name or not LANGUAGE.fullmatch(paths[0].stem):
-            sys.exit("translations.sh: name a new file and its language: --new pt.po Português")
-        header = HEADER.format(code=paths[0].stem, name=chosen.name)
-        paths[0].parent.mkdir(parents=True, exist_ok=True)
-        paths[0].write_text(header, encoding="utf-8")
     wanted = templates_of(shown_files())
     for path in paths:
         if not chosen.check:

@@ -9,12 +9,11 @@ import multiprocessing
 import os
 import random
 import signal
-import time
 import traceback
 import uuid
 from multiprocessing.context import ForkProcess
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from failing_disk import MORE_CALLS, FailingDisk, Failure
 from planned_survey import METADATA, POINTS, planned_trace
@@ -29,13 +28,11 @@ from gpr20_vna_processing.mid.data_processing import DataProcessing
 TRACES = dict(enumerate(map(planned_trace, range(len(POINTS)))))
 TIME = "2026-11-21T05:10:00.000000+00:00"
 WORDS = ("metal", "raíz", "日本", "=1+1", "a, b; c", '"', "\\u0041", "")
-MARKER = {"x_mm": 0.1, "y_mm": 700.0, "depth_mm": None, "author": "Ana"}
 # What may be added to a survey that is closed, and to one that is open.
 CLOSED_KINDS = (Kind.MARKER, Kind.ANNOTATION, Kind.DECISION)
 OPEN_KINDS = (*CLOSED_KINDS, Kind.REPORT)
 # Before each trace: how often one more fact is added, and how often the survey is closed.
 FACT_SHARE, CLOSED_SHARE = 0.4, 0.1
-LEAST_S = 0.01  # in which most steps end
 MOST_ATTEMPTS = 4  # after which a disk that does not recover is given up
 IS_COMPLETE = "survey.complete"
 
@@ -43,8 +40,6 @@ IS_COMPLETE = "survey.complete"
 Call = enum.Enum("Call", "OPEN REOPEN STORE ADD SHUT_DOWN STOPPED FINISHED")
 # What a worker says of a step; broken: there was no answer, or a new survey was refused.
 Event = enum.Enum("Event", "ASKED DONE FAILED REFUSED BROKEN")
-Said = Tuple[Event, int, float, str]
-"""What a worker said of the step of a number, when [s], and a text."""
 
 
 class Step(NamedTuple):
@@ -70,21 +65,18 @@ def new_course(chance: random.Random, begins: bool) -> List[Step]:
         steps.append(Step(Call.STORE, index))
         if chance.random() < CLOSED_SHARE:
             steps.append(Step(chance.choice([Call.SHUT_DOWN, Call.STOPPED])))
-            steps += [*closed_additions(chance), Step(Call.REOPEN)]
-    return [*steps, Step(Call.FINISHED), *closed_additions(chance)]
-
-
-def closed_additions(chance: random.Random) -> List[Step]:
-    """Return some additions to a survey that is closed."""
-    return [_addition(chance, CLOSED_KINDS) for _ in range(chance.randint(1, 4))]
+            steps += [_addition(chance, CLOSED_KINDS), Step(Call.REOPEN)]
+    more = [_addition(chance, CLOSED_KINDS) for _ in range(chance.randint(1, 4))]
+    return [*steps, Step(Call.FINISHED), *more]
 
 
 def _addition(chance: random.Random, kinds: Sequence[Kind]) -> Step:
     kind, identity = chance.choice(kinds), str(uuid.UUID(int=chance.getrandbits(128), version=4))
     # No other fact has this text.
     text = " ".join([*chance.choices(WORDS, k=chance.randint(0, 5)), identity]).strip()
+    marker = {"x_mm": 0.1, "y_mm": 700.0, "depth_mm": None, "author": "Ana", "text": text}
     others: Dict[Kind, Dict[str, Any]] = {
-        Kind.MARKER: {**MARKER, "marker_id": identity, "text": text},
+        Kind.MARKER: {**marker, "marker_id": identity},
         Kind.ANNOTATION: {"operator": "", "site": "", "notes": f"1\n{text}", "position": None},
     }
     fact = Fact(kind, others.get(kind, {"time": TIME, "text": text}))
@@ -102,7 +94,15 @@ def add_fact(processing: DataProcessing, fact: Fact) -> None:
 
 
 class Worker(ForkProcess):
-    """It begins at once; its disk may fail from a step on."""
+    """It begins at once.
+
+    Args:
+        data: The data folder.
+        steps: What it asks.
+        fails_from: The step from which on its disk fails.
+        failure: How that fails; None: it does not.
+        after_cut: Where a cut of its power leaves the data folder.
+    """
 
     def __init__(
         self,
@@ -113,21 +113,23 @@ class Worker(ForkProcess):
         after_cut: Path = Path(),
     ) -> None:
         super().__init__(daemon=True)
-        self.steps = steps
-        self.said: List[Said] = []
-        self.dark_s = (0.0, 0.0)
-        """When the power went, until it was gone."""
-        self._data, self._stored = data, frozenset()  # type: ignore[var-annotated]
-        self._failure, self._after_cut, self._fails_from = failure, after_cut, fails_from
+        self.steps, self.said = steps, [(Event.ASKED, -1, "")][1:]
+        self._data, self._failure, self._after_cut = data, failure, after_cut
+        self._fails_from = fails_from
+        self._stored: Collection[int] = ()
         self._hears, self._says = multiprocessing.Pipe(duplex=False)
         self.start()
         self._says.close()
 
-    def wait_for(self, number: int) -> float:
-        """Return when a step begins, or the worker ends; return how long steps take [s], twice."""
+    def wait_for(self, number: int) -> None:
+        """Return when a step begins, or the worker ends."""
         next((one for one in self._hear() if one[0] is Event.ASKED and one[1] >= number), None)
-        times_s = [time_s for _event, _number, time_s, _text in self.said] or [0.0]
-        return max(LEAST_S, 2.0 * (times_s[-1] - times_s[0]) / (number + 1))
+
+    def freeze(self) -> None:
+        """Halt it: what it has said was so before anything that happens from now on."""
+        with contextlib.suppress(ChildProcessError, ProcessLookupError):
+            os.kill(self.pid or 0, signal.SIGSTOP)
+            os.waitid(os.P_PID, self.pid or 0, os.WSTOPPED | os.WEXITED | os.WNOWAIT)
 
     def end(self, kill: bool = False) -> bool:
         """Kill it or wait for its end; end all that it has started; return if it was killed."""
@@ -140,14 +142,14 @@ class Worker(ForkProcess):
             os.killpg(self.pid or 0, signal.SIGKILL)
         self._hears.close()
         if self.exitcode not in (0, -signal.SIGKILL):
-            self.said.append((Event.BROKEN, 0, 0.0, f"ended with status {self.exitcode}"))
+            self.said.append((Event.BROKEN, 0, f"ended with status {self.exitcode}"))
         return self.exitcode == -signal.SIGKILL
 
     def texts(self, event: Event) -> List[str]:
         """Return what it said of an event."""
-        return [text for one, _number, _time_s, text in self.said if one is event]
+        return [text for one, _number, text in self.said if one is event]
 
-    def _hear(self) -> Iterator[Said]:
+    def _hear(self) -> Iterator[Tuple[Event, int, str]]:
         # It may end in the middle of a word.
         with contextlib.suppress(EOFError, OSError):
             while True:
@@ -166,9 +168,9 @@ class Worker(ForkProcess):
                 disk.begin(self._failure, self._after_cut)
             # A call is repeated until the disk takes it, as the control does.
             for _ in range(0 if step.trace in self._stored else MOST_ATTEMPTS):
-                self._says.send((Event.ASKED, number, time.monotonic(), ""))
+                self._says.send((Event.ASKED, number, ""))
                 event, text = self._answer(step)
-                self._says.send((event, number, time.monotonic(), text))
+                self._says.send((event, number, text))
                 if event is not Event.FAILED:
                     break
         if disk is not None:
@@ -183,7 +185,7 @@ class Worker(ForkProcess):
             return Event.FAILED, str(error)
         except ProcessingError as error:
             if error.message.fault_code == IS_COMPLETE:
-                self._stored = frozenset(TRACES)
+                self._stored = TRACES
             return Event.BROKEN if step.call is Call.OPEN else Event.REFUSED, str(error)
         except Exception:
             return Event.BROKEN, traceback.format_exc(limit=-1)
@@ -194,7 +196,7 @@ class Worker(ForkProcess):
         if step.call is Call.OPEN:
             self._kit.open(metadata_json=METADATA)
         elif step.call is Call.REOPEN:
-            self._stored = frozenset(processing.reopen_survey(SURVEY).stored_indices)
+            self._stored = processing.reopen_survey(SURVEY).stored_indices
         elif step.call is Call.STORE:
             processing.record(text_message("/t", f"before {step.trace}"))
             processing.store(TRACES[step.trace])

@@ -16,25 +16,19 @@ class Storage:
         return [one[1:] for one in self.asked if one[0] == kind]
 
     def list_surveys(self, before: str) -> None:
-        """Note it, as the others do."""
         self.asked.append(("list", before))
 
     def read_survey(self, folder: str) -> None:
-        """Note it."""
         self.asked.append(("survey", folder))
 
     def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
-        """Note it."""
         self.asked.append(("traces", survey, indices))
 
     def read_additions(self, survey: str) -> None:
-        """Note it."""
         self.asked.append(("additions", survey))
 
     def add_marker(self, survey: str, marker: Any) -> None:
-        """Note it."""
         self.asked.append(("add marker", survey, marker))
 
     def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
-        """Note it."""
         self.asked.append(("remove marker", survey, marker_id, author))

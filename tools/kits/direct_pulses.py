@@ -7,11 +7,10 @@ from typing import Any, Optional
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_survey.axes.axis_id import ZeroEpoch
 
 
 class DirectPulses:
-    """Implements `AxisMotions`.
+    """Implements `AxisMotions`; what it does not make itself is asked of the counter.
 
     Args:
         runner: Makes the pulses: a `PulseLoop`.
@@ -26,31 +25,12 @@ class DirectPulses:
         self._runner, self._counter = runner, counter
         self.distrust = counter.begin
 
-    @property
-    def steps(self) -> int:
-        return int(self._counter.steps)
-
-    @property
-    def trusted(self) -> bool:
-        return bool(self._counter.trusted)
-
-    @property
-    def zero(self) -> ZeroEpoch:
-        zero: ZeroEpoch = self._counter.zero
-        return zero
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._counter, name)
 
     def begin_zero(self, steps: int, time_us: int) -> None:
         self._counter.begin_zero(time_us)
         self._counter.place(steps)
-
-    @property
-    def endstop_pressed(self) -> Optional[bool]:
-        pressed: Optional[bool] = self._counter.endstop_pressed
-        return pressed
-
-    @property
-    def endstop_presses(self) -> int:
-        return int(self._counter.endstop_presses)
 
     def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
         exact = self.trusted

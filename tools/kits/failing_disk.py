@@ -12,7 +12,8 @@ import random
 import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO, Callable, Dict, Iterator, List, Optional, Sequence, Tuple
+from typing import Any, BinaryIO, Callable, Dict, Optional, Sequence
+from unittest import mock
 
 CALLS = ("pwrite", "fsync", "ftruncate", "link", "unlink", "replace", "mkdir")
 MORE_CALLS = (*CALLS, "open", "write", "fdatasync", "rename")
@@ -27,7 +28,7 @@ class Failure:
     Attributes:
         calls: How many calls of the disk still succeed.
         power: Whether its power is cut and the process gone; else its calls fail.
-        durable_share: How much of what was not made durable is lost; nothing is, where only the
+        lost_share: How much of what was not made durable is lost; nothing is, where only the
             process ends.
         seed: Of what is lost.
         by_sector: Whether each sector of a file is lost or kept for itself.
@@ -38,7 +39,7 @@ class Failure:
 
     calls: int
     power: bool
-    durable_share: float = 1.0
+    lost_share: float = 1.0
     seed: int = 0
     by_sector: bool = False
     error: int = errno.ENOSPC
@@ -61,54 +62,40 @@ class FailingDisk:
         calls: Sequence[str] = CALLS,
         on_cut: Callable[[], None] = lambda: None,
     ) -> None:
-        self._former: List[Tuple[Any, str, Any]] = []
+        self._patches = contextlib.ExitStack()
         self._failure: Optional[Failure] = None
         self._left = self._failed = 0
         self.has_failed = False
-        self.count = 0
-        """How many calls there were while something was to fail."""
-        self.folder = place
-        self._on_cut = on_cut
-        self._after_cut = place
+        self.folder, self._after_cut, self._on_cut = place, place, on_cut
         self._names: Dict[int, Dict[str, int]] = {}
         self._contents: Dict[int, bytes] = {}
         self._open: Dict[int, BinaryIO] = {}
-        self.take_over(place)
+        # All that is there is durable.
+        for path in [place, *place.rglob("*")]:
+            descriptor = os.open(str(path), os.O_RDONLY)
+            self._note_durable(descriptor)
+            os.close(descriptor)
         for name in calls:
-            self._replace(os, name, self._passing_on(name, getattr(os, name)))
+            new = self._passing_on(name, getattr(os, name))
+            self._patches.enter_context(mock.patch.object(os, name, new))
         if "write" in calls:
             # Python's own files call the kernel past `os`; those written in Python do not.
             for module in (builtins, io):
-                self._replace(module, "open", _pyio.open)
-
-    def _replace(self, module: Any, name: str, new: Any) -> None:
-        self._former.append((module, name, getattr(module, name)))
-        setattr(module, name, new)
+                self._patches.enter_context(mock.patch.object(module, "open", _pyio.open))
 
     def release(self) -> None:
         """Let the calls go to the disk itself."""
-        while self._former:
-            setattr(*self._former.pop())
-        self._forget()
+        self._patches.close()
+        for stream in self._open.values():
+            stream.close()
 
-    @contextlib.contextmanager
-    def failing(self, failure: Optional[Failure], after_cut: Path) -> Iterator[None]:
-        """Fail in the middle of what is done, or after it.
+    def begin(self, failure: Optional[Failure], after_cut: Path) -> None:
+        """Fail in the middle of what is done from now on.
 
         Args:
             failure: What fails; None: nothing does.
             after_cut: Where what a power cut leaves is put.
         """
-        self.begin(failure, after_cut)
-        try:
-            yield
-        except BaseException:
-            self._failure = None
-            raise
-        self.end()
-
-    def begin(self, failure: Optional[Failure], after_cut: Path) -> None:
-        """Count the calls from now on, and fail; see `failing`."""
         self.has_failed, self._after_cut, self._failed = False, after_cut, 0
         self._left = failure.calls if failure else 0
         self._failure = failure
@@ -123,7 +110,6 @@ class FailingDisk:
         def call(*arguments: Any, **options: Any) -> Any:
             failure = self._failure
             if failure is not None and self._meets(failure, name, arguments):
-                self.count += 1
                 if self._left > 0:
                     self._left -= 1
                 else:
@@ -138,9 +124,8 @@ class FailingDisk:
     def _meets(self, failure: Failure, name: str, arguments: Sequence[Any]) -> bool:
         # A disk that is full or read-only can be read.
         reads = name == "open" and not arguments[1] & (os.O_WRONLY | os.O_RDWR | os.O_CREAT)
-        return self._is_here(arguments) and not (reads and failure.error != errno.EIO)
-
-    def _is_here(self, arguments: Sequence[Any]) -> bool:
+        if reads and failure.error != errno.EIO:
+            return False
         place = arguments[0]
         if isinstance(place, int):
             with contextlib.suppress(OSError):
@@ -171,7 +156,7 @@ class FailingDisk:
     def _note_durable(self, descriptor: int) -> None:
         status = os.fstat(descriptor)
         if stat.S_ISDIR(status.st_mode):
-            self._names[status.st_ino] = names_in(descriptor)
+            self._names[status.st_ino] = _names_in(descriptor)
             return
         if status.st_ino not in self._open:
             # While a file is open, no other one gets its number.
@@ -182,20 +167,6 @@ class FailingDisk:
         stream = self._open[number]
         return os.pread(stream.fileno(), os.fstat(stream.fileno()).st_size, 0)
 
-    def take_over(self, place: Path) -> None:
-        """Begin with everything durable that is in a folder."""
-        self._forget()
-        self.folder = place
-        for path in [place, *place.rglob("*")]:
-            descriptor = os.open(str(path), os.O_RDONLY)
-            self._note_durable(descriptor)
-            os.close(descriptor)
-
-    def _forget(self) -> None:
-        for stream in self._open.values():
-            stream.close()
-        self._names, self._contents, self._open = {}, {}, {}
-
     def _cut(self, failure: Failure) -> None:
         """Write what the disk holds after a power cut: each thing as it is now, or was durable."""
         self.has_failed = True
@@ -203,18 +174,18 @@ class FailingDisk:
         paths = {path.lstat().st_ino: path for path in [self.folder, *self.folder.rglob("*")]}
 
         def restore(number: int, target: Path) -> None:
-            is_lost = draw.random() < failure.durable_share
+            is_lost = draw.random() < failure.lost_share
             if number in self._names or (number in paths and paths[number].is_dir()):
                 durable = self._names.get(number, {})
                 target.mkdir()
                 for name, inner in sorted(
-                    (durable if is_lost else names_in(paths[number])).items()
+                    (durable if is_lost else _names_in(paths[number])).items()
                 ):
                     restore(inner, target / name)
                 return
             before, now = self._contents.get(number, b""), self._content_now(number, paths)
             if failure.by_sector:
-                target.write_bytes(_torn(before, now, draw, failure.durable_share))
+                target.write_bytes(_torn(before, now, draw, failure.lost_share))
             else:
                 target.write_bytes(before if is_lost else now)
 
@@ -227,7 +198,7 @@ class FailingDisk:
         return paths[number].read_bytes() if number in paths else b""
 
 
-def names_in(folder: Any) -> Dict[str, int]:
+def _names_in(folder: Any) -> Dict[str, int]:
     """Return the names in a folder (path or descriptor), with the numbers of the files."""
     with os.scandir(folder) as entries:
         return {one.name: one.inode() for one in entries}

@@ -18,7 +18,7 @@ import subprocess
 import sys
 import time
 import uuid
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from http.client import HTTPSConnection
 from pathlib import Path
 from typing import Any, Dict, Iterator, List, Optional
@@ -128,7 +128,6 @@ class Counts:
     bytes: int = 0
     visits: int = 0
     longest_silence_s: float = 0.0
-    ready: List[bool] = field(default_factory=list)
 
 
 async def _watch(client: Client, counts: Counts, leave_s: Optional[float]) -> None:
@@ -207,7 +206,7 @@ def main() -> None:
     """Watch as the command line says."""
     port, count, stay_s = sys.argv[1:4]
     found = asyncio.run(_all(int(port), int(count), float(stay_s)))
-    print(json.dumps({k: v for k, v in asdict(found).items() if k != "ready"}))
+    print(json.dumps(asdict(found)))
 
 
 if __name__ == "__main__":

@@ -1,13 +1,11 @@
 """A file system whose power can be cut: ext4 in a file, shut down without flushing its log.
 
 A cut loses what a program gave to the kernel without waiting for fsync. Needs root, the program
-mkfs.ext4 and a loop device. The mounts are private to the process that called `hide_mounts` and to
-its children: they end with the last of them, however it ends.
+mkfs.ext4 and a loop device.
 """
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import fcntl
 import os
@@ -16,7 +14,6 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from typing import Iterator
 
 UNMOUNT_LIMIT_S = 10.0
 # <linux/sched.h> and <linux/ext4.h>; the number of the call is _IOR('X', 125, __u32).
@@ -30,14 +27,11 @@ class PowerCutError(Exception):
 
 
 class PowerCutDisk:
-    """An empty file system, not mounted yet.
+    """An empty file system, not mounted yet; each method raises a PowerCutError if it fails.
 
     Args:
         place: A folder for the file that holds it and for its mount point.
         size_mib: Its size [MiB]; the file is sparse.
-
-    Raises:
-        PowerCutError: It cannot be made here.
     """
 
     def __init__(self, place: Path, size_mib: int = 256) -> None:
@@ -51,38 +45,27 @@ class PowerCutDisk:
         _run("mkfs.ext4", "-q", "-F", "-E", at_once, str(self._image))
 
     def mount(self) -> None:
-        """Mount it; after a cut, what its journal holds is restored first.
-
-        Raises:
-            PowerCutError: It cannot be mounted here.
-        """
+        """Mount it; after a cut, what its journal holds is restored first."""
         # The system frees the loop device with the mount.
         _run("mount", "-t", "ext4", "-o", "loop", str(self._image), str(self.folder))
 
     def write_back(self) -> None:
         """Write everything to the disk, as the kernel does by itself now and then."""
-        with self._opened() as descriptor:
-            ctypes.CDLL(None, use_errno=True).syncfs(descriptor)
+        _run("sync", "-f", str(self.folder))
 
     def cut(self) -> None:
-        """Cut the power: every call for the disk fails until it was unmounted and mounted.
-
-        Raises:
-            PowerCutError: The file system cannot be shut down here.
-        """
+        """Cut the power: every call for the disk fails until it was unmounted and mounted."""
         flags = struct.pack("I", EXT4_GOING_FLAGS_NOLOGFLUSH)
-        with self._opened() as descriptor:
-            try:
-                fcntl.ioctl(descriptor, EXT4_IOC_SHUTDOWN, flags)
-            except OSError as error:
-                raise PowerCutError(f"ext4 cannot be shut down: {error}") from error
+        descriptor = os.open(str(self.folder), os.O_RDONLY | os.O_CLOEXEC)
+        try:
+            fcntl.ioctl(descriptor, EXT4_IOC_SHUTDOWN, flags)
+        except OSError as error:
+            raise PowerCutError(f"ext4 cannot be shut down: {error}") from error
+        finally:
+            os.close(descriptor)
 
     def unmount(self) -> None:
-        """Unmount it, when the processes that used it and were killed have let go of it.
-
-        Raises:
-            PowerCutError: Somebody still uses it.
-        """
+        """Unmount it, when the processes that used it and were killed have let go of it."""
         deadline_s = time.monotonic() + UNMOUNT_LIMIT_S
         while True:
             try:
@@ -92,33 +75,20 @@ class PowerCutDisk:
                     raise
             time.sleep(0.02)
 
-    @contextlib.contextmanager
-    def _opened(self) -> Iterator[int]:
-        descriptor = os.open(str(self.folder), os.O_RDONLY | os.O_CLOEXEC)
-        try:
-            yield descriptor
-        finally:
-            os.close(descriptor)
 
+def can_be_cut() -> None:
+    """Cut the power of a file system once.
 
-def hide_mounts() -> None:
-    """Let what this process mounts from now on be seen by it and its children only.
+    What this process mounts from now on is seen by it and its children only, and ends with the
+    last of them, however it ends.
 
     Raises:
-        PowerCutError: It is not allowed.
+        PowerCutError: It cannot be done here.
     """
     if ctypes.CDLL(None, use_errno=True).unshare(CLONE_NEWNS) != 0:
         reason = os.strerror(ctypes.get_errno())
         raise PowerCutError(f"a mount namespace needs root: {reason}")
     _run("mount", "--make-rprivate", "/")
-
-
-def check() -> None:
-    """Cut the power of a file system once.
-
-    Raises:
-        PowerCutError: It cannot be done here.
-    """
     with tempfile.TemporaryDirectory(prefix="gpr20_power_cut_") as place:
         disk = PowerCutDisk(Path(place))
         disk.mount()
@@ -130,10 +100,9 @@ def check() -> None:
 
 def _run(*command: str) -> None:
     try:
-        ended = subprocess.run(command, capture_output=True, text=True, check=False)
+        subprocess.run(command, capture_output=True, text=True, check=True)
     except OSError as error:
         raise PowerCutError(f"{command[0]} cannot be run: {error.strerror}") from error
-    if ended.returncode != 0:
+    except subprocess.CalledProcessError as error:
         # Without the hint to read the kernel's log.
-        first = ended.stderr.strip().split("\n")[0]
-        raise PowerCutError(f"{' '.join(command)}: {first}")
+        raise PowerCutError(f"{command}: {error.stderr.strip().partition(chr(10))[0]}") from error

@@ -6,10 +6,9 @@ calls, and what `simulated_world` simulates.
 
 from __future__ import annotations
 
-import json
 import threading
 import time
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any, Callable, Dict, List, Optional
 
 from robot_parts import (
@@ -24,6 +23,7 @@ from simulated_world import LIMIT_S, World
 from storage_kit import NO_BAGS, end_status
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
@@ -128,11 +128,6 @@ class RobotInProcess:
         with self._changed:
             assert self._changed.wait_for(condition, LIMIT_S), f"still {self.status.status}"
 
-    def wait_for(self, *states: SurveyState) -> Status:
-        """Return the status in which one of the states is entered."""
-        self.wait(lambda: self.status.status.state in states)
-        return self.status.status
-
     def begin(self, **changes: Any) -> str:
         """Set parameters that differ from the usual ones, and start."""
         self.control.set_parameters(replace(PARAMETERS, **changes))
@@ -146,7 +141,8 @@ class RobotInProcess:
 
     def wait_for_end(self) -> Status:
         """Return the status with which the survey ends or pauses."""
-        return self.wait_for(*ENDS)
+        self.wait(lambda: self.status.status.state in ENDS)
+        return self.status.status
 
     def die(self) -> None:
         """Give no more answers from now on, as after a power cut; any thread may call it."""
@@ -194,10 +190,8 @@ class RobotInProcess:
 
     def _build_driver(self, parameters: VnaParameters) -> VNADriver:
         limits = LinkLimits(parameters.connect_timeout_s, parameters.answer_timeout_s)
-        deadline = RequestDeadline(self.world.time)
-        analyzer = make_analyzer(
-            parameters, lambda address: self.world.vna.connect(address, limits), deadline
-        )
+        deadline, connect = RequestDeadline(self.world.time), self.world.vna.connect
+        analyzer = make_analyzer(parameters, lambda address: connect(address, limits), deadline)
         return VNADriver(analyzer, parameters, deadline, lambda _warning: None)
 
     def _description(self, analyzer: VnaParameters) -> DescribedRobot:
@@ -209,7 +203,6 @@ class RobotInProcess:
         configurations.update(height_sensor=HeightParameters(), vna_acquisition=analyzer)
         for node, parameters in configurations.items():
             hardware = Hardware(f"simulated {node}", simulated=True)
-            as_sent = json.loads(json.dumps(asdict(parameters), default=lambda value: value.value))
-            described.note(NodeDescription(node, hardware, as_sent))
+            described.note(NodeDescription(node, hardware, plain(parameters)))
         described.note(NodeDescription(STORAGE, NO_HARDWARE, {"data": str(self.data)}))
         return described

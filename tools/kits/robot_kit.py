@@ -19,9 +19,6 @@ from typing import Any, Dict, Iterator, List, Optional
 
 import psutil
 
-from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.folder.survey_folder import BAG_FILE
-
 MASTER = "rosmaster"
 BESIDE_MASTER = Path(__file__).resolve().parents[2] / "deploy/beside_master.py"
 # roslaunch starts it last: once it is there, a signal ends the whole launch.
@@ -72,11 +69,6 @@ def free_port() -> int:
         claim.detach()
         return port
     raise RuntimeError(f"none of the ports {ports[0]} to {ports[-1]} is free")
-
-
-def has_bag(folder: Path) -> bool:
-    """Return whether the bag of a survey that has ended is made, and named in its log."""
-    return (folder / BAG_FILE).exists() and writer_of(folder) is None
 
 
 class LaunchedRobot:
@@ -150,28 +142,23 @@ class LaunchedRobot:
 
     def processes(self) -> Dict[str, psutil.Process]:
         """Return the processes that run now: those of `NODES`, `MASTER`, `WATCHDOG` and `WEB`."""
+        words = {name: f"/{name}-" for name in (*NODES, WATCHDOG, WEB)}
+        words.update({MASTER: MASTER, "rosout": "/lib/rosout/rosout"})
         found = {}
         for child in self._children():
             with contextlib.suppress(psutil.NoSuchProcess):  # ended meanwhile
                 line = " ".join(child.cmdline())
-                nodes = (*NODES, WATCHDOG, WEB)
-                words = {**{name: f"/{name}-" for name in nodes}, MASTER: MASTER}
-                words["rosout"] = "/lib/rosout/rosout"
                 found.update({name: child for name, word in words.items() if word in line})
         return found
 
     def kill(self, name: str) -> bool:
         """Kill a node, the master or roslaunch; return whether it was there to be killed."""
-        if name == LAUNCH:
-            if self._launch is None or self._launch.poll() is not None:
-                return False
-            self._launch.kill()
-            self._launch.wait()
-            return True
-        process = self.processes().get(name)
-        if process is None:
+        process: Any = self._launch if name == LAUNCH else self.processes().get(name)
+        if process is None or (name == LAUNCH and process.poll() is not None):
             return False
         process.kill()
+        if name == LAUNCH:
+            process.wait()
         return True
 
     def kill_all(self) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Callable, Container, Dict, Iterable, List, Optional
 
-from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
@@ -19,9 +18,10 @@ from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.recording.survey_topics import SurveyTopics, recorded_log
+from gpr20_survey.recording.survey_topics import TEXT, SurveyTopics, recorded_log
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_form import pack_text
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.processing_records import ChangedSurvey, Storage, SurveyEnd
@@ -37,26 +37,12 @@ NO_BAGS: Any = SimpleNamespace(
 )
 LIMITS = ProcessingParameters(timeout_s=60.0, commit_period_s=0.05)
 
-TYPES = get_typestore(Stores.ROS1_NOETIC)
-TYPES.register(get_types_from_msg(trace_message.DEFINITION, "gpr20_msgs/msg/Trace"))
-
-
-def recorded(
-    topic: str, datatype: str, message: Any, time_ns: int, latching: bool = False
-) -> RecordedMessage:
-    """Serialize a message of the type store."""
-    name = datatype.replace("/", "/msg/")
-    definition, md5sum = TYPES.generate_msgdef(name)
-    data = bytes(TYPES.serialize_ros1(message, name))
-    return RecordedMessage(topic, datatype, md5sum, definition, data, time_ns, latching)
-
 
 def text_message(
     topic: str, text: str, time_ns: int = NOW_NS, latching: bool = False
 ) -> RecordedMessage:
     """Return a std_msgs/String for recording."""
-    message = TYPES.types["std_msgs/msg/String"](data=text)
-    return recorded(topic, "std_msgs/String", message, time_ns, latching)
+    return RecordedMessage(topic, *TEXT, pack_text(text), time_ns, latching)
 
 
 def bag_messages(path: Path) -> List[RecordedMessage]:
@@ -78,58 +64,6 @@ def end_status(end: SurveyEnd) -> RecordedMessage:
     return text_message(
         "/control_status", f"{end.state.name}: {end.message}", end.time_ns, latching=True
     )
-
-
-class MemoryRecording:
-    """A recording whose disk can be full."""
-
-    def __init__(self) -> None:
-        self.collected: List[RecordedMessage] = []
-        self.durable: List[RecordedMessage] = []
-        self.error: Any = None
-        self.finished = False
-
-    @property
-    def collected_bytes(self) -> int:
-        """How much waits for a commit [bytes]."""
-        return sum(len(message.data) for message in self.collected)
-
-    def write(self, message: RecordedMessage) -> None:
-        """Collect a message."""
-        self.collected.append(message)
-
-    def write_alone(self, message: RecordedMessage) -> None:
-        """Collect a message that may stand alone."""
-        self.write(message)
-
-    def in_place(self) -> bool:
-        """Return whether it is where it was made."""
-        return True
-
-    def commit(self) -> None:
-        """Make durable what was collected, unless the disk is full."""
-        if self.error is not None:
-            raise self.error
-        self.durable += self.collected
-        self.collected = []
-
-    def finish(self) -> None:
-        """Make everything durable, and accept nothing more."""
-        self.commit()
-        self.finished = True
-
-    def abandon(self) -> None:
-        """Forget what was collected."""
-        self.collected = []
-
-    def texts(self, topic: str) -> List[str]:
-        """Return the texts of a topic that are durable."""
-        durable: Iterable[Any] = (
-            TYPES.deserialize_ros1(message.data, "std_msgs/msg/String")
-            for message in self.durable
-            if message.topic == topic
-        )
-        return [message.data for message in durable]
 
 
 class Kit:

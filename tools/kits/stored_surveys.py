@@ -11,6 +11,7 @@ import numpy as np
 from robot_in_process import RobotInProcess
 from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
 from storage_kit import with_bag
+from trace_examples import assert_same_numbers
 
 from gpr20_common.catalogue import FOLDER, read_translations
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
@@ -109,9 +110,5 @@ def check_acknowledged(
     recorded = [{one.index: one for one in found} for found in recordings]
     assert all(stored.keys() == found.keys() for found in recorded)
     for trace in acknowledged:
-        assert stored[trace.index]["s21_real"] == trace.s21_real.tolist()
-        for one in (found[trace.index] for found in recorded):
-            for name in ("sample_id", "x_coord_mm", "y_coord_mm", "z_coord_deg"):
-                assert getattr(one, name) == getattr(trace, name) == stored[trace.index][name]
-            assert one.s21_real.tobytes() == trace.s21_real.tobytes()
-            assert one.s21_imag.tobytes() == trace.s21_imag.tobytes()
+        for form in (stored, *recorded):
+            assert_same_numbers(trace, form[trace.index])

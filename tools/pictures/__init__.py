@@ -1,1 +1,1 @@
-"""The pictures of the documentation; a module with a function `make` makes one group of them."""
+"""The pictures of the documentation, made from surveys of the simulated robot."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
-from typing import Any, List
+from typing import Any, Dict, List
 
 import psutil
 import pytest
@@ -27,25 +27,21 @@ def end_processes(mark: str) -> List[str]:
     Args:
         mark: How the variable of their environment begins.
     """
-    found: List[psutil.Process] = []
+    found: Dict[psutil.Process, str] = {}
     for process in psutil.process_iter():
         # It has ended meanwhile, or it is somebody else's.
         with contextlib.suppress(psutil.Error):
             marked = process.environ().get(VARIABLE, "").startswith(mark)
             if marked and process.pid != os.getpid():
-                found.append(process)
-    names = [_name(process) for process in found]
-    for process in found:
-        with contextlib.suppress(psutil.NoSuchProcess):
-            process.terminate()
+                found[process] = " ".join(process.cmdline())
+                process.terminate()
     deadline_s = time.monotonic() + END_LIMIT_S
     while any(map(_runs, found)):
-        if time.monotonic() > deadline_s:
-            for process in filter(_runs, found):
-                with contextlib.suppress(psutil.NoSuchProcess):
-                    process.kill()
+        for process in found if time.monotonic() > deadline_s else ():
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process.kill()
         time.sleep(POLL_S)
-    return names
+    return list(found.values())
 
 
 def _runs(process: psutil.Process) -> bool:
@@ -54,13 +50,6 @@ def _runs(process: psutil.Process) -> bool:
         return process.status() != psutil.STATUS_ZOMBIE
     except psutil.NoSuchProcess:
         return False
-
-
-def _name(process: psutil.Process) -> str:
-    try:
-        return " ".join(process.cmdline())
-    except psutil.Error:
-        return str(process.pid)
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -72,7 +61,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: Any) -> None:
-    """Tell a worker the mark of the run."""
+    """Give a worker the mark of the run."""
     node.workerinput["gpr20_mark"] = os.environ[VARIABLE]
 
 

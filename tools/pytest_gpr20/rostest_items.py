@@ -20,19 +20,11 @@ TESTS = re.compile(r"^ \* TESTS: (\d+)", re.MULTILINE)
 FAILED = re.compile(r"^\[(\S+)\]\[(?:FAILURE|ERROR)\]", re.MULTILINE)
 
 
-class RostestError(Exception):
-    """A rostest failed; the text says which tests, and shows the end of what was printed."""
-
-
 class RostestItem(pytest.Item):
     """One rostest, with a master, logs and results of its own."""
 
     def runtest(self) -> None:
-        """Run it.
-
-        Raises:
-            RostestError: A test failed, or none ran.
-        """
+        """Run it; if a test fails or none runs, show which, and the end of what was printed."""
         pytest.importorskip("rospy", reason="this Python has no ROS")
         folder = Path(tempfile.mkdtemp(prefix="gpr20_rostest_"))
         own = {"ROS_HOME": folder, "ROS_LOG_DIR": folder / "log"}
@@ -50,17 +42,15 @@ class RostestItem(pytest.Item):
             text=True,
             errors="replace",
         )
-        found = problem(ended.returncode, ended.stdout)
+        failed = ", ".join(sorted(set(FAILED.findall(ended.stdout))))
+        counted = TESTS.findall(ended.stdout)
+        found = "" if counted and int(counted[-1]) else "no test ran"
+        if ended.returncode != 0 or failed:
+            found = f"failed: {failed or f'rostest ended with status {ended.returncode}'}"
         if found:
             end = "\n".join(ended.stdout.splitlines()[-LINES_SHOWN:])
-            raise RostestError(f"{found}; logs are in {folder}\n{end}")
+            pytest.fail(f"{found}; logs are in {folder}\n{end}", pytrace=False)
         shutil.rmtree(folder)
-
-    def repr_failure(self, excinfo: Any, style: Any = None) -> Any:
-        """Show what rostest printed instead of this module's traceback."""
-        if isinstance(excinfo.value, RostestError):
-            return str(excinfo.value)
-        return super().repr_failure(excinfo, style)
 
     def reportinfo(self) -> Any:
         """Name it by its file; a skip needs a line."""
@@ -77,15 +67,6 @@ class RostestFile(pytest.File):
         limit_s = LAUNCH_LIMIT_S + sum(float(one.get("time-limit", 60)) for one in tests)
         item.add_marker(pytest.mark.timeout(limit_s))
         yield item
-
-
-def problem(status: int, printed: str) -> Optional[str]:
-    """Return what is wrong with how rostest ended; None if nothing is."""
-    failed = ", ".join(sorted(set(FAILED.findall(printed))))
-    if status != 0 or failed:
-        return f"failed: {failed or f'rostest ended with status {status}'}"
-    counted = TESTS.findall(printed)
-    return None if counted and int(counted[-1]) else "no test ran"
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> Optional[RostestFile]:

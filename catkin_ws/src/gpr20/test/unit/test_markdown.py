@@ -7,7 +7,6 @@ import subprocess
 from pathlib import Path
 
 from case_kit import each_case
-from wings_kit import NEEDS_ALL
 
 ROOT = Path(__file__).resolve().parents[5]
 LONGEST_LINE = 100
@@ -82,7 +81,6 @@ def test_no_line_is_longer_than_the_limit(document):
 
 
 @each_document
-@NEEDS_ALL
 def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
     broken = []
     for target in link_targets(without_fences(document.read_text(encoding="utf-8"))):
@@ -94,7 +92,6 @@ def test_every_link_leads_to_a_file_and_a_heading_that_exist(document):
 
 
 @each_document
-@NEEDS_ALL
 def test_every_file_that_is_named_exists(document):
     text = without_fences(document.read_text(encoding="utf-8"))
     there = [f"/{name}" for name in FILES]

@@ -9,7 +9,6 @@ import struct
 
 import numpy as np
 import pytest
-import trace_page
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -24,6 +23,7 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, trace_message, utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import TRACE_FIELDS
 
 TYPE = "gpr20_msgs/msg/Trace"
 TYPES = get_typestore(Stores.ROS1_NOETIC)
@@ -133,10 +133,13 @@ def test_the_table_of_the_fields_is_that_of_definition_checksum_and_page():
         wanted, own_fields = ([one for one in lines if len(one) == 2] for lines in found)
         assert own_fields == wanted
     assert TYPES.generate_msgdef(TYPE)[1] == trace_message.MD5SUM
-    text = trace_page.PAGE.read_text(encoding="utf-8")
-    assert trace_page.page(text) == text and trace_page.HEAD in text, (
-        "run tools/pages/trace_page.py"
-    )
+    page = (MESSAGES.parents[3] / "docs/reference/formats.md").read_text(encoding="utf-8")
+    rows = [
+        f"| `{one.name}` | `{one.form.ros}` | {one.unit} | "
+        f"{ {None: '', '': 'empty'}.get(one.unknown, one.unknown) } | {one.meaning} |\n"
+        for one in TRACE_FIELDS
+    ]
+    assert "".join(rows) in page
 
 
 def test_the_header_has_the_time_the_frame_and_the_index_of_the_trace():

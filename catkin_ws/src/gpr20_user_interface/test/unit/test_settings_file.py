@@ -224,8 +224,9 @@ def test_the_commands_of_the_page_begin_check_and_update_a_catalogue(tmp_path):
         command = [str(TRANSLATIONS), *map(str, arguments)]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 
-    assert run("--new", path, "Français").returncode == 0
-    assert "X-Language-Name: Français" in path.read_text()
+    path.write_text('msgid ""\nmsgstr ""\n"X-Language-Name: Français\\n"\n')
+    assert run(path).returncode == 0
+    assert '\nmsgid "START"\n' in path.read_text()
     with path.open("a") as file:
         file.write('\nmsgid "no program has this"\nmsgstr "rien"\n')
     checked = run("--check", path)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -21,28 +23,46 @@ from driver_bench import (
     is_of_one_after,
 )
 from fault_kit import raises_fault
-from freshness_kit import cells, drawn
 from hypothesis import given
 from hypothesis import strategies as st
 
+from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.in_process import CONNECT
+from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
+from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_vna_acquisition.errors import VnaOldDataError, VnaSweepError, VnaTimeoutError
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_vna_acquisition.errors import (
+    VnaNotReadyError,
+    VnaOldDataError,
+    VnaSettingError,
+    VnaSweepError,
+    VnaTimeoutError,
+)
+from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
+from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.vna_driver import VNADriver
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SECONDS = st.floats(0.0, 3.0)
 # A display that lags by more than `display_settle_s` is not noticed.
 LAGS_S = st.floats(0.0, 1.15)
+WIRE_TRACES = int(os.environ.get("GPR20_FRESHNESS_TRACES", "2"))
+SECONDS_PER_POINT = 20e-6
+# What the survey measures again.
+UNCONFIRMED = (VnaSettingError, VnaOldDataError, VnaNotReadyError)
 
 
-def confirmed(bench: Bench) -> Sweep:
+def confirmed(driver: VNADriver) -> Sweep:
     """Return the next sweep that is confirmed, as the survey takes it."""
-    for _ in range(4):
-        number, sweep = bench.driver.take_sweep()
-        with contextlib.suppress(VnaOldDataError):
-            bench.driver.confirm(number)
+    for _ in range(5):
+        number, sweep = driver.take_sweep()
+        with contextlib.suppress(*UNCONFIRMED):
+            driver.confirm(number)
             return sweep
     raise AssertionError("no sweep was confirmed")
 
@@ -74,7 +94,7 @@ def test_every_confirmed_sweep_is_new_however_late_bit_and_display_are_and_becom
             before, errors = bench.number, () if is_known else (VnaSweepError, VnaTimeoutError)
             # After a change without notice an error is allowed; data that are old in part are not.
             with contextlib.suppress(*errors):
-                assert is_of_one_after(confirmed(bench), before)
+                assert is_of_one_after(confirmed(bench.driver), before)
         is_known = is_set_up_again
 
 
@@ -99,7 +119,7 @@ def test_an_average_is_the_mean_of_new_sweeps_alone(averages, lag_s):
     assert bench.driver.trace_duration_s >= averages * 0.05
     for _ in range(2):
         before = bench.number
-        sweep = confirmed(bench)
+        sweep = confirmed(bench.driver)
         assert sweep.analyzer.averages == averages and bench.ask(":SENS:AVER:COUN?") == "1"
         assert bench.number == before + averages
         mean = before + (averages + 1) / 2
@@ -170,10 +190,43 @@ def test_time_stamps_survive_a_correction_of_the_clock():
     assert 0.05 <= sweep.duration_s < 0.1
 
 
+def wrong_over_the_wire(fault, delay_s, transfer, points):
+    """Yield the traces with a point of another place, or of another sweep."""
+    place, clock = [0.0], Clock()
+    vna = SimulatedAnalyzer(
+        PositionProbe(),
+        lambda: AntennaPosition(place[0], 0.0, 0.0),
+        clock,
+        InstrumentScene(late_bit_s=delay_s, late_memory_s=delay_s),
+        AnalyzerOptions(seconds_per_point=SECONDS_PER_POINT),
+    )
+    if delay_s:
+        vna.faults.set(fault)
+    vna.start()
+    values = VnaParameters(transfer_format=transfer, seconds_per_point=SECONDS_PER_POINT)
+    deadline, limits = RequestDeadline(clock), LinkLimits()
+    analyzer = Ms2026c(lambda host: connect(host, limits, vna.server.port), values, deadline)
+    driver, last = VNADriver(analyzer, values, deadline, print), []
+    try:
+        driver.connect_to_vna("127.0.0.1")
+        driver.set_frequency_sweep(SweepSettings(600e6, 6e9, points))
+        for number in range(WIRE_TRACES):
+            # Single precision has it exactly.
+            place[0] = number + 1.0
+            sweep = confirmed(driver)
+            numbers, places = sweep.s21_real.tolist(), set(sweep.s21_imag.tolist())
+            if places != {place[0]} or len(set(numbers)) > 1 or numbers == last:
+                yield fault, delay_s, transfer, points, number
+            last = numbers
+    finally:
+        driver.shut_down()
+        vna.stop()
+
+
 @pytest.mark.release
-def test_no_confirmed_trace_is_stale_mixed_or_doubled():
-    traces, chosen = int(os.environ.get("GPR20_FRESHNESS_TRACES", "2")), list(cells())
-    counts = drawn(chosen, traces, workers=4)
-    assert {one.traces for one in counts} == {traces}
-    bad = [cell for cell, one in zip(chosen, counts) if one.stale or one.mixed or one.doubled]
-    assert bad == []
+def test_no_confirmed_trace_is_stale_mixed_or_doubled_over_the_wire():
+    delays_s, points = (0.0, 0.001, 0.003, 0.01, 0.05, 0.2, 1.0), (51, 501, 4000)
+    cells = itertools.product(("LATE_BIT", "LATE_MEMORY"), delays_s, TransferFormat, points)
+    with ThreadPoolExecutor(4) as pool:
+        found = [*pool.map(lambda cell: [*wrong_over_the_wire(*cell)], cells)]
+    assert found == [[]] * 84

@@ -12,8 +12,8 @@ from log_examples import marker
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
 from planned_survey import METADATA, POINTS, planned_trace
-from rosbags.rosbag1 import Reader
-from storage_kit import OTHER_SURVEY, TYPES, Kit, text_message, with_bag
+from stock_readers import bag_traces
+from storage_kit import OTHER_SURVEY, Kit, text_message, with_bag
 from trace_examples import SURVEY, assert_same_numbers, read_json
 
 from gpr20_survey.folder.recovery import read_description
@@ -107,12 +107,7 @@ def traces_in_bag(folder: Path) -> List[Any]:
     """Return the traces that a stock reader finds in the bag, which is made if it is missing."""
     if not (folder / "survey.bag").exists():
         with_bag(folder)
-    with Reader(str(folder / "survey.bag")) as reader:
-        return [
-            TYPES.deserialize_ros1(data, "gpr20_msgs/msg/Trace")
-            for connection, _, data in reader.messages()
-            if connection.topic == "/trace"
-        ]
+    return list(bag_traces(folder / "survey.bag"))
 
 
 def messages_in_mcap(folder: Path, topic: str = "/trace") -> List[Any]:

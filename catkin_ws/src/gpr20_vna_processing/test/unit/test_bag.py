@@ -6,6 +6,7 @@ import collections
 import itertools
 import random
 import shutil
+import subprocess
 import sys
 from dataclasses import replace
 
@@ -16,7 +17,7 @@ from fault_kit import raises_fault
 from log_examples import DONE, KILLED, NOW, add_marker, ended_at_call
 from reopening_kit import TRACES, resume, traces_in_bag, tree
 from run_seed import SEED, draws
-from stock_readers import bag_traces, counts_in_bag, mcap_traces
+from stock_readers import bag_traces, mcap_traces
 from storage_kit import Kit, bag_messages, text_message, with_bag
 from trace_examples import SURVEY, assert_same_numbers
 from wait_kit import wait_until
@@ -70,10 +71,15 @@ def test_the_stock_tools_find_every_message_as_it_was_recorded(folder):
     rosbag = pytest.importorskip("rosbag")  # part of ROS
     path = with_bag(folder) / "survey.bag"
     recorded = list(StoredMcap(folder / "survey.mcap").messages())
-    assert counts_in_bag(path) == collections.Counter(one.topic for one in recorded)
+    subprocess.run(["rosbag", "check", str(path)], capture_output=True, check=True)
     in_bag = bag_messages(path)
     assert sorted(in_bag, key=repr) == sorted(recorded, key=repr)
     with rosbag.Bag(str(path)) as bag:
+        counts = {
+            one: topic.message_count for one, topic in bag.get_type_and_topic_info()[1].items()
+        }
+        assert counts == collections.Counter(one.topic for one in recorded)
+        assert collections.Counter(one for one, _, _ in bag.read_messages()) == counts
         latching = {one.topic: one.header["latching"] for one in bag._connections.values()}
     # So that a replay latches it.
     assert (latching["/survey_metadata"], latching["/trace"]) == (b"1", b"0")
@@ -158,8 +164,9 @@ def test_a_disk_that_refuses_or_loses_its_power_anywhere_leaves_no_half_bag(copi
         after = tmp_path / f"after{calls}" / folder.name
         disk = FailingDisk(folder)
         try:
-            with disk.failing(Failure(calls, calls % 2 == 1), after):
-                with_bag(folder)
+            disk.begin(Failure(calls, calls % 2 == 1), after)
+            with_bag(folder)
+            disk.end()
             done = not disk.has_failed
         except StorageFailedError:
             done = False

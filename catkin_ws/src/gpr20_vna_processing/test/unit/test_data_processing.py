@@ -6,12 +6,7 @@ import threading
 import numpy as np
 import pytest
 from fault_kit import raises_fault
-from storage_kit import (
-    OTHER_SURVEY,
-    Kit,
-    MemoryRecording,
-    text_message,
-)
+from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 from wait_kit import wait_until
 
@@ -26,6 +21,43 @@ from gpr20_vna_processing.mid.storage_thread import LARGEST_LATCHED_BYTES
 
 LOST_ZERO = Fault("axis.lost_zero", Message("Home the axis."), can_continue=False)
 DISK_FULL = OSError(errno.ENOSPC, "No space left on device")
+
+
+class MemoryRecording:
+    """A recording whose disk can be full."""
+
+    def __init__(self):
+        self.collected, self.durable = [], []
+        self.error, self.finished = None, False
+
+    @property
+    def collected_bytes(self):
+        return sum(len(message.data) for message in self.collected)
+
+    def write(self, message):
+        self.collected.append(message)
+
+    write_alone = write
+
+    def in_place(self):
+        return True
+
+    def commit(self):
+        if self.error is not None:
+            raise self.error
+        self.durable += self.collected
+        self.collected = []
+
+    def finish(self):
+        self.commit()
+        self.finished = True
+
+    def abandon(self):
+        self.collected = []
+
+    def texts(self, topic):
+        # Behind the length of the text.
+        return [one.data[4:].decode() for one in self.durable if one.topic == topic]
 
 
 @pytest.fixture

@@ -131,14 +131,14 @@ def printed(cell):
 def test_the_notebook_finds_the_targets_and_shows_what_a_run_prints():
     stored = json.loads((ROOT / "docs/from_survey_to_image.ipynb").read_text(encoding="utf-8"))
     notebook = copy.deepcopy(stored)
-    names = runpy.run_path(str(ROOT / "tools/pages/run_notebook.py"))["run_cells"](notebook)
+    names = runpy.run_path(str(ROOT / "tools/run_notebook.py"))["run_cells"](notebook)
     found_mm = 1e3 * np.array(
         [(one.x_m, one.y_m, one.depth_m) for one in names["found"].candidates]
     )
     for target_mm in TARGETS_MM:
         assert min(np.linalg.norm(found_mm - target_mm, axis=1)) < 6.0
     for new, old in zip(map(printed, notebook["cells"]), map(printed, stored["cells"])):
-        assert NUMBER.sub("#", new) == NUMBER.sub("#", old), "run tools/pages/run_notebook.py"
+        assert NUMBER.sub("#", new) == NUMBER.sub("#", old), "run tools/run_notebook.py"
         numbers = [[float(one) for one in NUMBER.findall(text)] for text in (new, old)]
         # The last digit may be another one with other versions of the libraries.
         assert numbers[0] == pytest.approx(numbers[1], rel=0.01, abs=0.2)

@@ -14,7 +14,8 @@ import sys
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from imported_kit import NOTE, SOURCE, imported_folder, imported_surveys, line_survey
+from hypothesis import strategies as st
+from imported_kit import SOURCE, imported_folder, line_survey
 from run_seed import draws
 from wait_kit import wait_until
 
@@ -24,14 +25,17 @@ from gpr20_analysis.commands.batch_commands import surveys_at
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS, Quality
 from gpr20_analysis.errors import ExportError
+from gpr20_analysis.formats.common import as_dataset
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
+NOTE = Message("the record was {length} long", length="8 ns")
 CHILD = """
 import sys
 from pathlib import Path
@@ -40,6 +44,43 @@ print("begins", flush=True)
 while True:
     imported_folder(Path(sys.argv[1]), 40, 3)
 """
+
+
+@st.composite
+def axes_m(draw, most=4):
+    """Positions along an axis, ascending, even or not [m]."""
+    gaps_mm = draw(st.lists(st.floats(0.5, 500.0), max_size=most - 1))
+    start_mm = draw(st.floats(-900.0, 900.0))
+    return np.cumsum([start_mm, *gaps_mm]) / 1000.0
+
+
+@st.composite
+def imported_surveys(draw):
+    """Small surveys, lines and single stops too, with missing samples, heights and times."""
+    turns_deg = draw(st.sampled_from([[0.0], [90.0], [0.0, 90.0], [-45.0, 0.0, 45.0]]))
+    y_m, x_m = draw(axes_m()), draw(axes_m())
+    shape = (len(turns_deg), len(y_m), len(x_m))
+    random = np.random.default_rng(draw(st.integers(0, 1 << 32)))
+    points = draw(st.integers(2, 9))
+    parts = random.standard_normal((2, *shape, points)) * 10.0 ** random.uniform(-9, 3)
+    s21 = parts[0] + 1j * parts[1]
+    missing = random.random(shape) < draw(st.sampled_from([0.0, 0.3]))
+    missing.flat[random.integers(missing.size)] = False
+    s21[missing] = np.nan
+    height_m = random.uniform(0.0, 0.5, shape)
+    height_m[random.random(shape) < 0.2] = np.nan
+    height_m[missing] = np.nan
+    survey = as_dataset(
+        s21, turns_deg, y_m, x_m, height_m, SOURCE.name,
+        frequency_hz=np.cumsum(random.uniform(1e6, 1e9, points)),
+        simulated=draw(st.sampled_from([None, False, True])),
+        notes=[NOTE],
+    )  # fmt: skip
+    if draw(st.booleans()):
+        times_us = 1_600_000_000_000_000 + random.integers(0, 10**9, shape)
+        times = np.where(missing, np.datetime64("NaT", "us"), times_us.astype("datetime64[us]"))
+        survey["timestamp"] = (survey["timestamp"].dims, times.astype("datetime64[ns]"))
+    return survey.assign_attrs(site="Facatativá", antenna_delay_s=1.5e-9, processing="[]")
 
 
 @settings(max_examples=draws(10))

@@ -1,21 +1,17 @@
 """The quick course of the fault suite, and that it finds what a broken storage does."""
 
-import json
 import multiprocessing
 import os
 import sys
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
-from fault_suite import judge, worker
+from fault_suite import worker
 from fault_suite.__main__ import main
-from fault_suite.judge import Became, Ledger
 from run_seed import SEED
 
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
-from gpr20_survey.trace import trace_json
 
 LIMIT_S = 600.0
 NOTHING_LOST, LOST = 0, 1
@@ -31,14 +27,9 @@ def suite(folder, *options):
 
 
 @pytest.mark.timeout(LIMIT_S)
-@pytest.mark.parametrize(
-    "options", [["--quick"], pytest.param(["--quick", "--count", "20"], marks=pytest.mark.release)]
-)
-def test_nothing_is_lost_doubled_moved_or_laundered_by(options, tmp_path):
-    assert suite(tmp_path, *options, "--only", "kills", "cuts", "flips", "calls", "writers") == (
-        NOTHING_LOST,
-        "",
-    )
+@pytest.mark.parametrize("count", ["3", pytest.param("20", marks=pytest.mark.release)])
+def test_nothing_is_lost_doubled_moved_or_laundered_by(count, tmp_path):
+    assert suite(tmp_path, "--count", count) == (NOTHING_LOST, "")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -60,18 +51,14 @@ def add_twice(log, record, add=SurveyLog.add):
     return add(log, log.next(Kind(record.kind), record.values, record.time))
 
 
-INTACT = SimpleNamespace(status=0, verdict="intact")
-
-
 @pytest.mark.timeout(LIMIT_S)
 @pytest.mark.parametrize(
     ("module", "name", "broken", "options", "found"),
     [
-        (worker, "new_storage", without_fsync, "cuts --simulated-disk --count 8", ["LOST"]),
-        (worker, "new_storage", with_other_numbers, "calls --count 1", ["CHANGED", "LAUNDERED"]),
-        (worker, "add_fact", lambda _processing, _fact: None, "kills --count 2", ["LOST"]),
-        (SurveyLog, "add", add_twice, "calls --count 4", ["DOUBLED"]),
-        (judge, "verify_survey", lambda _folder: INTACT, "flips --count 8", ["UNSEEN"]),
+        (worker, "new_storage", without_fsync, "calls --count 40", ["LOST"]),
+        (worker, "new_storage", with_other_numbers, "calls --count 4", ["CHANGED", "LAUNDERED"]),
+        (worker, "add_fact", lambda _processing, _fact: None, "kills --count 6", ["LOST"]),
+        (SurveyLog, "add", add_twice, "calls --count 12", ["DOUBLED"]),
     ],
 )
 def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path, monkeypatch):
@@ -79,18 +66,3 @@ def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path
     status, failures = suite(tmp_path, "--only", *options.split())
     assert status == LOST
     assert all(one in failures for one in found)
-
-
-def test_each_difference_of_a_trace_is_found():
-    ledger = Ledger()
-    ledger.stored.add(0)
-    right, other = (json.loads(trace_json.encode(worker.TRACES[one])) for one in (0, 1))
-    for traces, became in (
-        ([right], []),
-        ([], [Became.LOST]),
-        ([right, right], [Became.DOUBLED]),
-        ([{**right, "x_coord_mm": 11.0}], [Became.MOVED, Became.CHANGED]),
-        ([{**right, "s21_real": other["s21_real"]}], [Became.CHANGED]),
-        ([right, other], [Became.CHANGED]),
-    ):
-        assert [one for one, _ in ledger.of_traces("JSON", traces, ledger.stored)] == became

@@ -95,12 +95,12 @@ def cut_power(folder, place, failure, work):
     """Do some work on a disk that loses its power; return whether it was done before that."""
     disk = FailingDisk(folder)
     try:
-        with disk.failing(failure, place):
-            try:
-                work()
-            except StorageFailedError:
-                return False
-            return not disk.has_failed
+        disk.begin(failure, place)
+        with contextlib.suppress(StorageFailedError):
+            work()
+        done = not disk.has_failed
+        disk.end()
+        return done
     finally:
         disk.release()
 
@@ -113,7 +113,8 @@ def test_an_opening_that_failed_half_way_is_repeated_with_the_same_id(tmp_path):
         data.mkdir()
         kit, disk = Kit(data, check_data=lambda: None), FailingDisk(data)
         try:
-            with disk.failing(Failure(calls, False), data), contextlib.suppress(StorageFailedError):
+            disk.begin(Failure(calls, False), data)
+            with contextlib.suppress(StorageFailedError):
                 folder = kit.open(metadata_json=METADATA)
         finally:
             disk.release()

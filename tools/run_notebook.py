@@ -1,19 +1,19 @@
 """Run the cells of a notebook in this interpreter and keep what they show in it.
 
-Usage: run_notebook.py NOTEBOOK [--check]
+Usage: run_notebook.py NOTEBOOK
 
 It needs neither Jupyter nor a kernel: text that is printed, the value of a cell's last line, and
-figures are stored as outputs. With --check nothing is written; a cell that fails ends it.
+figures are stored as outputs.
 """
 
 from __future__ import annotations
 
-import argparse
 import ast
 import base64
 import contextlib
 import io
 import json
+import sys
 from pathlib import Path
 from typing import Any, Dict, List
 
@@ -25,12 +25,9 @@ RESOLUTION_DPI = 70
 def run_cells(notebook: Dict[str, Any]) -> Dict[str, Any]:
     """Run all code cells in order, store their outputs, and return the names they made."""
     names: Dict[str, Any] = {"__name__": "__main__"}
-    count = 0
-    for cell in notebook["cells"]:
+    for count, cell in enumerate(notebook["cells"]):
         if cell["cell_type"] == "code":
-            count += 1
             cell["outputs"] = _run("".join(cell["source"]), names, f"<cell {count}>")
-            cell["execution_count"] = count
     return names
 
 
@@ -59,18 +56,8 @@ def _shown(value: object) -> Dict[str, Any]:
     return {"image/png": base64.b64encode(picture.getvalue()).decode(), "text/plain": ["figure"]}
 
 
-def main() -> None:
-    """Run the notebook that is named."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("notebook", type=Path)
-    parser.add_argument("--check", action="store_true", help="run only, write nothing")
-    chosen = parser.parse_args()
-    notebook = json.loads(chosen.notebook.read_text(encoding="utf-8"))
-    run_cells(notebook)
-    if not chosen.check:
-        text = json.dumps(notebook, indent=1, ensure_ascii=False)
-        chosen.notebook.write_text(text + "\n", encoding="utf-8")
-
-
 if __name__ == "__main__":
-    main()
+    path = Path(sys.argv[1])
+    content = json.loads(path.read_text(encoding="utf-8"))
+    run_cells(content)
+    path.write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
