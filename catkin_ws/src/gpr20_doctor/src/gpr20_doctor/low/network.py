@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import socket
-from typing import FrozenSet, Mapping, Tuple
-
-# Of the two computers of a robot.
-ADDRESSES = ("GPR20_ROBOT", "GPR20_SERVER")
+from typing import FrozenSet
 
 
 def is_own_address(address: str) -> bool:
@@ -18,12 +15,6 @@ def is_own_address(address: str) -> bool:
         except (OSError, UnicodeError):
             return False
     return True
-
-
-def own_addresses(environment: Mapping[str, str]) -> Tuple[str, ...]:
-    """Return those addresses of the two computers that this one has."""
-    given = (environment.get(name, "") for name in ADDRESSES)
-    return tuple(one for one in given if one and is_own_address(one))
 
 
 def addresses_of(name: str) -> FrozenSet[str]:
@@ -41,12 +32,3 @@ def connect(address: str, port: int, limit_s: float) -> None:
         OSError: It does not, or not in time.
     """
     socket.create_connection((address, port), limit_s).close()
-
-
-def is_open(address: str, port: int, limit_s: float) -> bool:
-    """Return whether a TCP port accepts connections within a time limit [s]."""
-    try:
-        connect(address, port, limit_s)
-    except OSError:
-        return False
-    return True

@@ -3,48 +3,52 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
 
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
-from gpr20_doctor.mid import machine_checks, robot_checks
-from gpr20_doctor.mid.contact_checks import check_installed
+from gpr20_doctor.mid import robot_checks
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.place import advised
+from gpr20_doctor.mid.machine import MachineReport
+from gpr20_doctor.mid.place import NO_PLACE
 from gpr20_doctor.mid.robot_facts import RobotFacts
+from gpr20_doctor.mid.software_checks import check_versions
+from gpr20_survey.plan.robot_description import STORAGE
 
-FILES = "config_files"
+SPACE = "data_disk"
 BETWEEN = "; "
 LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
+SPACE_AGAIN = Message(
+    "The disk has space again: press RESUME. Without a survey nothing is to be done."
+)
 
 
-def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tuple[Finding, ...]:
+def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
     """Return the results of all checks, the worst first.
 
     Args:
         robot: What the nodes report; None: not asked for.
-        machine: What is known about this computer; None: not asked for.
+        machine: What was found about this computer; None: not asked for.
     """
-    found: List[Finding] = []
+    found: List[Finding] = [] if machine is None else [*machine.found]
     if robot is not None:
-        for check in robot_checks.UNHEARD if robot.unheard else robot_checks.CHECKS:
-            found.extend(check(robot))
-    if machine is not None:
-        for machine_check in machine_checks.CHECKS:
-            found.extend(machine_check(machine))
-    if robot is not None and machine is not None:
-        found.extend(check_installed(robot, machine.software))
-    if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
-        found = [one for one in found if one.check != "data_disk"]
-    # The check of the files also looks at the data folder, whose own check says more.
-    known = {one.text.fault_code for one in found if one.check == "data_folder"} - {""}
-    found = [one for one in found if one.check != FILES or one.text.fault_code not in known]
-    if machine is not None:
-        found = [advised(one, machine.place) for one in found]
+        place = NO_PLACE if machine is None else machine.place
+        for check in robot_checks.CHECKS:
+            found.extend(check(robot, place))
+        installed = None if machine is None else machine.software
+        found.extend(check_versions(robot, installed, place))
+    if any(one.check == SPACE and one.level is Level.OK for one in found):
+        # The storage repeats its last failure until it stores again.
+        found = [replace(one, remedy=SPACE_AGAIN) if _is_full(one) else one for one in found]
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))
+
+
+def _is_full(one: Finding) -> bool:
+    return one.check == STORAGE and one.text.fault_code == DISK_FULL.code
 
 
 def exit_status(found: Iterable[Finding]) -> int:
@@ -71,8 +75,9 @@ def summary(found: Tuple[Finding, ...]) -> Message:
 def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
     """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
     for one in found:
-        level = catalogue.text(one.level.title)
-        yield f"{level:{LEVEL_WIDTH}}{_with_details(one.text, catalogue)}"
+        level, details = catalogue.text(one.level.title), BETWEEN.join(one.text.all_details)
+        text = catalogue.text(one.text) + (f" ({details})" if details else "")
+        yield f"{level:{LEVEL_WIDTH}}{text}"
         if one.remedy is not None:
             yield f"{'':{LEVEL_WIDTH}}-> {catalogue.text(one.remedy)}"
     yield catalogue.text(summary(found))
@@ -95,9 +100,3 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
         ],
     }
     return json.dumps(record, indent=2)
-
-
-def _with_details(message: Message, catalogue: Catalogue) -> str:
-    details = BETWEEN.join(message.all_details)
-    text = catalogue.text(message)
-    return f"{text} ({details})" if details else text
