@@ -56,6 +56,7 @@ FILES = {
     "dev/spidev0.0": "",
     "dev/gpiomem": "",
     "lib/systemd/system/gpr20-robot.service": "",
+    "etc/gpr20/environment": "",
     "usr/share/zoneinfo/Europe/Madrid": "",
     "robot/site.yaml": "",
     "throttled": "throttled=0x0",
@@ -83,6 +84,8 @@ class Computer:
             "ROS_IP": "127.0.0.1",
             "ROS_LOG_DIR": str(self.logs),
             "GPR20_STATE": str(folder / "state"),
+            "GPR20_DATA": str(self.data),
+            "GPR20_CONFIG": f"{self.root}/robot",
         }
         tree(self.root, **FILES)
         self.set(*OWN)
@@ -104,10 +107,8 @@ class Computer:
     def write(self, name, text):
         tree(self.root, **{name: text})
 
-    def set(self, robot, server, *more):
-        lines = [f"GPR20_ROBOT={robot}", f"GPR20_SERVER={server}", f"GPR20_DATA={self.data}"]
-        text = "\n".join([*lines, f"GPR20_CONFIG={self.root}/robot", *more])
-        self.write("etc/gpr20/environment", text)
+    def set(self, robot, server, **more):
+        self.environment.update(GPR20_ROBOT=robot, GPR20_SERVER=server, **more)
 
     def process(self, number, words, parent=1, state="S", variables=f"ROS_MASTER_URI={MASTER}"):
         self.write(f"proc/{number}/cmdline", words.replace(" ", "\0"))
@@ -306,7 +307,7 @@ STATES = {
     ),
     "the firewall was flushed": State(FIREWALL, "firewall load", *swap("tables", "")),
     "the firewall is switched off": State(
-        FIREWALL, "GPR20_FIREWALL=on", lambda one: one.set(*OWN, "GPR20_FIREWALL=off")
+        FIREWALL, "GPR20_FIREWALL=on", lambda one: one.set(*OWN, GPR20_FIREWALL="off")
     ),
     # Clock.
     "the clock starts in 1970": State(
@@ -401,9 +402,9 @@ MASTERS = [
     # What listens there, whether a rosmaster runs, whether parts do; code and words of the advice.
     (web_server, False, False, NOT_RUNNING, "sudo ss -ltnp"),
     (silent_server, False, False, NOT_RUNNING, "sudo ss -ltnp"),
-    (silent_server, True, False, LOST, "Switch off the motors' power"),
-    (web_server, False, True, LOST, "Switch off the motors' power"),
-    (closed_port, False, True, LOST, "Switch off the motors' power"),
+    (silent_server, True, False, LOST, "switch off the motors' power"),
+    (web_server, False, True, LOST, "switch off the motors' power"),
+    (closed_port, False, True, LOST, "switch off the motors' power"),
     (closed_port, False, False, NOT_RUNNING, "systemctl restart gpr20-robot"),
 ]
 

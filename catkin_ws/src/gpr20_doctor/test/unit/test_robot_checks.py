@@ -136,7 +136,6 @@ def test_another_software_than_the_one_installed_here_is_found(host, code):
     [
         (NodeState.HANGS, "robot.part_lost", "Wait one minute"),
         (NodeState.GONE, "robot.not_running", "Wait one minute"),
-        (NodeState.UNREACHED, "network.address", "Check the link"),
         (NodeState.ANSWERS, "robot.part_silent", "Wait one minute"),
     ],
 )

@@ -5,13 +5,14 @@ from __future__ import annotations
 import contextlib
 import enum
 import errno
+import socket
 from concurrent.futures import ThreadPoolExecutor
 from typing import Dict, FrozenSet, Iterable, Set, Tuple
 from urllib.parse import urlsplit
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.links import NO_ANSWER, NodeProbe, limited_server, value_of
-from gpr20_doctor.low import network
+from gpr20_doctor.low.network import addresses_of
 
 CALLER = "/doctor"
 # A master or a node that lives answers within this time [s].
@@ -36,7 +37,6 @@ class NodeState(enum.Enum):
 
     ANSWERS = "answers"
     HANGS = "is registered and does not answer"
-    UNREACHED = "is registered at an address that is not reached"
     GONE = "has ended, or was never started"
 
 
@@ -55,10 +55,11 @@ def state_of(uri: str) -> MasterState:
 
 def _without_answer(uri: str) -> MasterState:
     parts = urlsplit(uri)
-    if not network.addresses_of(parts.hostname or ""):
+    if not addresses_of(parts.hostname or ""):
         return MasterState.UNKNOWN_HOST
+    place = (parts.hostname or "", parts.port or 0)
     try:
-        network.connect(parts.hostname or "", parts.port or 0, ANSWER_LIMIT_S)
+        socket.create_connection(place, ANSWER_LIMIT_S).close()
     except OSError as error:
         refused = error.errno == errno.ECONNREFUSED
         return MasterState.NOT_THERE if refused else MasterState.UNREACHABLE
@@ -115,22 +116,9 @@ def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:
         except NodeGoneError:
             return NodeState.GONE
         except NodeSilentError:
-            return NodeState.HANGS if _is_reached(uri, name) else NodeState.UNREACHED
+            return NodeState.HANGS
         return NodeState.ANSWERS
 
     asked = list(names)
     with ThreadPoolExecutor(max(1, len(asked))) as pool:
         return dict(zip(asked, pool.map(ask, asked)))
-
-
-def _is_reached(uri: str, node: str) -> bool:
-    try:
-        found = value_of(limited_server(uri, ANSWER_LIMIT_S).lookupNode(CALLER, node))
-    except NO_ANSWER:
-        return True  # of the node nothing else is known than its silence
-    parts = urlsplit(str(found))
-    try:
-        network.connect(parts.hostname or "", parts.port or 0, ANSWER_LIMIT_S)
-    except OSError:
-        return False
-    return True

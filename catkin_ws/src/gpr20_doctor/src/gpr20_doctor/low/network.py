@@ -6,13 +6,17 @@ import socket
 from typing import FrozenSet
 
 
-def is_own_address(address: str) -> bool:
-    """Return whether this computer has an IPv4 address."""
+def is_here(name: str) -> bool:
+    """Return whether a name or an IPv4 address is that of this computer."""
+    return any(map(_is_own, addresses_of(name)))
+
+
+def _is_own(address: str) -> bool:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             # Only an own address can be bound.
             probe.bind((address, 0))
-        except (OSError, UnicodeError):
+        except OSError:
             return False
     return True
 
@@ -23,12 +27,3 @@ def addresses_of(name: str) -> FrozenSet[str]:
         return frozenset(str(one[4][0]) for one in socket.getaddrinfo(name, 0, socket.AF_INET))
     except (OSError, UnicodeError):
         return frozenset()
-
-
-def connect(address: str, port: int, limit_s: float) -> None:
-    """Return if a TCP port accepts connections.
-
-    Raises:
-        OSError: It does not, or not in time.
-    """
-    socket.create_connection((address, port), limit_s).close()

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Dict, List, NamedTuple, Optional, Tuple
 from urllib.parse import urlsplit
 
-from gpr20_doctor.low.network import addresses_of, is_own_address
+from gpr20_doctor.low.network import is_here
 
 DEFAULT_MASTER = "http://localhost:11311"
 LAUNCHES = ("roslaunch", "roscore", "rostest")
@@ -78,21 +78,22 @@ class Processes:
         """All nodes that a roslaunch has started."""
         return [one for one in self._all.values() if one.node]
 
-    def has_master(self, uri: str) -> bool:
-        """Return whether a ROS master runs here that was started with the port of an address."""
-        port = str(port_of(uri))
-        return any(one.runs("rosmaster") and port in one.words for one in self._all.values())
+    def lacks_master(self, uri: str) -> bool:
+        """Return whether an address is one of this computer, and no ROS master runs for it."""
+        wanted = urlsplit(uri)
+        return is_here(wanted.hostname or "") and not any(
+            one.runs("rosmaster") and str(wanted.port) in one.words for one in self._all.values()
+        )
 
     def nodes_of(self, master: str) -> List[Process]:
         """Return the nodes of a master, and those whose master is not known.
 
         roslaunch calls a master of this computer by an address that may be gone.
         """
-        wanted = urlsplit(plain_uri(master))
-        here = any(map(is_own_address, addresses_of(wanted.hostname or "")))
-        known = {"", wanted.geturl()}
-        if here:
-            known |= {one.master for one in self.nodes if port_of(one.master) == wanted.port}
+        wanted, known = urlsplit(plain_uri(master)), {"", plain_uri(master)}
+        if is_here(wanted.hostname or ""):
+            end = f":{wanted.port}"
+            known |= {one.master for one in self.nodes if one.master.endswith(end)}
         return [one for one in self.nodes if one.master in known]
 
     def launches_of(self, master: str) -> List[Process]:
@@ -126,14 +127,6 @@ class Processes:
 def plain_uri(master: str) -> str:
     """Return the address of a master as it is compared."""
     return master.rstrip("/").replace("//127.0.0.1:", "//localhost:")
-
-
-def port_of(master: str) -> Optional[int]:
-    """Return the port of a master; None: its address has none."""
-    try:
-        return urlsplit(master).port
-    except ValueError:
-        return None
 
 
 def _process(folder: Path) -> Optional[Process]:

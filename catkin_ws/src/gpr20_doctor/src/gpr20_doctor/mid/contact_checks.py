@@ -8,17 +8,14 @@ from gpr20_common.faults import NOT_RUNNING, PART_SILENT
 from gpr20_common.message import Message
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
-from gpr20_doctor.low.processes import Processes, plain_uri
+from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.node_health import MAIN_CONTROL
 from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
-MOTORS_FIRST = Message(
-    "Switch off the motors' power. Then end the ROS master and start the robot again."
-)
 # The part itself says why it is silent.
-SILENT = (NodeState.HANGS, NodeState.GONE, NodeState.UNREACHED)
+SILENT = (NodeState.HANGS, NodeState.GONE)
 
 
 def evidence_of(namespace: str, state: MasterState, master: str, here: Processes) -> Evidence:
@@ -31,8 +28,7 @@ def evidence_of(namespace: str, state: MasterState, master: str, here: Processes
         here: What runs on this computer.
     """
     own = here.nodes_of(master)
-    local = plain_uri(master).startswith("http://localhost:")
-    if state is MasterState.HANGS and local and not here.has_master(master):
+    if state is MasterState.HANGS and here.lacks_master(master):
         state = MasterState.FOREIGN  # what takes calls there is no master
     return Evidence(
         master=state,
@@ -62,9 +58,7 @@ def _why_unheard(master: str, evidence: Evidence, place: Place) -> Finding:
     """Return the one reason for which nothing of a robot is heard; what may move comes first."""
     may_move = _may_move(evidence)
     if may_move is not None:
-        remedy = place.restart(MOTORS_FIRST)
-        text = may_move.with_details(master)
-        return Finding.of("master", text, faults.MASTER_LOST, advice=remedy)
+        return Finding.of("master", may_move.with_details(master), faults.MASTER_LOST)
     if evidence.robots:
         text = Message(
             "There is no robot in the namespace {namespace}. On this ROS master there are: "
@@ -79,9 +73,8 @@ def _why_unheard(master: str, evidence: Evidence, place: Place) -> Finding:
         )
     elif evidence.elsewhere:
         text = Message(
-            "There is no robot at the ROS master {master}, but parts of one run here with another "
-            "master: {others}",
-            master=master,
+            "There is no robot at this ROS master, but parts of one run here with another one: "
+            "{others}",
             others=", ".join(evidence.elsewhere),
         )
         advice = Message(
@@ -89,7 +82,7 @@ def _why_unheard(master: str, evidence: Evidence, place: Place) -> Finding:
             first=evidence.elsewhere[0],
         )
     else:
-        text, advice = _without_robot(master, evidence.master, place)
+        text, advice = _without_robot(evidence.master, place)
     return Finding.of("master", text.with_details(master), NOT_RUNNING, advice=advice)
 
 
@@ -106,15 +99,13 @@ def _may_move(evidence: Evidence) -> Optional[Message]:
     return None
 
 
-def _without_robot(master: str, state: MasterState, place: Place) -> Tuple[Message, Message]:
+def _without_robot(state: MasterState, place: Place) -> Tuple[Message, Message]:
     where = str(place.settings or "ROS_MASTER_URI")
     if state is MasterState.ANSWERS:
         text = Message("The ROS master answers, but it has no robot.")
         return text, place.restart(Message("Nothing of the robot was started."))
     if state is MasterState.FOREIGN:
-        text = Message(
-            "Another program listens where the ROS master should: {master}", master=master
-        )
+        text = Message("Another program listens where the ROS master should.")
         advice = Message(
             "To see which, run: sudo ss -ltnp. End that program, or write another port into "
             "{where}. Then start the robot again.",
@@ -122,9 +113,7 @@ def _without_robot(master: str, state: MasterState, place: Place) -> Tuple[Messa
         )
         return text, advice
     if state is MasterState.UNKNOWN_HOST:
-        text = Message(
-            "Nobody knows the name of the ROS master's computer: {master}", master=master
-        )
+        text = Message("Nobody knows the name of the ROS master's computer.")
         advice = Message(
             "Correct the name in {where}, use an address such as 10.20.0.2 instead, or write name "
             "and address into /etc/hosts.",

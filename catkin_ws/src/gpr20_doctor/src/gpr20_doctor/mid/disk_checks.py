@@ -25,18 +25,30 @@ FEW_FILES = 2000
 
 
 def check_volumes(machine: Machine) -> Iterator[Finding]:
-    """Judge each file system that the robot writes to, once."""
-    state = state_folder(machine.environment)
-    root, log = machine.root, machine.place.log
-    seen = set()
-    for folder in filter(None, (machine.data, root, root / "tmp", root / "var/log", log, state)):
+    """Judge each file system that the robot writes to, once, and whether this user may write."""
+    own = list(filter(None, (machine.data, machine.place.log, state_folder(machine.environment))))
+    devices = set()
+    for folder in (*own, machine.root, machine.root / "tmp", machine.root / "var/log"):
         existing = existing_folder(folder)
-        is_new, is_data = existing.stat().st_dev not in seen, folder == machine.data
-        # A folder of a file system that can be written to may still refuse this user.
-        if is_new or not os.access(str(existing), os.W_OK):
-            seen.add(existing.stat().st_dev)
+        device, allowed = existing.stat().st_dev, os.access(str(existing), os.W_OK)
+        refused = folder in own and not allowed and not file_system_of(existing).read_only
+        if refused:
+            yield _refused(printable(existing))
+        elif device not in devices:
+            is_data = folder == machine.data
             check, limits = ("data_disk", DATA_SPACE) if is_data else ("volumes", OTHER_SPACE)
             yield _volume(check, folder, existing, *limits)
+        devices.add(device)
+
+
+def _refused(folder: str) -> Finding:
+    text = Message("This user may not write into {folder}.", folder=folder)
+    advice = Message(
+        'If the robot runs as this user, run: sudo chown "$USER" {folder}. If it has '
+        "services, run: gpr20-run doctor",
+        folder=folder,
+    )
+    return Finding.of("volumes", text, DISK_REFUSES, mild=True, advice=advice)
 
 
 def _volume(check: str, folder: Path, existing: Path, low: float, none: float) -> Finding:
@@ -51,14 +63,6 @@ def _volume(check: str, folder: Path, existing: Path, low: float, none: float) -
             **names,
         )
         return Finding.of(check, text, DISK_REFUSES, advice=advice)
-    if not os.access(str(existing), os.W_OK):
-        text = Message("This user may not write into {folder}.", folder=printable(existing))
-        advice = Message(
-            'If the robot runs as this user, run: sudo chown "$USER" {folder}. If it has '
-            "services, run: gpr20-run doctor",
-            folder=printable(existing),
-        )
-        return Finding.of(check, text, DISK_REFUSES, mild=True, advice=advice)
     text = Message(
         "The file system {point} has {free_mb:.0f} MB left; {folder} is on it.",
         free_mb=free / MB,

@@ -21,7 +21,6 @@ from gpr20_survey.plan.robot_description import HEIGHT_SENSOR
 FIRMWARE = ("vcgencmd", "get_throttled")
 # Bits of its answer: low voltage now and before, slowed down now.
 LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
-SUPPLIES, SUPPLY, ALARM = "sys/class/hwmon/hwmon*/name", "rpi_volt", "in0_lcrit_alarm"
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
 # The library of the pins.
 PIN_MODULE = "RPi.GPIO"
@@ -80,16 +79,10 @@ def _join(group: str) -> Message:
 
 
 def check_power(machine: Machine) -> Iterator[Finding]:
-    """Judge the supply of a Raspberry Pi, as its firmware says, or else the sensor of Linux."""
+    """Judge the supply of a Raspberry Pi, as its firmware says."""
     if not machine.is_pi:
         return
-    try:
-        bits = int(answer_of(FIRMWARE).split("=")[-1], 16)
-    except FileNotFoundError:
-        sensors = [one for one in machine.root.glob(SUPPLIES) if one.read_text().strip() == SUPPLY]
-        if not sensors:
-            raise
-        bits = int(sensors[0].with_name(ALARM).read_text())
+    bits = int(answer_of(FIRMWARE).split("=")[-1], 16)
     if bits & LOW_NOW:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
         yield Finding.of("power", text, faults.VOLTAGE_LOW)

@@ -12,7 +12,7 @@ from typing import Any, Mapping, Optional, Tuple
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.data_folder import configured, data_folder
 from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.low.network import is_own_address
+from gpr20_doctor.low.network import is_here
 from gpr20_doctor.low.processes import DEFAULT_MASTER, Processes
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.node_health import axis_node
@@ -32,7 +32,7 @@ class Machine:
 
     Attributes:
         place: Folders and services of this computer.
-        environment: The variables, with the settings of the services.
+        environment: The variables of this process.
         host: Name of this computer.
         root: Root of the file system.
         nodes: What the nodes say they are; empty if they do not run.
@@ -67,8 +67,8 @@ class Machine:
         Raises:
             RuntimeError: A folder is that of a user whom nobody knows.
         """
-        place, complete = place_of(environment, root, config)
-        return cls(place, complete, socket.gethostname(), root, nodes or {}, thorough)
+        place = place_of(environment, root, config)
+        return cls(place, environment, socket.gethostname(), root, nodes or {}, thorough)
 
     @property
     def simulated(self) -> bool:
@@ -108,7 +108,7 @@ class Machine:
     def own_addresses(self) -> Tuple[str, ...]:
         """Those addresses of the two computers that this one has."""
         given = (self.environment.get(name, "") for name in ADDRESSES)
-        return tuple(one for one in given if one and is_own_address(one))
+        return tuple(one for one in given if one and is_here(one))
 
     @property
     def master(self) -> str:

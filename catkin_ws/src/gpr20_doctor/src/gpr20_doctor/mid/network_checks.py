@@ -1,4 +1,4 @@
-"""Checks of addresses, of who may reach ROS, and of the way to the VNA."""
+"""Checks of addresses, and of who may reach ROS."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Iterator, Optional, Sequence
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
-from gpr20_doctor.low import network
+from gpr20_doctor.low.network import is_here
 from gpr20_doctor.low.programs import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import ADDRESSES, Machine
@@ -30,7 +30,7 @@ def check_addresses(machine: Machine) -> Iterator[Finding]:
     yield _two(machine, two, address, advice) if any(two) else _one(address, advice)
     nodes = machine.processes.nodes_of(machine.master)
     known = {one.variable("ROS_HOSTNAME", "ROS_IP") for one in nodes} - {"", address}
-    gone = sorted(one for one in known if not _is_own(one))
+    gone = sorted(one for one in known if not is_here(one))
     if gone:
         text = Message(
             "Parts of the robot on this computer listen on {addresses}, which it does not have: "
@@ -68,7 +68,7 @@ def _two(machine: Machine, two: Sequence[str], address: str, advice: Optional[Me
 def _one(address: str, advice: Optional[Message]) -> Finding:
     if address == "localhost" or address.startswith("127."):
         return Finding.of("addresses", Message("ROS listens on {address}.", address=address))
-    if address and not _is_own(address):
+    if address and not is_here(address):
         text = Message(
             "ROS_IP or ROS_HOSTNAME is {address}, which is no address of this computer: what is "
             "started here cannot be reached.",
@@ -82,26 +82,15 @@ def _one(address: str, advice: Optional[Message]) -> Finding:
     return Finding.of("addresses", text, faults.ADDRESS, mild=True, advice=advice)
 
 
-def _is_own(name: str) -> bool:
-    return any(map(network.is_own_address, network.addresses_of(name)))
-
-
 def check_firewall(machine: Machine) -> Iterator[Finding]:
     """Judge whether the rules are loaded that keep foreign computers out."""
     if not any(machine.environment.get(name) for name in ADDRESSES):
         return  # where ROS listens is a finding of its own
     place = machine.place
-    where, load = (
-        printable(place.settings or ""),
-        Message("Run: sudo {program} load", program=FIREWALL),
-    )
+    values = {"where": printable(place.settings or ""), "program": FIREWALL}
     text = Message("No firewall: everybody in the network can move the robot.")
     if machine.environment.get("GPR20_FIREWALL") == "off":
-        advice = Message(
-            "Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load",
-            where=where,
-            program=FIREWALL,
-        )
+        advice = Message("Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load", **values)
         yield Finding.of("firewall", text, faults.FIREWALL, advice=advice)
     elif os.geteuid() != 0:
         only = Message("Only root may see whether the firewall is loaded.")
@@ -111,4 +100,5 @@ def check_firewall(machine: Machine) -> Iterator[Finding]:
     elif TABLE in answer_of(TABLES):
         yield Finding.of("firewall", Message("The rules of the firewall are loaded."))
     else:
-        yield Finding.of("firewall", text, faults.FIREWALL, advice=load if where else None)
+        load = Message("Run: sudo {program} load", **values) if place.settings else None
+        yield Finding.of("firewall", text, faults.FIREWALL, advice=load)

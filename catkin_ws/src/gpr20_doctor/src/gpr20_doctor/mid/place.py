@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Mapping, Optional, Tuple
+from typing import Mapping, Optional
 
 from gpr20_common.low.data_folder import robot_folder
 from gpr20_common.message import Message
@@ -17,7 +16,6 @@ UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
 # With two computers, the one has axes and height sensor, the other the ROS master and the rest.
 ROBOT, SERVER = "gpr20-robot", "gpr20-server"
 SERVICE_LOGS = "var/log/gpr20"
-_SETTING = re.compile(r'(GPR20_[A-Z_]+)="?([^"]*?)"?\s*')
 
 
 @dataclass(frozen=True)
@@ -66,13 +64,11 @@ class Place:
 NO_PLACE = Place()
 
 
-def place_of(
-    environment: Mapping[str, str], root: Path, config: Optional[Path] = None
-) -> Tuple[Place, Dict[str, str]]:
-    """Return where things are, and the environment completed by the settings of the services.
+def place_of(environment: Mapping[str, str], root: Path, config: Optional[Path] = None) -> Place:
+    """Return where things are on this computer.
 
     Args:
-        environment: The variables of this process; what is set counts.
+        environment: The variables of this process; `gpr20-run` gives it those of the services.
         root: Root of the file system.
         config: Folder of the configuration that was asked for; None: none was.
 
@@ -80,7 +76,6 @@ def place_of(
         RuntimeError: A folder is that of a user whom nobody knows.
     """
     settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
-    known = {**_values(settings), **environment}
     # A folder that may not be searched has no such file for this user.
     units = [
         name
@@ -88,20 +83,10 @@ def place_of(
         if any(os.path.exists(str(root / one / f"{name}.service")) for one in UNITS)
     ]
     logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
-    place = Place(
-        config=(config or robot_folder(known)).expanduser().absolute(),
+    return Place(
+        config=(config or robot_folder(environment)).expanduser().absolute(),
         log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
         settings=settings if os.path.exists(str(settings)) else None,
         service=units[0] if units else "",
-        two_computers=bool(known.get("GPR20_SERVER")),
+        two_computers=bool(environment.get("GPR20_SERVER")),
     )
-    return place, known
-
-
-def _values(settings: Path) -> Dict[str, str]:
-    try:
-        lines = settings.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
-        return {}
-    found = filter(None, map(_SETTING.fullmatch, lines))
-    return {one.group(1): one.group(2) for one in found}

@@ -15,8 +15,8 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, node_title
 MB, BYTES_PER_KB = 1e6, 1024
 # Below them the system begins to end programs [bytes].
 LOW_MEMORY, NO_MEMORY = 200e6, 80e6
-# Nodes without a title of their own on the screens.
-WATCHDOG = "watchdog"
+# What moves the robot says by itself that it hangs, and must not just go on.
+OWN_REPORT = frozenset(name.rpartition("/")[2] for name in EXPECTED_NODES)
 
 
 def check_launch(machine: Machine) -> Iterator[Finding]:
@@ -37,8 +37,7 @@ def check_launch(machine: Machine) -> Iterator[Finding]:
         )
         remedy = machine.place.restart(advice)
         yield Finding.of("launch", text, INTERNAL, mild=True, advice=remedy)
-    # What moves the robot says by itself that it hangs, and must not just go on.
-    others = [one for one in nodes if not any(name.endswith(one.node) for name in EXPECTED_NODES)]
+    others = [one for one in nodes if one.node not in OWN_REPORT]
     halted = [one for one in (*launches, *others) if one.state in HALTED]
     if halted:
         names = tuple(node_title(one.node) if one.node else verbatim("roslaunch") for one in halted)

@@ -17,12 +17,10 @@ from gpr20_common.faults import (
     PART_SILENT,
 )
 from gpr20_common.message import Message, Severity
-from gpr20_doctor import faults
 from gpr20_doctor.low.masters import NodeState
 from gpr20_doctor.mid.clock_checks import check_clocks
 from gpr20_doctor.mid.contact_checks import check_contact
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.network_checks import CHECK_LINK
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import RobotFacts
@@ -61,7 +59,6 @@ def check_parts(facts: RobotFacts, place: Place) -> Iterator[Finding]:
     """Judge each node by its own report, or by what it does when it is asked."""
     known = facts.evidence.nodes
     gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
-    lost = [one.name for one in facts.nodes if known.get(one.name) is NodeState.UNREACHED]
     if gone:
         text = Message("Not running: {parts}", parts=tuple(map(node_title, gone)))
         advice = Message(
@@ -69,13 +66,8 @@ def check_parts(facts: RobotFacts, place: Place) -> Iterator[Finding]:
             "again."
         )
         yield Finding.of("missing", text, NOT_RUNNING, advice=place.restart(advice))
-    if lost:
-        parts = tuple(map(node_title, lost))
-        text = Message("Not reached at the address where they listen: {parts}", parts=parts)
-        advice = place.restart(CHECK_LINK)
-        yield Finding.of("missing", text, faults.ADDRESS, advice=advice)
     for node in facts.nodes:
-        if node.name not in {*gone, *lost}:
+        if node.name not in gone:
             yield _part(node, facts.listening_s, known.get(node.name))
 
 

@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    place = place_of(os.environ, ROOT)[0]
+    place = place_of(os.environ, ROOT)
     # The Raspberry Pi of two computers stores no surveys.
     part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
     check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
@@ -91,8 +91,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _check(folder: Path, given: argparse.Namespace) -> int:
-    environment = place_of(os.environ, ROOT, folder)[1]
-    use = Use(folder, environment, given.data, given.robot == REAL, given.part)
+    use = Use(folder, os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(use, built_robot())
     if given.json:
         print(json.dumps([one.record() for one in found], ensure_ascii=False))
@@ -124,7 +123,7 @@ def _create(folder: Path, given: argparse.Namespace) -> int:
 
 def _fill(folder: Path, texts: Mapping[str, str], known: Sequence[Problem] = ()) -> int:
     _write(folder, texts)
-    use = Use(folder, place_of(os.environ, ROOT, folder)[1], part=ROBOT)
+    use = Use(folder, os.environ, part=ROBOT)
     found = (*known, *check_robot(use, built_robot()))
     _say(folder, found)
     # What a person must check by hand is no failure of this command.
