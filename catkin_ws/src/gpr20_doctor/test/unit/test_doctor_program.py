@@ -94,7 +94,7 @@ def computer(tmp_path, monkeypatch):
     monkeypatch.setattr(graph, "ServiceClient", Services())
     monkeypatch.setattr(doctor, "ROOT", tmp_path)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
-    monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(place=one.place))
+    monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(machine=one))
     monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
     monkeypatch.delenv("ROS_NAMESPACE", raising=False)
 

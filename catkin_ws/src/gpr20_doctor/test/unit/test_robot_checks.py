@@ -17,7 +17,7 @@ from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, as_json, exit_status, findings, lines
-from gpr20_doctor.mid.machine import MachineReport
+from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     STALE_S,
@@ -25,7 +25,6 @@ from gpr20_doctor.mid.node_health import (
     HealthTracker,
     NodeHealth,
 )
-from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey import faults as survey_faults
@@ -150,20 +149,20 @@ NOT_THERE = unheard("http://x:1", Evidence())
 RESTART = "sudo systemctl restart "
 
 
+TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
+
+
 @each_case(
-    "place, command",
+    "here, command",
     [
-        (Place(), "roslaunch gpr20 survey.launch"),
-        (Place(two_computers=True), "roslaunch gpr20 robot.launch, server.launch"),
-        (Place(service="gpr20-robot"), f"Run: {RESTART}gpr20-robot."),
-        (
-            Place(service="gpr20-server", two_computers=True),
-            f"other computer: {RESTART}gpr20-robot",
-        ),
+        (Machine(), "roslaunch gpr20 survey.launch"),
+        (Machine(TWO), "roslaunch gpr20 robot.launch, server.launch"),
+        (Machine(service="gpr20-robot"), f"Run: {RESTART}gpr20-robot."),
+        (Machine(TWO, service="gpr20-server"), f"computer: {RESTART}gpr20-robot"),
     ],
 )
-def test_an_advice_names_what_is_installed_here(place, command):
-    assert command in str(findings(NOT_THERE, MachineReport(place=place))[0].remedy)
+def test_an_advice_names_what_is_installed_here(here, command):
+    assert command in str(findings(NOT_THERE, MachineReport(machine=here))[0].remedy)
 
 
 ROBOTS = st.one_of(

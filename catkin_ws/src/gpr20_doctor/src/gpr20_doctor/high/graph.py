@@ -14,7 +14,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import analyzer_test_of, descriptions, node_healths
 from gpr20_doctor.low.masters import MasterState, launched_nodes, node_states
 from gpr20_doctor.mid.node_health import HealthTracker
@@ -99,13 +98,7 @@ class Graph:
         try:
             return analyzer_test_of(self._analyzer.call(limit_s))
         except ServiceUnavailableError as error:
-            late = Message(
-                "the VNA gave no result within {limit_s:.0f} s; check that it is switched on and "
-                "connected",
-                limit_s=limit_s,
-                details=error,
-            ).with_fault(VNA_SILENT)
-            return AnalyzerTest("", failure=late)
+            return AnalyzerTest("", failure=error.message.reporting_only(VNA_SILENT))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._lock:

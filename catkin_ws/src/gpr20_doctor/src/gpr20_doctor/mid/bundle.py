@@ -130,8 +130,8 @@ def _parts(
     yield "versions.json", lambda: _json(_versions(robot, machine.root))
     yield "survey.txt", lambda: _survey(machine)
     for name in CONFIGURATION:
-        yield f"configuration/{name}", partial(_configuration, machine.place.config / name)
-    for number, path in enumerate(_newest(machine.place.log, "**/*.log")[:LOG_FILES]):
+        yield f"configuration/{name}", partial(_configuration, machine.config / name)
+    for number, path in enumerate(_newest(machine.log, "**/*.log")[:LOG_FILES]):
         yield f"logs/{number:03}.txt", partial(_words, LOG_WORDS, path)
 
 

@@ -12,7 +12,6 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import node_title
-from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.faults import CLOCK_WRONG
 
@@ -49,7 +48,7 @@ def check_date(machine: Machine) -> Iterator[Finding]:
         yield Finding.of("zone", text, CLOCK_WRONG, mild=True, advice=advice)
 
 
-def check_clocks(facts: RobotFacts, _place: Place) -> Iterator[Finding]:
+def check_clocks(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
     """Compare the clocks of the nodes with this one."""
     offsets_s = facts.clock_offsets_s
     if not offsets_s:

@@ -10,8 +10,8 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import MAIN_CONTROL
-from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 
 # The part itself says why it is silent.
@@ -39,10 +39,10 @@ def evidence_of(namespace: str, state: MasterState, master: str, here: Processes
     )
 
 
-def check_contact(facts: RobotFacts, place: Place) -> Iterator[Finding]:
+def check_contact(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
     """Judge the contact with the ROS master and the main control."""
     if facts.unheard or not facts.master_alive:
-        yield _why_unheard(facts.master, facts.evidence, place)
+        yield _why_unheard(facts.master, facts.evidence, machine)
     elif facts.control_alive:
         yield Finding.of("master", Message("Contact with the robot"))
     if facts.unheard:
@@ -54,7 +54,7 @@ def check_contact(facts: RobotFacts, place: Place) -> Iterator[Finding]:
         yield Finding.of("control", text, PART_SILENT)
 
 
-def _why_unheard(master: str, evidence: Evidence, place: Place) -> Finding:
+def _why_unheard(master: str, evidence: Evidence, machine: Machine) -> Finding:
     """Return the one reason for which nothing of a robot is heard; what may move comes first."""
     may_move = _may_move(evidence)
     if may_move is not None:
@@ -82,7 +82,7 @@ def _why_unheard(master: str, evidence: Evidence, place: Place) -> Finding:
             first=evidence.elsewhere[0],
         )
     else:
-        text, advice = _without_robot(evidence.master, place)
+        text, advice = _without_robot(evidence.master, machine)
     return Finding.of("master", text.with_details(master), NOT_RUNNING, advice=advice)
 
 
@@ -99,11 +99,11 @@ def _may_move(evidence: Evidence) -> Optional[Message]:
     return None
 
 
-def _without_robot(state: MasterState, place: Place) -> Tuple[Message, Message]:
-    where = str(place.settings or "ROS_MASTER_URI")
+def _without_robot(state: MasterState, machine: Machine) -> Tuple[Message, Message]:
+    where = str(machine.settings or "ROS_MASTER_URI")
     if state is MasterState.ANSWERS:
         text = Message("The ROS master answers, but it has no robot.")
-        return text, place.restart(Message("Nothing of the robot was started."))
+        return text, machine.restart(Message("Nothing of the robot was started."))
     if state is MasterState.FOREIGN:
         text = Message("Another program listens where the ROS master should.")
         advice = Message(
@@ -129,4 +129,4 @@ def _without_robot(state: MasterState, place: Place) -> Tuple[Message, Message]:
         )
         return text, advice
     text = Message("The ROS master does not answer.")
-    return text, place.restart(Message("The robot does not run."))
+    return text, machine.restart(Message("The robot does not run."))

@@ -26,7 +26,7 @@ FEW_FILES = 2000
 
 def check_volumes(machine: Machine) -> Iterator[Finding]:
     """Judge each file system that the robot writes to, once, and whether this user may write."""
-    own = list(filter(None, (machine.data, machine.place.log, state_folder(machine.environment))))
+    own = list(filter(None, (machine.data, machine.log, state_folder(machine.environment))))
     devices = set()
     for folder in (*own, machine.root, machine.root / "tmp", machine.root / "var/log"):
         existing = existing_folder(folder)

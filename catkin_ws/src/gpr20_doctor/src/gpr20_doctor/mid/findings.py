@@ -11,8 +11,7 @@ from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message
 from gpr20_doctor.mid import robot_checks
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine import MachineReport
-from gpr20_doctor.mid.place import NO_PLACE
+from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_doctor.mid.software_checks import check_versions
 from gpr20_survey.plan.robot_description import STORAGE
@@ -36,11 +35,11 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> T
     """
     found: List[Finding] = [] if machine is None else [*machine.found]
     if robot is not None:
-        place = NO_PLACE if machine is None else machine.place
+        here = Machine() if machine is None else machine.machine
         for check in robot_checks.CHECKS:
-            found.extend(check(robot, place))
+            found.extend(check(robot, here))
         installed = None if machine is None else machine.software
-        found.extend(check_versions(robot, installed, place))
+        found.extend(check_versions(robot, installed, here))
     if any(one.check == SPACE and one.level is Level.OK for one in found):
         # The storage repeats its last failure until it stores again.
         found = [replace(one, remedy=SPACE_AGAIN) if _is_full(one) else one for one in found]

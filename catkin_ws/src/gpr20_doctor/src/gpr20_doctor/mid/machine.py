@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import socket
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,13 +11,13 @@ from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.data_folder import configured, data_folder
+from gpr20_common.low.data_folder import DEFAULT_FOLDER, configured, data_folder, robot_folder
+from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.network import is_here
 from gpr20_doctor.low.processes import DEFAULT_MASTER, Processes
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.node_health import axis_node
-from gpr20_doctor.mid.place import NO_PLACE, Place, place_of
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import STORAGE, NodeDescription
 
@@ -24,6 +25,11 @@ ROOT = Path("/")
 # Of the two computers of a robot.
 ADDRESSES = ("GPR20_ROBOT", "GPR20_SERVER")
 MODEL = "proc/device-tree/model"
+SETTINGS = "etc/gpr20/environment"
+UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
+# With two computers, the one has axes and height sensor, the other the ROS master and the rest.
+ROBOT, SERVER = "gpr20-robot", "gpr20-server"
+SERVICE_LOGS = "var/log/gpr20"
 
 
 @dataclass(frozen=True)
@@ -31,18 +37,24 @@ class Machine:
     """What a check of this computer is given.
 
     Attributes:
-        place: Folders and services of this computer.
-        environment: The variables of this process.
-        host: Name of this computer.
+        environment: The variables of this process; `gpr20-run` gives it those of the services.
         root: Root of the file system.
+        config: Folder of the robot's configuration.
+        log: Folder of the logs.
+        settings: File with the settings of the services; None: no packages are installed.
+        service: Name of the robot's service here; empty: none is installed.
+        host: Name of this computer.
         nodes: What the nodes say they are; empty if they do not run.
         thorough: Whether to check the configuration too, which a launch has done already.
     """
 
-    place: Place
-    environment: Mapping[str, str]
-    host: str
+    environment: Mapping[str, str] = field(default_factory=dict)
     root: Path = ROOT
+    config: Path = Path(DEFAULT_FOLDER)
+    log: Path = Path("~/.ros/log")
+    settings: Optional[Path] = None
+    service: str = ""
+    host: str = ""
     nodes: Mapping[str, NodeDescription] = field(default_factory=dict)
     thorough: bool = True
 
@@ -55,20 +67,54 @@ class Machine:
         nodes: Optional[Mapping[str, NodeDescription]] = None,
         thorough: bool = True,
     ) -> Machine:
-        """Return this computer.
-
-        Args:
-            environment: The variables of this process.
-            root: Root of the file system.
-            config: Folder of the robot's configuration; None: the one that is used here.
-            nodes: As the attribute.
-            thorough: As the attribute.
+        """Return this computer, with what else is known.
 
         Raises:
             RuntimeError: A folder is that of a user whom nobody knows.
         """
-        place = place_of(environment, root, config)
-        return cls(place, environment, socket.gethostname(), root, nodes or {}, thorough)
+        settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
+        # A folder that may not be searched has no such file for this user.
+        units = [
+            name
+            for name in (ROBOT, SERVER)
+            if any(os.path.exists(str(root / one / f"{name}.service")) for one in UNITS)
+        ]
+        logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
+        return cls(
+            environment,
+            root,
+            config=(config or robot_folder(environment)).expanduser().absolute(),
+            log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
+            settings=settings if os.path.exists(str(settings)) else None,
+            service=units[0] if units else "",
+            host=socket.gethostname(),
+            nodes=nodes or {},
+            thorough=thorough,
+        )
+
+    def restart(self, first: Message) -> Message:
+        """Return what to do first, and then how to restart the robot."""
+        known = {"remedy": first, "service": self.service}
+        if not self.service:
+            launch = "robot.launch, server.launch" if self.two_computers else "survey.launch"
+            return Message(
+                "{remedy} End what is left of the robot's launch with Ctrl-C, then start it: "
+                "roslaunch gpr20 {launch}",
+                launch=launch,
+                **known,
+            )
+        if self.two_computers:
+            return Message(
+                "{remedy} Run: sudo systemctl restart {service}, and on the other computer: sudo "
+                "systemctl restart {other}",
+                other=SERVER if self.service == ROBOT else ROBOT,
+                **known,
+            )
+        return Message(
+            "{remedy} Run: sudo systemctl restart {service}. If it is found again, run: journalctl "
+            "-u {service} -n 50",
+            **known,
+        )
 
     @property
     def simulated(self) -> bool:
@@ -80,7 +126,7 @@ class Machine:
     def two_computers(self) -> bool:
         """Whether the robot has parts on another computer."""
         hosts = {one.software.host for one in self.nodes.values()} - {"", self.host}
-        return bool(hosts or self.environment.get("GPR20_ROBOT"))
+        return bool(hosts or any(map(self.environment.get, ADDRESSES)))
 
     @property
     def drives_hardware(self) -> bool:
@@ -138,14 +184,14 @@ class Machine:
     def configured(self, file: str, key: str) -> Any:
         """Return a value of a file of the configuration; None: not there, or not readable."""
         with contextlib.suppress(OSError, Gpr20Error):  # the check of the configuration says why
-            return configured(self.place.config / file).get(key)
+            return configured(self.config / file).get(key)
         return None
 
 
 @dataclass(frozen=True)
 class MachineReport:
-    """What the checks of a computer have found, and what other checks need of it."""
+    """What the checks of a computer have found, and what the checks of the robot need of it."""
 
     found: Tuple[Finding, ...] = ()
     software: NodeSoftware = field(default_factory=NodeSoftware)
-    place: Place = NO_PLACE
+    machine: Machine = field(default_factory=Machine)

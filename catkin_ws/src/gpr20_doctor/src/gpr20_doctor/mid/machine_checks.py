@@ -57,7 +57,7 @@ def examine(machine: Machine) -> MachineReport:
                 "The check {check} was not possible: {reason}", check=name, reason=reason
             )
             found.append(Finding(name, Level.UNKNOWN, text, BY_HAND))
-    return MachineReport(tuple(found), own_software(), machine.place)
+    return MachineReport(tuple(found), own_software(), machine)
 
 
 def _list(check: Check, machine: Machine) -> List[Finding]:

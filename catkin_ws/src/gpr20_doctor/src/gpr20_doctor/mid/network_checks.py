@@ -12,12 +12,12 @@ from gpr20_doctor.low.network import is_here
 from gpr20_doctor.low.programs import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import ADDRESSES, Machine
-from gpr20_doctor.mid.place import FIREWALL
 
 AS_SERVICES = Message("Run it as the services do: gpr20-run doctor")
 CHECK_LINK = Message(
     "Check the link, and the address of this computer. Then start the robot again."
 )
+FIREWALL = "/usr/lib/gpr20/firewall"
 TABLES = ("nft", "list", "tables")
 TABLE = "table inet gpr20"
 
@@ -26,7 +26,7 @@ def check_addresses(machine: Machine) -> Iterator[Finding]:
     """Judge the addresses of the two machines, and where ROS listens."""
     address = machine.environment.get("ROS_HOSTNAME") or machine.environment.get("ROS_IP", "")
     two = [machine.environment.get(name, "") for name in ADDRESSES]
-    advice = AS_SERVICES if machine.place.settings else None
+    advice = AS_SERVICES if machine.settings else None
     yield _two(machine, two, address, advice) if any(two) else _one(address, advice)
     nodes = machine.processes.nodes_of(machine.master)
     known = {one.variable("ROS_HOSTNAME", "ROS_IP") for one in nodes} - {"", address}
@@ -37,7 +37,7 @@ def check_addresses(machine: Machine) -> Iterator[Finding]:
             "they cannot be reached.",
             addresses=", ".join(gone),
         )
-        remedy = machine.place.restart(CHECK_LINK)
+        remedy = machine.restart(CHECK_LINK)
         yield Finding.of("addresses", text, faults.ADDRESS, advice=remedy)
 
 
@@ -52,7 +52,7 @@ def _two(machine: Machine, two: Sequence[str], address: str, advice: Optional[Me
             advice = Message(
                 "Check the link, and GPR20_ROBOT and GPR20_SERVER in {where}. Then run: sudo "
                 "systemctl restart gpr20-firewall",
-                where=printable(machine.place.settings or ""),
+                where=printable(machine.settings or ""),
             )
         return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
     if address not in own:
@@ -86,19 +86,18 @@ def check_firewall(machine: Machine) -> Iterator[Finding]:
     """Judge whether the rules are loaded that keep foreign computers out."""
     if not any(machine.environment.get(name) for name in ADDRESSES):
         return  # where ROS listens is a finding of its own
-    place = machine.place
-    values = {"where": printable(place.settings or ""), "program": FIREWALL}
+    values = {"where": printable(machine.settings or ""), "program": FIREWALL}
     text = Message("No firewall: everybody in the network can move the robot.")
     if machine.environment.get("GPR20_FIREWALL") == "off":
         advice = Message("Write GPR20_FIREWALL=on into {where}. Run: sudo {program} load", **values)
         yield Finding.of("firewall", text, faults.FIREWALL, advice=advice)
     elif os.geteuid() != 0:
         only = Message("Only root may see whether the firewall is loaded.")
-        command = "sudo gpr20-run doctor" if place.settings else "sudo nft list tables"
+        command = "sudo gpr20-run doctor" if machine.settings else "sudo nft list tables"
         remedy = Message("Run: {command}", command=command)
         yield Finding("firewall", Level.UNKNOWN, only, remedy)
     elif TABLE in answer_of(TABLES):
         yield Finding.of("firewall", Message("The rules of the firewall are loaded."))
     else:
-        load = Message("Run: sudo {program} load", **values) if place.settings else None
+        load = Message("Run: sudo {program} load", **values) if machine.settings else None
         yield Finding.of("firewall", text, faults.FIREWALL, advice=load)

@@ -35,28 +35,31 @@ def check_launch(machine: Machine) -> Iterator[Finding]:
             "robot again.",
             numbers=_numbers(left),
         )
-        remedy = machine.place.restart(advice)
+        remedy = machine.restart(advice)
         yield Finding.of("launch", text, INTERNAL, mild=True, advice=remedy)
     others = [one for one in nodes if one.node not in OWN_REPORT]
     halted = [one for one in (*launches, *others) if one.state in HALTED]
     if halted:
         names = tuple(node_title(one.node) if one.node else verbatim("roslaunch") for one in halted)
         text = Message("Stopped on this computer, and does nothing: {parts}", parts=names)
-        advice = Message("Run: kill -CONT {numbers}.", numbers=_numbers(halted))
-        remedy = machine.place.restart(advice)
-        yield Finding.of("launch", text, PART_LOST, advice=remedy)
+        advice = Message(
+            "Run: kill -CONT {numbers}. If it is found again, start the robot again.",
+            numbers=_numbers(halted),
+        )
+        yield Finding.of("launch", text, PART_LOST, advice=advice)
     if launches and not left + halted:
         yield Finding.of("launch", Message("Launch of the robot on this computer"))
 
 
 def check_watchdog(machine: Machine) -> Iterator[Finding]:
     """Judge whether each launch has what would end its parts that hang; it may be stopped."""
-    nodes = machine.processes.nodes_of(machine.master)
+    known = machine.processes
+    nodes = [one for one in known.nodes_of(machine.master) if not known.is_left_over(one)]
     launches = {one.argument("configuration:=") for one in nodes} - {""}
     watched = {one.argument("--launch=") for one in nodes}
     if launches - watched:
         text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
-        yield Finding.of("watchdog", text, INTERNAL, True, machine.place.restart(WITH_WATCHDOG))
+        yield Finding.of("watchdog", text, INTERNAL, True, machine.restart(WITH_WATCHDOG))
     elif launches:
         yield Finding.of("watchdog", Message("Watchdog"))
 

@@ -1,6 +1,6 @@
 """Checks of what the robot's nodes report.
 
-Each check is a function from the facts, and the place of the doctor, to findings. To add one, write
+Each check is a function from the facts and this computer to findings. To add one, write
 it and list it in CHECKS.
 """
 
@@ -21,22 +21,22 @@ from gpr20_doctor.low.masters import NodeState
 from gpr20_doctor.mid.clock_checks import check_clocks
 from gpr20_doctor.mid.contact_checks import check_contact
 from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, node_title
-from gpr20_doctor.mid.place import Place
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.faults import NOT_CALIBRATED, NOT_HOMED, VNA_SILENT, WRONG_VNA
 from gpr20_survey.plan.robot_description import ANALYZER, is_simulated_identity
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.trace.calibration import CalibrationStatus
 
-Check = Callable[[RobotFacts, Place], Iterable[Finding]]
+Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
 # A node reports once a second; who has just begun to listen has not heard all of them [s].
 STARTING_S = 5.0
 WAIT = Message("Wait until all parts of the robot have started.")
 MAKE_SURE = Message("Make sure that the VNA is calibrated.")
 
 
-def check_configuration(facts: RobotFacts, _place: Place) -> Iterator[Finding]:
+def check_configuration(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
     """Judge what the nodes say about themselves."""
     if facts.unheard:
         return
@@ -55,7 +55,7 @@ def check_configuration(facts: RobotFacts, _place: Place) -> Iterator[Finding]:
         yield Finding("simulated", Level.NOTE, text, real)
 
 
-def check_parts(facts: RobotFacts, place: Place) -> Iterator[Finding]:
+def check_parts(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
     """Judge each node by its own report, or by what it does when it is asked."""
     known = facts.evidence.nodes
     gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
@@ -65,7 +65,7 @@ def check_parts(facts: RobotFacts, place: Place) -> Iterator[Finding]:
             "Wait one minute: what ends is started again by itself. If it stays, start the robot "
             "again."
         )
-        yield Finding.of("missing", text, NOT_RUNNING, advice=place.restart(advice))
+        yield Finding.of("missing", text, NOT_RUNNING, advice=machine.restart(advice))
     for node in facts.nodes:
         if node.name not in gone:
             yield _part(node, facts.listening_s, known.get(node.name))
@@ -93,7 +93,7 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)
 
 
-def check_analyzer(facts: RobotFacts, _place: Place) -> Iterator[Finding]:
+def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
     """Judge the test of the VNA, or what its driver reports where it was not tested."""
     test = facts.analyzer
     if test is not None and test.failure is not None:

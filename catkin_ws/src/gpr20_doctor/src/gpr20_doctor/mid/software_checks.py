@@ -16,9 +16,8 @@ from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor.low.programs import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine import Machine
+from gpr20_doctor.mid.machine import SERVER, Machine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
-from gpr20_doctor.mid.place import SERVER, Place
 from gpr20_doctor.mid.robot_facts import RobotFacts
 
 CHECK = ("rosrun", "gpr20_launch", "robot_config", "check", "--json")
@@ -37,7 +36,7 @@ def check_configuration(machine: Machine) -> Iterator[Finding]:
     """Say what the check of the whole robot finds in the files on this computer."""
     if not machine.thorough:
         return
-    folder, robot = machine.place.config, "simulated" if machine.simulated else "gpr20"
+    folder, robot = machine.config, "simulated" if machine.simulated else "gpr20"
     part = "survey"
     if machine.two_computers:
         part = "robot" if machine.data is None else "server"
@@ -67,7 +66,7 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
         return
     started_s = min(one.started_s for one in launches)
     packages = Path(gpr20_common.__file__).resolve().parents[3]
-    files = [*machine.place.config.glob("*.yaml"), *packages.glob("gpr20_*/src/**/*.py")]
+    files = [*machine.config.glob("*.yaml"), *packages.glob("gpr20_*/src/**/*.py")]
     later = [one for one in files if one.stat().st_mtime > started_s]
     if not later:
         yield Finding.of("edited", Message("The robot runs with the files as they are now."))
@@ -77,7 +76,7 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
         files=", ".join(printable(one) for one in sorted(later)[:3]),
     )
     advice = Message("Outside a survey, start the robot again.")
-    fault, remedy = OTHER_LAUNCH.as_warning(), machine.place.restart(advice)
+    fault, remedy = OTHER_LAUNCH.as_warning(), machine.restart(advice)
     yield Finding.of("edited", text, fault, advice=remedy)
 
 
@@ -89,21 +88,21 @@ def check_packages(machine: Machine) -> Iterator[Finding]:
         return
     text = Message("Python packages are missing: {names}", names=", ".join(missing))
     advice = Message("Run: scripts/setup.sh")
-    if machine.place.settings:
-        name = machine.place.service or SERVER
+    if machine.settings:
+        name = machine.service or SERVER
         advice = Message("Run: sudo apt install --reinstall {package}", package=name)
     yield Finding.of("packages", text, NOT_SET_UP, advice=advice)
 
 
 def check_versions(
-    facts: RobotFacts, installed: Optional[NodeSoftware], place: Place
+    facts: RobotFacts, installed: Optional[NodeSoftware], machine: Machine
 ) -> Iterator[Finding]:
     """Compare the software of the nodes, and what is installed here.
 
     Args:
         facts: What the nodes say.
         installed: On this computer; None: not looked for.
-        place: Where things are here.
+        machine: This computer.
     """
     if not facts.control_alive:
         return
@@ -120,7 +119,7 @@ def check_versions(
         if any(one.name != hosts[one.host] for one in software.values()):
             # It was updated under a robot that runs on.
             again = Message("Start all parts of the robot again, from one installation.")
-            fault, advice = OTHER_LAUNCH.as_warning(), place.restart(again)
+            fault, advice = OTHER_LAUNCH.as_warning(), machine.restart(again)
         yield Finding.of("versions", text.reporting_only(fault), fault, advice=advice)
     elif silent:
         text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, silent)))

@@ -18,8 +18,8 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable, say
 from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.place import ROBOT as PI_SERVICE
-from gpr20_doctor.mid.place import place_of
+from gpr20_doctor.mid.machine import ROBOT as PI_SERVICE
+from gpr20_doctor.mid.machine import Machine
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.high.check_launch import built_axes, built_robot
@@ -77,7 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    place = place_of(os.environ, ROOT)
+    place = Machine.here(os.environ, ROOT)
     # The Raspberry Pi of two computers stores no surveys.
     part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
     check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
