@@ -36,7 +36,6 @@ def machine(tmp_path):
     record = LogRecord.after(None, Kind.PAUSE, {"note": SECRET}, "2026-07-31T10:15:00Z")
     fault = record.line().decode().replace(f'"{SECRET}"', f'{{"code":"disk.full","a":"{SECRET}"}}')
     files = {
-        "etc/os-release": "ID=debian\nPRETTY_NAME=Debian\n",
         "robot/site.yaml": f"robot: {SECRET}\nwifi_password: {SECRET}\noperator: Kim\n",
         "robot/axes.yaml": f"x: {{dir_pin: 13, type: LIN, controller_options: [{SECRET}]}}\n",
         "robot/web.yaml": f"port: 8080\nfolder: /srv/{SECRET}\n",

@@ -9,8 +9,10 @@ import json
 import os
 import re
 import socket
+import subprocess
 import sys
 import threading
+from pathlib import Path
 from types import SimpleNamespace
 from xmlrpc.server import SimpleXMLRPCServer
 
@@ -256,3 +258,13 @@ def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
     found = node_reports.node_healths(DiagnosticArray(status=status), "/")
     ok, warn, error, stale = HealthLevel
     assert [one.level for one in found] == [ok, error, stale, warn, error]
+
+
+def test_without_a_python_package_that_it_needs_it_says_how_to_install_it(tmp_path):
+    (tmp_path / "polib.py").write_text("raise ModuleNotFoundError(name='polib')")
+    program = Path(__file__).resolve().parents[2] / "nodes/doctor"
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    command = [sys.executable, str(program), "--help"]
+    ended = subprocess.run(command, env={"PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    assert ended.returncode == 3
+    assert ended.stderr == "the Python package polib is missing; run: scripts/setup.sh\n"

@@ -165,14 +165,12 @@ def listed(value: Any) -> Any:
 
 def _versions(robot: RobotFacts, root: Path) -> Dict[str, Any]:
     model = root / "proc/device-tree/model"
-    system = re.search(r"(?<=PRETTY_NAME=)[^\n]*", (root / "etc/os-release").read_text())
     return {
         "installed": own_software().name,
         "parts": {name: one.name for name, one in robot.software.items()},
         "python": platform.python_version(),
-        "kernel": f"{platform.release()} {platform.machine()}",
+        "system": platform.platform(),
         "model": model.read_text().strip("\0") if model.exists() else "",
-        "system": system.group() if system else "",
     }
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Iterator, Optional, Tuple
+from typing import Iterator, Tuple
 
 from gpr20_common.faults import NOT_RUNNING, PART_SILENT
 from gpr20_common.message import Message
@@ -56,10 +56,18 @@ def check_contact(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
 
 def _why_unheard(master: str, evidence: Evidence, machine: Machine) -> Finding:
     """Return the one reason for which nothing of a robot is heard; what may move comes first."""
-    may_move = _may_move(evidence)
-    if may_move is not None:
-        return Finding.of("master", may_move.with_details(master), faults.MASTER_LOST)
-    if evidence.robots:
+    fault, advice = NOT_RUNNING, None
+    if evidence.master is MasterState.HANGS:
+        fault = faults.MASTER_LOST
+        text = Message("The ROS master hangs: it does not answer. The robot may still move.")
+    elif evidence.local_nodes and evidence.master is not MasterState.ANSWERS:
+        fault = faults.MASTER_LOST
+        text = Message(
+            "The ROS master has ended, but {count} parts of the robot still run on this computer. "
+            "The robot may still move.",
+            count=evidence.local_nodes,
+        )
+    elif evidence.robots:
         text = Message(
             "There is no robot in the namespace {namespace}. On this ROS master there are: "
             "{robots}",
@@ -83,20 +91,7 @@ def _why_unheard(master: str, evidence: Evidence, machine: Machine) -> Finding:
         )
     else:
         text, advice = _without_robot(evidence.master, machine)
-    return Finding.of("master", text.with_details(master), NOT_RUNNING, advice=advice)
-
-
-def _may_move(evidence: Evidence) -> Optional[Message]:
-    """Return why parts of the robot may move that nobody can reach; None: there are none."""
-    if evidence.master is MasterState.HANGS:
-        return Message("The ROS master hangs: it does not answer. The robot may still move.")
-    if evidence.local_nodes and evidence.master is not MasterState.ANSWERS:
-        return Message(
-            "The ROS master has ended, but {count} parts of the robot still run on this computer. "
-            "The robot may still move.",
-            count=evidence.local_nodes,
-        )
-    return None
+    return Finding.of("master", text.with_details(master), fault, advice=advice)
 
 
 def _without_robot(state: MasterState, machine: Machine) -> Tuple[Message, Message]:

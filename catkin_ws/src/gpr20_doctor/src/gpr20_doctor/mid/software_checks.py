@@ -65,8 +65,11 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
     if not launches:
         return
     started_s = min(one.started_s for one in launches)
-    packages = Path(gpr20_common.__file__).resolve().parents[3]
-    files = [*machine.config.glob("*.yaml"), *packages.glob("gpr20_*/src/**/*.py")]
+    # In a checkout each package has its sources below src; where they are installed, beside it.
+    module = Path(gpr20_common.__file__).resolve()
+    programs = [*module.parents[3].glob("gpr20_*/src/**/*.py")]
+    programs += module.parents[1].glob("gpr20_*/**/*.py")
+    files = [*machine.config.glob("*.yaml"), *programs]
     later = [one for one in files if one.stat().st_mtime > started_s]
     if not later:
         yield Finding.of("edited", Message("The robot runs with the files as they are now."))
