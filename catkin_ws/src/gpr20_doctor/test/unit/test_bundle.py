@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from test_robot_checks import report
 
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_doctor.mid import bundle
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine import Machine
@@ -48,7 +48,6 @@ def machine(tmp_path):
     for name, text in files.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
-    (tmp_path / "logs/stolen.log").symlink_to(tmp_path / "robot/signing_key")
     os.mkfifo(str(tmp_path / "logs/pipe.log"))
     environment = {
         "GPR20_DATA": str(tmp_path / "data"),
@@ -69,7 +68,7 @@ def written(tmp_path, machine, robot):
 
 SAYS = Message(
     "{name}: {state}",
-    name=verbatim(SECRET),
+    name=Message(SECRET),
     state=Message("the disk is full", details=SECRET).with_fault(DISK_FULL),
 )
 

@@ -51,7 +51,7 @@ class Server(SimpleXMLRPCServer):
             "getSystemState": lambda _caller: (1, "", state),
             "lookupNode": self._look_up,
             "getParam": lambda _caller, _name: (1, "", {"one": self.uri, "gone": closed_uri()}),
-            "get_node_names": lambda: (1, "", ["field/storage-7", "rosout-1"]),
+            "get_node_names": lambda: (1, "", ["field/visualization-7", "other/web-1"]),
         }
         for name, method in known.items():
             self.register_function(method, name)
@@ -123,7 +123,7 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
     master, hanging, monkeypatch
 ):
     assert masters.robots_at(master.uri) == ("/field",)
-    assert masters.launched_nodes(master.uri) == {"/field/storage", "/rosout"}
+    assert masters.launched_nodes(master.uri) == {"/field/visualization", "/other/web"}
     # The others have to answer in this time.
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 1.5)
     for silent in (closed_uri(), hanging):
@@ -188,7 +188,8 @@ def report_all(heard):
     late = DiagnosticArray(status=[DiagnosticStatus(name="field/height_sensor: Status")])
     late.header.stamp = graph.rospy.Time(925)
     rest = [one for one in EXPECTED_NODES if one != "height_sensor"]
-    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in rest]
+    heard_now = (*rest, "visualization")
+    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in heard_now]
     now = DiagnosticArray(status=[*others, DiagnosticStatus(name="/b/imaging: Status", level=2)])
     now.header.stamp = graph.rospy.Time(1000)
     software = {"configuration_json": "{}", "version": "0.1.0", "revision": "a", "host": "pc"}
@@ -244,7 +245,7 @@ def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monke
     own = graph.Graph("field", master.uri, clock)
     own.wait(3.0)
     assert clock.now_s() == pytest.approx(3.0, abs=0.1)
-    assert own.silent() == list(EXPECTED_NODES)
+    assert own.silent() == [*EXPECTED_NODES, "visualization"]
     report_all(heard)
     heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
     own.wait(60.0)

@@ -182,8 +182,8 @@ def _survey(machine: Machine) -> str:
 
 
 def _newest(folder: Path, pattern: str) -> List[Path]:
-    """Return regular files below a folder, the newest first; links are left out."""
-    found = [one for one in folder.glob(pattern) if one.is_file() and not one.is_symlink()]
+    """Return regular files below a folder, the newest first."""
+    found = filter(Path.is_file, folder.glob(pattern))
     return sorted(found, key=lambda one: one.stat().st_mtime, reverse=True)
 
 
