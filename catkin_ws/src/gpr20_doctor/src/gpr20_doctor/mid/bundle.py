@@ -137,9 +137,7 @@ def _parts(
 
 def _said(name: str, level: str, message: Message, values: Mapping[str, str]) -> Dict[str, Any]:
     """Return what was said, by the templates of the software and with numbers alone."""
-    ours = read_catalogue(language_from_code("es")).template
-    # One that came from elsewhere may be anything: what is translated is the software's.
-    templates = [one.template for one in message.nested() if ours(one.template) != one.template]
+    templates = list(filter(_is_translated, (one.template for one in message.nested())))
     numbers: Dict[str, Any] = {
         key: value
         for one in message.nested()
@@ -149,6 +147,11 @@ def _said(name: str, level: str, message: Message, values: Mapping[str, str]) ->
     numbers.update({key: one for key, one in values.items() if NUMBER.fullmatch(one)})
     code = message.fault_code
     return {"name": name, "level": level, "code": code, "said": templates, "numbers": numbers}
+
+
+def _is_translated(words: str) -> bool:
+    """Return whether a template is the software's; one that came from elsewhere may be anything."""
+    return read_catalogue(language_from_code("es")).template(words) != words
 
 
 def _configuration(path: Path) -> str:
