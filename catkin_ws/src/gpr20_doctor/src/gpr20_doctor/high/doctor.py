@@ -104,9 +104,7 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
 def _find(given: argparse.Namespace) -> Tuple[Tuple[Finding, ...], RobotFacts, Machine]:
     here, master = Processes(ROOT), rosgraph.get_master_uri()
     robot, nodes = _robot(given, master, here)
-    config = given.config or here.configuration(master)
-    # A configuration that is named is that of a real robot, whatever runs now.
-    machine = Machine.here(os.environ, ROOT, config, {} if given.config else nodes)
+    machine = Machine.here(os.environ, ROOT, here.configuration(master), nodes)
     return findings(robot, examine(machine)), robot, machine
 
 

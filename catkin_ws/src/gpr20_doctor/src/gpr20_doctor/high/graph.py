@@ -25,7 +25,6 @@ from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
-NODE = "doctor"
 # Clocks are compared for so long at least [s].
 WATCH_S = 1.5
 POLL_S = 0.05
@@ -50,9 +49,8 @@ class Graph:
         self._master, self._clock, self._begun_s = master, clock, clock.now_s()
         self._prefix = self.namespace.rstrip("/") + "/"
         os.environ["ROS_PYTHON_LOG_CONFIG_FILE"] = str(NO_LOG)
-        rospy.init_node(
-            NODE, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
-        )
+        quiet = {"disable_rostime": True, "disable_rosout": True, "disable_signals": True}
+        rospy.init_node("doctor", anonymous=True, **quiet)
         names = [one for one in launched_nodes(master) if one.startswith(self._prefix)]
         self._health = HealthTracker(clock, [one[len(self._prefix) :] for one in names])
         # Messages come in threads of their own.

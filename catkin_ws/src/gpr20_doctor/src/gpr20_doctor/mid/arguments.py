@@ -12,11 +12,7 @@ DEFAULT_WAIT_S = 4.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--json", action="store_true", help="print JSON")
-    parser.add_argument(
-        "--quick",
-        action="store_true",
-        help="without the test of the VNA",
-    )
+    parser.add_argument("--quick", action="store_true", help="without the test of the VNA")
     parser.add_argument(
         "--wait",
         type=float,
@@ -29,18 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--ns", default=os.environ.get("ROS_NAMESPACE", ""), help="namespace of the robot"
     )
     parser.add_argument(
-        "--config", type=named_folder, help="folder of the robot's configuration, if no robot runs"
-    )
-    parser.add_argument(
         "--bundle",
         type=Path,
         metavar="FILE.zip",
         help="also write one file for remote help: findings, versions, settings, errors",
     )
-
-
-def named_folder(text: str) -> Path:
-    """Return a folder that is an argument: none at all, as of an unset variable, is refused."""
-    if not text.strip():
-        raise argparse.ArgumentTypeError("name a folder")
-    return Path(text)

@@ -81,8 +81,6 @@ PART_BYTES, LOG_FILES = 1 << 20, 100
 # The robot's own work comes first.
 NICENESS = 19
 
-Content = Callable[[], str]
-
 
 def write_bundle(
     path: Path, found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
@@ -120,7 +118,7 @@ def write_bundle(
 
 def _parts(
     found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
-) -> Iterator[Tuple[str, Content]]:
+) -> Iterator[Tuple[str, Callable[[], str]]]:
     yield "README.txt", lambda: README
     nothing: Mapping[str, str] = {}
     findings = [(one.check, one.level.name, one.text, nothing) for one in found]

@@ -40,14 +40,12 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> T
             found.extend(check(robot, here))
         installed = None if machine is None else machine.software
         found.extend(check_versions(robot, installed, here))
-    if any(one.check == SPACE and one.level is Level.OK for one in found):
+    has_space = any(one.check == SPACE and one.level is Level.OK for one in found)
+    for number, one in enumerate(found):
         # The storage repeats its last failure until it stores again.
-        found = [replace(one, remedy=SPACE_AGAIN) if _is_full(one) else one for one in found]
+        if has_space and (one.check, one.text.fault_code) == (STORAGE, DISK_FULL.code):
+            found[number] = replace(one, remedy=SPACE_AGAIN)
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))
-
-
-def _is_full(one: Finding) -> bool:
-    return one.check == STORAGE and one.text.fault_code == DISK_FULL.code
 
 
 def exit_status(found: Iterable[Finding]) -> int:

@@ -37,8 +37,7 @@ def check_addresses(machine: Machine) -> Iterator[Finding]:
             "they cannot be reached.",
             addresses=", ".join(gone),
         )
-        remedy = machine.restart(CHECK_LINK)
-        yield Finding.of("addresses", text, faults.ADDRESS, advice=remedy)
+        yield Finding.of("addresses", text, faults.ADDRESS, advice=machine.restart(CHECK_LINK))
 
 
 def _two(machine: Machine, two: Sequence[str], address: str, advice: Optional[Message]) -> Finding:

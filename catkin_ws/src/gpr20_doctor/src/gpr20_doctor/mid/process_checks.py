@@ -35,8 +35,7 @@ def check_launch(machine: Machine) -> Iterator[Finding]:
             "robot again.",
             numbers=_numbers(left),
         )
-        remedy = machine.restart(advice)
-        yield Finding.of("launch", text, INTERNAL, mild=True, advice=remedy)
+        yield Finding.of("launch", text, INTERNAL, mild=True, advice=machine.restart(advice))
     others = [one for one in nodes if one.node not in OWN_REPORT]
     halted = [one for one in (*launches, *others) if one.state in HALTED]
     if halted:

@@ -61,10 +61,7 @@ def check_parts(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
     gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
     if gone:
         text = Message("Not running: {parts}", parts=tuple(map(node_title, gone)))
-        advice = Message(
-            "Wait one minute: what ends is started again by itself. If it stays, start the robot "
-            "again."
-        )
+        advice = Message("Wait one minute: what ends is started again by itself. If it stays:")
         yield Finding.of("missing", text, NOT_RUNNING, advice=machine.restart(advice))
     for node in facts.nodes:
         if node.name not in gone:

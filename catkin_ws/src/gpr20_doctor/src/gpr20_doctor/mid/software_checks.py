@@ -45,8 +45,7 @@ def check_configuration(machine: Machine) -> Iterator[Finding]:
         str(machine.configured("storage.yaml", "data") or ""), machine.environment
     )
     data = "" if machine.data in (None, default) else str(machine.data)
-    options = ("--robot", robot, "--part", part, "--data", data, str(folder))
-    command = (*CHECK, *options)
+    command = (*CHECK, "--robot", robot, "--part", part, "--data", data, str(folder))
     records = json.loads(answer_of(command, CHECK_LIMIT_S, CHECK_STATUSES, machine.environment))
     for one in records:
         # Each problem has its own fault; one without has that of a value.
@@ -78,9 +77,8 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
         "Changed since the robot was started, which runs as before: {files}",
         files=", ".join(printable(one) for one in sorted(later)[:3]),
     )
-    advice = Message("Outside a survey, start the robot again.")
-    fault, remedy = OTHER_LAUNCH.as_warning(), machine.restart(advice)
-    yield Finding.of("edited", text, fault, advice=remedy)
+    advice = machine.restart(Message("Outside a survey, start the robot again."))
+    yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
 
 
 def check_packages(machine: Machine) -> Iterator[Finding]:

@@ -16,7 +16,6 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable, say
-from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import ROBOT as PI_SERVICE
 from gpr20_doctor.mid.machine import Machine
@@ -86,8 +85,15 @@ def _parser() -> argparse.ArgumentParser:
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
     for one in actions.choices.values():
-        one.add_argument("folder", nargs="?", default=place.config, type=named_folder)
+        one.add_argument("folder", nargs="?", default=place.config, type=_named_folder)
     return parser
+
+
+def _named_folder(text: str) -> Path:
+    # None at all, as of an unset variable, is refused.
+    if not text.strip():
+        raise argparse.ArgumentTypeError("name a folder")
+    return Path(text)
 
 
 def _check(folder: Path, given: argparse.Namespace) -> int:
