@@ -28,7 +28,7 @@ from gpr20_doctor.mid.node_health import (
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey import faults as survey_faults
-from gpr20_survey.faults import NOT_CALIBRATED, WRONG_VNA
+from gpr20_survey.faults import NOT_CALIBRATED
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.trace.calibration import CalibrationStatus
 
@@ -91,7 +91,6 @@ CASES = [
     (report(VNA, WARN, NOTED), Level.NOTE, "not used", None),
     (report(VNA, WARN, FAILED), Level.WARNING, "it failed", None),
     (facts(analyzer=AnalyzerTest("", failure=FAILED)), Level.FAULT, "Test of the VNA", None),
-    (facts(analyzer=AnalyzerTest("", "A,SIMULATED,1")), Level.FAULT, "not both", WRONG_VNA),
     (facts(analyzer=AnalyzerTest("", "", "new word")), Level.UNKNOWN, "not been read", None),
     (facts(software=OTHER), Level.WARNING, "(def) on pi", common_faults.VERSIONS_DIFFER),
     (facts(software=HEARD), Level.UNKNOWN, "the software of Height sensor", None),

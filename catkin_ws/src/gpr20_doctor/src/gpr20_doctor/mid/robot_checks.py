@@ -24,9 +24,8 @@ from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.robot_facts import RobotFacts
-from gpr20_survey.faults import NOT_CALIBRATED, NOT_HOMED, VNA_SILENT, WRONG_VNA
-from gpr20_survey.plan.robot_description import ANALYZER, is_simulated_identity
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.faults import NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
+from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.calibration import CalibrationStatus
 
 Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
@@ -92,24 +91,14 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
 
 def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
     """Judge the test of the VNA, or what its driver reports where it was not tested."""
-    test = facts.analyzer
+    test, node = facts.analyzer, facts.node(ANALYZER)
     if test is not None and test.failure is not None:
         text = Message("Test of the VNA: {reason}", reason=test.failure)
         yield Finding.of("vna", text, VNA_SILENT)
-    node = facts.node(ANALYZER)
-    if test is None and node is None:
-        return  # the part itself says why
-    values = {} if node is None else node.values
-    own = AnalyzerTest("", values.get("identity", ""), values.get("calibration", ""))
-    known = test or own
-    if known.identity and is_simulated_identity(known.identity) != facts.simulated:
-        text = Message(
-            "The VNA {identity} and the robot are not both simulated or both real.",
-            identity=known.identity,
-        )
-        yield Finding.of("identity", text, WRONG_VNA)
-    if known.calibration or test is None or test.failure is None:
-        yield _calibration(known.calibration)
+    elif test is not None:
+        yield _calibration(test.calibration)
+    elif node is not None:
+        yield _calibration(node.values.get("calibration", ""))
 
 
 def _calibration(name: str) -> Finding:
