@@ -293,7 +293,7 @@ STATES = {
     ),
     # Network.
     "the addresses are those of other computers": State(
-        *(ADDRESS, "etc/gpr20/environment"),
+        *(ADDRESS, "GPR20_ROBOT and GPR20_SERVER"),
         *(lambda one: one.set("192.0.2.5", "192.0.2.6"), lambda one: one.set(*OWN)),
     ),
     "ROS_IP is that of another computer": State(
@@ -393,9 +393,10 @@ def silent_server():
 
 @contextmanager
 def closed_port():
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = server.getsockname()[1]
-    yield port
+    # What is bound and does not listen keeps others from the port.
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        yield taken.getsockname()[1]
 
 
 MASTERS = [

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import threading
-from typing import Callable, List, Mapping, Optional, Sequence, TypeVar
+from typing import Callable, List, Sequence, TypeVar
 
 # Of a program that has nothing to do but to say what it knows, on a busy computer.
 ANSWER_LIMIT_S = 4.0
@@ -19,7 +18,6 @@ def answer_of(
     command: Sequence[str],
     limit_s: float = ANSWER_LIMIT_S,
     statuses: Sequence[int] = (0,),
-    environment: Optional[Mapping[str, str]] = None,
 ) -> str:
     """Return what a program prints.
 
@@ -27,16 +25,14 @@ def answer_of(
         command: The program and its arguments.
         limit_s: Within which it must end [s].
         statuses: Exit statuses of an answer.
-        environment: Variables beside those of this process.
 
     Raises:
         FileNotFoundError: It is not installed.
         OSError: It failed or was late.
     """
-    known = {**os.environ, **(environment or {})}
     try:
         ended = subprocess.run(
-            command, capture_output=True, timeout=limit_s, env=known, text=True, errors="replace"
+            command, capture_output=True, timeout=limit_s, text=True, errors="replace"
         )
     except subprocess.TimeoutExpired as error:
         raise TimeoutError(str(error)) from error

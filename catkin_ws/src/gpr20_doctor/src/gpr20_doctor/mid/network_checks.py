@@ -47,13 +47,7 @@ def _two(machine: Machine, two: Sequence[str], address: str, advice: Optional[Me
             "This computer has none of the addresses {configured}.",
             configured=", ".join(one or "?" for one in two),
         )
-        if advice is not None:
-            advice = Message(
-                "Check the link, and GPR20_ROBOT and GPR20_SERVER in {where}. Then run: sudo "
-                "systemctl restart gpr20-firewall",
-                where=printable(machine.settings or ""),
-            )
-        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
+        return Finding.of("addresses", text, faults.ADDRESS)
     if address not in own:
         text = Message(
             "ROS listens on {address}, but this computer is {own}.",

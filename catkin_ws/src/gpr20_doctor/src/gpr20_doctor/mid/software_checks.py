@@ -46,7 +46,7 @@ def check_configuration(machine: Machine) -> Iterator[Finding]:
     )
     data = "" if machine.data in (None, default) else str(machine.data)
     command = (*CHECK, "--robot", robot, "--part", part, "--data", data, str(folder))
-    records = json.loads(answer_of(command, CHECK_LIMIT_S, CHECK_STATUSES, machine.environment))
+    records = json.loads(answer_of(command, CHECK_LIMIT_S, CHECK_STATUSES))
     for one in records:
         # Each problem has its own fault; one without has that of a value.
         text = Message("Configuration: {reason}", reason=received_message(UNREADABLE, one))
