@@ -29,11 +29,11 @@ from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low import masters, programs
 from gpr20_doctor.low.masters import NodeState, state_of
 from gpr20_doctor.low.processes import Processes
-from gpr20_doctor.mid import machine_checks
-from gpr20_doctor.mid.contact_checks import evidence_of
+from gpr20_doctor.mid import findings as all_findings
 from gpr20_doctor.mid.finding import Level
-from gpr20_doctor.mid.findings import findings
+from gpr20_doctor.mid.findings import examine, findings
 from gpr20_doctor.mid.machine import Machine
+from gpr20_doctor.mid.robot_checks import evidence_of
 from gpr20_doctor.mid.robot_facts import Evidence, unheard
 
 pytestmark = pytest.mark.needs("mounts")
@@ -129,7 +129,7 @@ class Computer:
             found = mock.patch("importlib.util.find_spec", lambda one: one != self.missing or None)
             for one in (allowed, found, mock.patch("time.time", lambda: self.now_s)):
                 stack.enter_context(one)
-            machine = machine_checks.examine(Machine.here(self.environment, self.root))
+            machine = examine(Machine.here(self.environment, self.root))
         bad = [one for one in findings(self.robot, machine) if one.level >= Level.WARNING]
         return {f"{one.check} {one.text.fault_code}": one for one in bad}
 
@@ -140,7 +140,7 @@ def computer():
         path = f"{name}/bin:{os.environ['PATH']}"
         stack.enter_context(mock.patch.dict(os.environ, {"PATH": path}))
         for module, limit in (
-            *((machine_checks, "LIMIT_S"), (programs, "ANSWER_LIMIT_S")),
+            *((all_findings, "LIMIT_S"), (programs, "ANSWER_LIMIT_S")),
             (masters, "ANSWER_LIMIT_S"),
         ):
             stack.enter_context(mock.patch.object(module, limit, 60.0))
@@ -453,7 +453,7 @@ def test_what_a_check_cannot_see_is_unknown_and_never_good():
         one.write("throttled", "")
         one.write("problems", "")
         with mock.patch("os.geteuid", lambda: 1000):
-            report = machine_checks.examine(Machine.here(one.environment, one.root))
+            report = examine(Machine.here(one.environment, one.root))
         levels = {one.check: one.level for one in report.found}
         for check in ("memory", "power", "config_files", "firewall"):
             assert levels[check] is Level.UNKNOWN, check

@@ -29,12 +29,11 @@ from gpr20_doctor.low.masters import MasterState, NodeState, state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
-from gpr20_doctor.mid.contact_checks import evidence_of
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.findings import as_json, exit_status, findings, lines
+from gpr20_doctor.mid.findings import as_json, examine, exit_status, findings, lines
 from gpr20_doctor.mid.machine import ROOT, Machine
-from gpr20_doctor.mid.machine_checks import examine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES
+from gpr20_doctor.mid.robot_checks import evidence_of
 from gpr20_doctor.mid.robot_facts import RobotFacts, unheard
 from gpr20_survey.plan.robot_description import NodeDescription
 

@@ -1,19 +1,34 @@
-"""All findings about the robot and this computer: what they mean together, text and JSON."""
+"""All checks of the computer, and what all findings mean together, as text and JSON.
+
+A check of the computer is a function from a `Machine` to findings. To add one, write it in the
+module of its subject and list it here.
+"""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
+from functools import partial
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_common.catalogue import Catalogue
+from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message
-from gpr20_doctor.mid import robot_checks
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.node_facts import own_software
+from gpr20_doctor.low.programs import FAILURES, in_time
+from gpr20_doctor.mid import (
+    clock_checks,
+    disk_checks,
+    hardware_checks,
+    network_checks,
+    process_checks,
+    robot_checks,
+    software_checks,
+)
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.robot_facts import RobotFacts
-from gpr20_doctor.mid.software_checks import check_versions
 from gpr20_survey.plan.robot_description import STORAGE
 
 SPACE = "data_disk"
@@ -21,9 +36,50 @@ BETWEEN = "; "
 LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
+BY_HAND = Message("Look by hand: docs/doctor.md says how.")
 SPACE_AGAIN = Message(
     "The disk has space again: press RESUME. Without a survey nothing is to be done."
 )
+
+
+Check = Callable[[Machine], Iterable[Finding]]
+# A check that takes longer hangs, such as on a disk; that of the configuration has its own limit.
+LIMIT_S, LONG_LIMIT_S = 6.0, 70.0
+# Each with the name of its findings.
+CHECKS: Mapping[str, Check] = {
+    "config_files": software_checks.check_configuration,
+    "edited": software_checks.check_edited,
+    "packages": software_checks.check_packages,
+    "launch": process_checks.check_launch,
+    "watchdog": process_checks.check_watchdog,
+    "memory": process_checks.check_memory,
+    "addresses": network_checks.check_addresses,
+    "firewall": network_checks.check_firewall,
+    "hardware": hardware_checks.check_hardware,
+    "power": hardware_checks.check_power,
+    "volumes": disk_checks.check_volumes,
+    "date": clock_checks.check_date,
+}
+
+
+def examine(machine: Machine) -> MachineReport:
+    """Return what the checks of a computer find; one that fails is UNKNOWN, with the reason."""
+    found: List[Finding] = []
+    for name, check in CHECKS.items():
+        limit_s = LONG_LIMIT_S if check is software_checks.check_configuration else LIMIT_S
+        try:
+            found.extend(in_time(partial(_list, check, machine), limit_s))
+        except FAILURES as error:
+            reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
+            text = Message(
+                "The check {check} was not possible: {reason}", check=name, reason=reason
+            )
+            found.append(Finding(name, Level.UNKNOWN, text, BY_HAND))
+    return MachineReport(tuple(found), own_software(), machine)
+
+
+def _list(check: Check, machine: Machine) -> List[Finding]:
+    return list(check(machine))
 
 
 def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
@@ -39,7 +95,7 @@ def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> T
         for check in robot_checks.CHECKS:
             found.extend(check(robot, here))
         installed = None if machine is None else machine.software
-        found.extend(check_versions(robot, installed, here))
+        found.extend(software_checks.check_versions(robot, installed, here))
     has_space = any(one.check == SPACE and one.level is Level.OK for one in found)
     for number, one in enumerate(found):
         # The storage repeats its last failure until it stores again.

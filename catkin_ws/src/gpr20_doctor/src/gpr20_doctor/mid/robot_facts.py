@@ -95,11 +95,11 @@ class RobotFacts:
     """
 
     master_alive: bool
-    control_alive: bool
-    configured: bool
-    simulated: bool
-    surveying: bool
-    nodes: Tuple[NodeHealth, ...]
+    control_alive: bool = False
+    configured: bool = False
+    simulated: bool = False
+    surveying: bool = False
+    nodes: Tuple[NodeHealth, ...] = ()
     master: str = ""
     configuration_problem: Optional[Message] = None
     listening_s: float = math.inf
@@ -126,13 +126,5 @@ class RobotFacts:
 
 def unheard(master: str, evidence: Evidence) -> RobotFacts:
     """Return what is known about a robot of which nothing is heard."""
-    return RobotFacts(
-        master_alive=evidence.master is MasterState.ANSWERS,
-        control_alive=False,
-        configured=False,
-        simulated=False,
-        surveying=False,
-        nodes=(),
-        master=master,
-        evidence=evidence,
-    )
+    alive = evidence.master is MasterState.ANSWERS
+    return RobotFacts(alive, master=master, evidence=evidence)

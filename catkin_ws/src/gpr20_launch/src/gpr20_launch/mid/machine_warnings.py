@@ -11,8 +11,8 @@ from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.node_facts import NO_HARDWARE, NodeSoftware
 from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.findings import examine
 from gpr20_doctor.mid.machine import ROOT, Machine
-from gpr20_doctor.mid.machine_checks import examine
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_launch import faults
 from gpr20_launch.mid.launch_request import REAL, ROBOT, LaunchRequest

@@ -13,8 +13,8 @@ from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import analyzer_test_of
+from gpr20_doctor.mid.findings import examine
 from gpr20_doctor.mid.machine import Machine, MachineReport
-from gpr20_doctor.mid.machine_checks import examine
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_operator.high.conversions import fact_fields, surveys_listed
