@@ -104,7 +104,7 @@ class ServiceTools:
     def set_watched(self, watched):
         self.asked.append(("watch", watched))
 
-    def examine(self, ticket, nodes, surveying, thorough):
+    def examine(self, ticket, nodes, thorough):
         self._tickets["examine"] = ticket
         self.asked.append(("examine", thorough))
 

@@ -9,10 +9,10 @@ from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import click, hold, show
 
+from gpr20_common.faults import OVERLOADED
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.mid.finding import Level, Unknown
-from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     HealthLevel,
@@ -163,8 +163,8 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     assert service.tools.asked == [("examine", True), "height", "analyzer"]
     assert not service.robot.overview.check_button.isEnabled()
     click(service.robot.overview.check_button)
-    facts = MachineFacts(HardwareUse.NO_PI, Unknown(verbatim("x")), NodeSoftware(), 85.0)
-    service.tools.done("examine", facts)
+    hot = Finding.of("memory", Message("Memory: 9 MB free"), OVERLOADED)
+    service.tools.done("examine", MachineReport((hot,)))
     service.tools.done(Service.HEIGHT, HeightTested(0.2, 0.001, 1.2))
     lost = Message("no connection to the VNA")
     service.tools.done(Service.ANALYZER, AnalyzerTest("10.0.0.1", failure=lost))
@@ -173,7 +173,7 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     assert len(service.tools.asked) == 3
     assert service.robot.overview.check_button.isEnabled()
     texts = "\n".join(listed(service))
-    assert "FAULT: Temperature of the processor: 85 °C" in texts
+    assert "FAULT: Memory: 9 MB free" in texts
     assert "FAULT: Test of the VNA: no connection" in texts
 
 

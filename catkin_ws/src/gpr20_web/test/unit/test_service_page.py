@@ -14,9 +14,9 @@ from case_kit import each_case
 from view_kit import snapshot
 from web_kit import SILENT, ManualClock, state_of
 
-from gpr20_common.message import verbatim
-from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
+from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
@@ -65,7 +65,7 @@ def test_this_computer_is_looked_at_once_while_somebody_looks() -> None:
     before: Any = robot.listed(CALL)
     robot.listed(CALL)
     (ticket,) = robot.tickets
-    ticket.done(MachineFacts(HardwareUse.SIMULATED, (), NodeSoftware("gpr20 1", "here")))
+    ticket.done(MachineReport((Finding.of("memory", Message("Memory: 900 MB free")),)))
     after: Any = robot.listed(CALL)
     assert len(after["findings"]) > len(before["findings"])
     robot.clock.time_s += INTEREST_S + 1.0

@@ -1,75 +1,91 @@
-"""What the robot's nodes tell, and what they do when they are asked."""
+"""What the robot's nodes say on the graph, and what they do when they are asked."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable
+import os
+import threading
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, List, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from sensor_msgs.msg import Range
-from std_msgs.msg import Bool
 
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import (
-    analyzer_test_of,
-    axis_report,
-    descriptions,
-    height_m,
-    node_healths,
-)
-from gpr20_doctor.low.masters import NodeState, launched_nodes, node_states
-from gpr20_doctor.mid.robot_facts import Endstop, Listener
-from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
-from gpr20_msgs.srv import GetHeight, TestAnalyzer
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_doctor.high.node_reports import analyzer_test_of, descriptions, node_healths
+from gpr20_doctor.low.masters import MasterState, launched_nodes, node_states
+from gpr20_doctor.mid.node_health import HealthTracker
+from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
+from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_msgs.srv import TestAnalyzer
 from gpr20_survey.faults import VNA_SILENT
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 
-NODE = "doctor"
+# Clocks are compared for so long at least [s].
+WATCH_S = 1.5
+POLL_S = 0.05
+# rospy would end a program that cannot write its log: the doctor of a full or read-only disk.
+NO_LOG = Path(__file__).with_name("no_log.yaml")
 
 
 class Graph:
     """The robot of one namespace; it is only listened to, unless a test is asked for."""
 
-    def __init__(self, namespace: str, master: str) -> None:
+    def __init__(self, namespace: str, master: str, clock: Clock) -> None:
         """Join the graph of a master that answers, and listen.
 
         Args:
             namespace: Of the robot, with or without slashes.
             master: Address of the master.
+            clock: Measures how long was listened.
         """
         self.namespace = f"/{namespace.strip('/')}"
-        self._master = master
-        self._prefix = self.namespace.rstrip("/")
-        rospy.init_node(
-            NODE, anonymous=True, disable_rostime=True, disable_rosout=True, disable_signals=True
-        )
-        full_names = launched_nodes(master)
-        prefix = f"{self._prefix}/"
-        launched = [one[len(prefix) :] for one in full_names if one.startswith(prefix)]
-        self.listener = Listener(Clock(), master, launched)
+        self.descriptions: Mapping[str, NodeDescription] = {}
+        """What the nodes say they are."""
+        self._master, self._clock, self._begun_s = master, clock, clock.now_s()
+        self._prefix = self.namespace.rstrip("/") + "/"
+        os.environ["ROS_PYTHON_LOG_CONFIG_FILE"] = str(NO_LOG)
+        quiet = {"disable_rostime": True, "disable_rosout": True, "disable_signals": True}
+        rospy.init_node("doctor", anonymous=True, **quiet)
+        names = [one for one in launched_nodes(master) if one.startswith(self._prefix)]
+        self._health = HealthTracker(clock, [one[len(self._prefix) :] for one in names])
+        # Messages come in threads of their own.
+        self._lock = threading.Lock()
+        self._known = unheard(master, Evidence(MasterState.ANSWERS, self.namespace))
+        self._analyzer = ServiceClient(f"{self._prefix}test_analyzer", TestAnalyzer)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
-        self._subscribe("robot_configuration", RobotConfiguration, self._on_configuration)
-        self._subscribe("control_status", ControlStatus, self._on_status)
-        self._subscribe("measured_height", Range, self._on_height)
-        for axis in AxisId:
-            name = f"{axis.value}_axis"
-            self._subscribe(f"{name}/current_coord", CurrentCoordinate, self._on_axis, axis)
-            if axis is not AxisId.Z:
-                self._subscribe(f"{name}/endstop", Bool, self._on_endstop, axis)
-        self._height = ServiceClient(f"{self._prefix}/get_height", GetHeight)
-        self._analyzer = ServiceClient(f"{self._prefix}/test_analyzer", TestAnalyzer)
+        rospy.Subscriber(f"{self._prefix}control_status", ControlStatus, self._on_status)
+        rospy.Subscriber(
+            f"{self._prefix}robot_configuration", RobotConfiguration, self._on_configuration
+        )
 
-    def measure_height(self, limit_s: float) -> None:
-        """Have a height measured; what comes of it, the height sensor reports itself."""
-        try:
-            self._height.call(limit_s)
-        except ServiceUnavailableError:
-            return  # a sensor that does not report is a finding of its own
+    def wait(self, limit_s: float) -> None:
+        """Return when every node has reported and clocks were compared, or after a limit [s]."""
+        never = threading.Event()
+        while self._clock.now_s() - self._begun_s < limit_s:
+            known = self._known
+            heard = known.configured and known.control_alive and not self.silent()
+            if heard and self._clock.now_s() - self._begun_s >= WATCH_S:
+                return
+            self._clock.wait_s(never, POLL_S)
+
+    def facts(self) -> RobotFacts:
+        """Return what is known now; silent nodes are asked whether they are there."""
+        silent = self.silent()
+        states = node_states(self._master, [f"{self._prefix}{one}" for one in silent])
+        with self._lock:
+            nodes = dict(zip(silent, states.values()))
+            evidence = replace(self._known.evidence, nodes=nodes)
+            return replace(self._known, nodes=self._health.report().nodes, evidence=evidence)
+
+    def silent(self) -> List[str]:
+        """Return the names of the nodes that should have reported and have not."""
+        with self._lock:
+            return self._health.silent
 
     def test_analyzer(self, limit_s: float) -> AnalyzerTest:
         """Have the VNA tested; the main control refuses it beside a survey.
@@ -78,52 +94,28 @@ class Graph:
             limit_s: For the answer [s]. A test that takes longer ends by itself.
         """
         try:
-            answer = self._analyzer.call(limit_s)
+            return analyzer_test_of(self._analyzer.call(limit_s))
         except ServiceUnavailableError as error:
-            late = Message(
-                "the VNA gave no result within {limit_s:.0f} s; check that it is switched on and "
-                "connected",
-                limit_s=limit_s,
-                details=error,
-            ).with_fault(VNA_SILENT)
-            return AnalyzerTest("", failure=late)
-        return analyzer_test_of(answer)
-
-    def node_states(self, names: Iterable[str]) -> Dict[str, NodeState]:
-        """Ask nodes whether they are there.
-
-        Args:
-            names: Without the namespace.
-        """
-        own = list(names)
-        states = node_states(self._master, [f"{self._prefix}/{name}" for name in own])
-        return dict(zip(own, states.values()))
-
-    def leave(self) -> None:
-        """Leave the graph."""
-        rospy.signal_shutdown("the doctor has finished")
-
-    def _subscribe(self, name: str, kind: Any, received: Any, *extra: Any) -> None:
-        rospy.Subscriber(f"{self._prefix}/{name}", kind, received, *extra)
+            return AnalyzerTest("", failure=error.message.reporting_only(VNA_SILENT))
 
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
-        for health in node_healths(message, self._prefix):
-            self.listener.note_node(health)
+        with self._lock:
+            for health in node_healths(message, self.namespace):
+                self._health.note(health)
 
     def _on_configuration(self, message: RobotConfiguration) -> None:
         problem = None if message.known else message_from(message)
-        nodes = descriptions(message)
-        self.listener.note_configuration(problem, message.simulated, nodes)
+        self.descriptions = descriptions(message)
+        self._note(
+            configured=problem is None,
+            configuration_problem=problem,
+            simulated=message.simulated,
+            software={name: one.software for name, one in self.descriptions.items()},
+        )
 
     def _on_status(self, message: ControlStatus) -> None:
-        surveying = SurveyState(message.code) in RUNNING
-        self.listener.note(control_alive=True, surveying=surveying)
+        self._note(control_alive=True, surveying=SurveyState(message.code) in RUNNING)
 
-    def _on_endstop(self, message: Bool, axis: AxisId) -> None:
-        self.listener.note_endstop(Endstop(axis, message.data))
-
-    def _on_axis(self, message: CurrentCoordinate, axis: AxisId) -> None:
-        self.listener.note_axis(axis_report(axis, message))
-
-    def _on_height(self, message: Range) -> None:
-        self.listener.note(height_m=height_m(message))
+    def _note(self, **changes: Any) -> None:
+        with self._lock:
+            self._known = replace(self._known, **changes)

@@ -5,14 +5,14 @@ from __future__ import annotations
 import contextlib
 import enum
 import errno
+import socket
 from concurrent.futures import ThreadPoolExecutor
 from typing import Dict, FrozenSet, Iterable, Set, Tuple
 from urllib.parse import urlsplit
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.links import NO_ANSWER, NodeProbe, limited_server, value_of
-from gpr20_doctor.low import network
-from gpr20_doctor.low.system import plain_uri
+from gpr20_doctor.low.network import addresses_of
 
 CALLER = "/doctor"
 # A master or a node that lives answers within this time [s].
@@ -27,6 +27,8 @@ class MasterState(enum.Enum):
     ANSWERS = "answers"
     NOT_THERE = "nothing listens"
     HANGS = "something listens and does not answer"
+    FOREIGN = "another program answers"
+    UNKNOWN_HOST = "nobody knows the name of its computer"
     UNREACHABLE = "its computer is not reached"
 
 
@@ -35,7 +37,6 @@ class NodeState(enum.Enum):
 
     ANSWERS = "answers"
     HANGS = "is registered and does not answer"
-    UNREACHED = "is registered at an address that is not reached"
     GONE = "has ended, or was never started"
 
 
@@ -45,17 +46,22 @@ def state_of(uri: str) -> MasterState:
         value_of(limited_server(uri, ANSWER_LIMIT_S).getPid(CALLER))
     except ConnectionRefusedError:
         return MasterState.NOT_THERE
-    except NO_ANSWER:
+    except OSError:
         return _without_answer(uri)
+    except NO_ANSWER:
+        return MasterState.FOREIGN
     return MasterState.ANSWERS
 
 
 def _without_answer(uri: str) -> MasterState:
+    parts = urlsplit(uri)
+    if not addresses_of(parts.hostname or ""):
+        return MasterState.UNKNOWN_HOST
+    place = (parts.hostname or "", parts.port or 0)
     try:
-        parts = urlsplit(uri)
-        network.connect(parts.hostname or "", parts.port or 0, ANSWER_LIMIT_S)
-    except (OSError, ValueError) as error:
-        refused = getattr(error, "errno", None) == errno.ECONNREFUSED
+        socket.create_connection(place, ANSWER_LIMIT_S).close()
+    except OSError as error:
+        refused = error.errno == errno.ECONNREFUSED
         return MasterState.NOT_THERE if refused else MasterState.UNREACHABLE
     return MasterState.HANGS
 
@@ -81,32 +87,6 @@ def robots_at(uri: str) -> Tuple[str, ...]:
         return tuple(sorted(robots_on_master(name for name, _nodes in services)))
     except NO_ANSWER:
         return ()
-
-
-def robots_elsewhere(uri: str, candidates: Iterable[str]) -> Tuple[Tuple[str, str], ...]:
-    """Return (master, namespace) of the robots of other masters.
-
-    Args:
-        uri: The master that is not meant.
-        candidates: Addresses of masters that may run.
-    """
-    names = dict.fromkeys(map(plain_uri, candidates))
-    others = [one for one in names if one != plain_uri(uri)]
-    with ThreadPoolExecutor(max(1, len(others))) as pool:
-        found = zip(others, pool.map(robots_at, others))
-        return tuple((one, robot) for one, robots in found for robot in robots)
-
-
-def node_ports(uri: str) -> FrozenSet[int]:
-    """Return the ports where the nodes of a master take calls; none if it does not answer."""
-    master = limited_server(uri, ANSWER_LIMIT_S)
-    try:
-        topics = [group for part in value_of(master.getSystemState(CALLER)) for group in part]
-        nodes = {node for _name, some in topics for node in some}
-        found = (value_of(master.lookupNode(CALLER, node)) for node in nodes)
-        return frozenset(urlsplit(str(one)).port or 0 for one in found)
-    except NO_ANSWER:
-        return frozenset()
 
 
 def launched_nodes(uri: str) -> FrozenSet[str]:
@@ -136,18 +116,9 @@ def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:
         except NodeGoneError:
             return NodeState.GONE
         except NodeSilentError:
-            return NodeState.HANGS if _is_reached(uri, name) else NodeState.UNREACHED
+            return NodeState.HANGS
         return NodeState.ANSWERS
 
     asked = list(names)
     with ThreadPoolExecutor(max(1, len(asked))) as pool:
         return dict(zip(asked, pool.map(ask, asked)))
-
-
-def _is_reached(uri: str, node: str) -> bool:
-    try:
-        found = value_of(limited_server(uri, ANSWER_LIMIT_S).lookupNode(CALLER, node))
-        parts = urlsplit(str(found))
-        return network.is_open(parts.hostname or "", parts.port or 0, ANSWER_LIMIT_S)
-    except NO_ANSWER:
-        return True  # of the node nothing else is known than its silence

@@ -3,27 +3,22 @@
 from __future__ import annotations
 
 import socket
-from typing import FrozenSet, Mapping, Tuple
-
-# Of the two computers of a robot.
-ADDRESSES = ("GPR20_ROBOT", "GPR20_SERVER")
+from typing import FrozenSet
 
 
-def is_own_address(address: str) -> bool:
-    """Return whether this computer has an IPv4 address."""
+def is_here(name: str) -> bool:
+    """Return whether a name or an IPv4 address is that of this computer."""
+    return any(map(_is_own, addresses_of(name)))
+
+
+def _is_own(address: str) -> bool:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         try:
             # Only an own address can be bound.
             probe.bind((address, 0))
-        except (OSError, UnicodeError):
+        except OSError:
             return False
     return True
-
-
-def own_addresses(environment: Mapping[str, str]) -> Tuple[str, ...]:
-    """Return those addresses of the two computers that this one has."""
-    given = (environment.get(name, "") for name in ADDRESSES)
-    return tuple(one for one in given if one and is_own_address(one))
 
 
 def addresses_of(name: str) -> FrozenSet[str]:
@@ -32,21 +27,3 @@ def addresses_of(name: str) -> FrozenSet[str]:
         return frozenset(str(one[4][0]) for one in socket.getaddrinfo(name, 0, socket.AF_INET))
     except (OSError, UnicodeError):
         return frozenset()
-
-
-def connect(address: str, port: int, limit_s: float) -> None:
-    """Return if a TCP port accepts connections.
-
-    Raises:
-        OSError: It does not, or not in time.
-    """
-    socket.create_connection((address, port), limit_s).close()
-
-
-def is_open(address: str, port: int, limit_s: float) -> bool:
-    """Return whether a TCP port accepts connections within a time limit [s]."""
-    try:
-        connect(address, port, limit_s)
-    except OSError:
-        return False
-    return True

@@ -1,102 +1,89 @@
-"""One ZIP file with what somebody far away needs to help; no traces and no secrets."""
+"""One ZIP file with what somebody far away needs to help.
+
+Nothing enters it but what this module lists: sentences of the software with their numbers, values
+of named keys, and words of logs in known forms. A secret has no place among them, however it is
+written.
+"""
 
 from __future__ import annotations
 
 import json
 import os
 import platform
-import sys
+import re
 import zipfile
+from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Pattern, Tuple
 
-from gpr20_common.catalogue import Catalogue
-from gpr20_common.errors import Gpr20Error
+from gpr20_common.catalogue import language_from_code, read_catalogue
+from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
-from gpr20_doctor.low.bundle_sources import (
-    COMMANDS,
-    end_of,
-    json_without_secrets,
-    newest,
-    without_secrets,
-)
-from gpr20_doctor.low.programs import answer_of
+from gpr20_doctor.low.programs import FAILURES
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.findings import as_json, lines
-from gpr20_doctor.mid.machine_request import MachineRequest
+from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_facts import RobotFacts
-from gpr20_survey.folder.manifest import MANIFEST_FILE
-from gpr20_survey.folder.survey_folder import LOG_FILE, SURVEY_FILE
+from gpr20_survey.folder.survey_folder import LOG_FILE
 
-# Other files of the folder, such as the signing key, are never opened.
-CONFIGURATION = tuple(
-    f"{name}.yaml"
-    for name in (
-        *("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "web", "wiring"),
-    )
-)
-PART_BYTES, SURVEY_BYTES = 1 << 20, 8 << 20
-LIMIT_S = 10.0
-LOGS_BYTES, LOG_FILES = 8 << 20, 100
-# The robot's own work comes first.
-NICENESS = 19
 README = """GPR-20: bundle for remote help
 
-findings.txt, findings.json   what the doctor found, the worst first
-diagnostics.json              what each part of the robot reported
-versions.json                 software, Python, system and model of this computer
-configuration/                the robot's configuration and the settings of the services
-survey/                       the last survey: survey.json, list of files, end of its log; no traces
-logs/                         ROS logs, the newest first, at most 8 MB; journal of the services
-system/                       packages, disks, memory, processes, network, clock, firewall
-index.json                    every part, and each that could not be collected, with the reason
+findings.json     what the doctor found, the worst first
+diagnostics.json  what each part of the robot reported
+versions.json     software, Python, system and model of this computer
+configuration/    numbers and choices of the robot's configuration
+survey.txt        what happened in the last survey, and when; no traces
+logs/             errors of the programs: time, program, place in the software
+index.json        every part, and each that could not be collected
 
-Left out: the signing key, and the values of what is called password, secret, token, key, cookie or
-options, and the like. Still in it: names of operators, positions of site and survey, network
-addresses. Look through it before you send it where they must not be known.
+Only what is known to hold no secret is in it: no names of people, no positions, no addresses, no
+passwords, nothing that somebody wrote.
 """
-
-
-class Bundle:
-    """Collects the parts; one that fails is named in the index, and the others follow."""
-
-    def __init__(self, archive: zipfile.ZipFile) -> None:
-        self._archive = archive
-        self._parts: List[str] = []
-        self._missing: Dict[str, str] = {}
-
-    def add(self, name: str, content: Callable[..., str], *arguments: Any) -> int:
-        """Add one part; return its size [characters], 0 if it could not be collected.
-
-        Args:
-            name: Of the part.
-            content: Returns its text.
-            arguments: Of that function.
-        """
-        try:
-            text = content(*arguments)
-            clean = json_without_secrets if name.endswith(".json") else without_secrets
-            text = clean(text)
-        except (OSError, Gpr20Error, ValueError) as error:
-            self._missing[name] = str(error) or type(error).__name__
-            return 0
-        self._archive.writestr(name, text)
-        self._parts.append(name)
-        return len(text)
-
-    def lack(self, name: str, reason: str) -> None:
-        """Note a part that is not there."""
-        self._missing[name] = reason
-
-    def finish(self) -> Dict[str, str]:
-        """Write the index; return what is missing, and why."""
-        index = {"parts": self._parts, "missing": self._missing}
-        self._archive.writestr("index.json", json.dumps(index, indent=2, ensure_ascii=False))
-        return self._missing
+FILES = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "web", "wiring")
+CONFIGURATION = tuple(f"{name}.yaml" for name in FILES)
+# Of these files: the axes, and what is a number or one of a few words.
+KEYS = frozenset(
+    re.findall(
+        r"\w+",
+        """x y z dir_pin step_pin sensor_pin enable_pin enable_active step_size min_step max_step
+    delta_step min_coord max_coord type homing_backoff homing_margin endstop_active endstop_pull
+    invert_direction late_limit_s gap_limit_s lease_limit_s
+    spi_bus spi_device spi_speed_hz channel reference_voltage_v scale_m exponent min_distance_m
+    max_distance_m height_offset_m samples update_period_s max_spread_m frozen_readings
+    publish_rate_hz
+    vxi11_port connect_timeout_s answer_timeout_s clear_on_connect lock_instrument display_settle_s
+    settle_s seconds_per_point sweep_timeout_s request_timeout_s attempts retry_pause_s link_check_s
+    transfer_format min_frequency_hz max_frequency_hz min_level_db max_level_db antenna_delay_ns
+    height_s on_height_failure return_limit_s repeat_limit_db reference_interval_s drift_limit_db
+    drift_limit_deg analyzer_limit_s height_limit_s storage_limit_s
+    data_disk disk_reserve_mb message_queue_mb timeout_s long_timeout_s commit_period_s
+    false_alarms_per_m2 port session_hours""",
+    )
+)
+# Such as LIN.
+CHOICE = re.compile(r"[A-Za-z_]{1,16}")
+NUMBER = re.compile(r"-?[\d.]{1,16}")
+# Of a log: program, level and time; a place in the software; the class of an error; how a part
+# ended.
+LOG_WORDS = re.compile(
+    r"\[[\w./-]{1,60}\]\[(?:WARN|WARNING|ERROR|FATAL|CRITICAL)\] [\d-]{10} [\d:,]{8,12}"
+    r"|(?<=/)gpr20_\w+/[\w/]+\.py\", line \d+, in \w+"
+    r"|^[A-Z]\w{1,40}(?:Error|Exception|Interrupt)(?=:|$)"
+    r"|\[[\w/-]{1,60}\] process has (?:died|finished)[^,\n]{0,20}, exit code -?\d+",
+    re.MULTILINE,
+)
+# Of the log of a survey: number, time, kind and faults of each fact.
+FACT_WORDS = re.compile(
+    r'"number":\d{1,7}|"time":"[\dT:.+Z-]{1,40}"|"kind":"[a-z_]{1,20}"'
+    r'|"code":"[a-z_]{1,30}\.[a-z_]{1,40}"'
+)
+PART_BYTES, LOG_FILES = 1 << 20, 100
+# The robot's own work comes first.
+NICENESS = 19
 
 
 def write_bundle(
-    path: Path, found: Tuple[Finding, ...], robot: RobotFacts, request: MachineRequest
+    path: Path, found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
 ) -> Dict[str, str]:
     """Write the bundle; return which parts are missing, and why.
 
@@ -104,16 +91,23 @@ def write_bundle(
         path: The file, which must not exist.
         found: What the doctor found.
         robot: What the nodes report.
-        request: Where things are on this computer.
+        machine: Where things are on this computer.
 
     Raises:
         OSError: The file exists, or cannot be written; nothing of it is left.
     """
     os.nice(NICENESS)
+    missing: Dict[str, str] = {}
     with path.open("xb") as file:
         try:
             with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-                missing = _collect(Bundle(archive), found, robot, request)
+                for name, content in _parts(found, robot, machine):
+                    try:
+                        archive.writestr(name, content())
+                    except FAILURES as error:
+                        missing[name] = type(error).__name__
+                index = {"parts": archive.namelist(), "missing": missing}
+                archive.writestr("index.json", json.dumps(index, indent=2))
             file.flush()
             os.fsync(file.fileno())
         except BaseException:
@@ -122,82 +116,85 @@ def write_bundle(
     return missing
 
 
-def _collect(
-    bundle: Bundle, found: Tuple[Finding, ...], robot: RobotFacts, request: MachineRequest
-) -> Dict[str, str]:
-    english = Catalogue()
-    bundle.add("README.txt", str, README)
-    bundle.add("findings.json", as_json, found, english)
-    bundle.add("findings.txt", lambda: "\n".join(lines(found, english)))
-    bundle.add("versions.json", _versions, robot, request.root)
-    bundle.add("diagnostics.json", _diagnostics, robot)
+def _parts(
+    found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
+) -> Iterator[Tuple[str, Callable[[], str]]]:
+    yield "README.txt", lambda: README
+    nothing: Mapping[str, str] = {}
+    findings = [(one.check, one.level.name, one.text, nothing) for one in found]
+    nodes = [(one.name, one.level.name, one.message, one.values) for one in robot.nodes]
+    yield "findings.json", lambda: _json([_said(*one) for one in findings])
+    yield "diagnostics.json", lambda: _json([_said(*one) for one in nodes])
+    yield "versions.json", lambda: _json(_versions(robot, machine.root))
+    yield "survey.txt", lambda: _survey(machine)
     for name in CONFIGURATION:
-        path = request.place.config / name
-        bundle.add(f"configuration/{name}", end_of, path, PART_BYTES, True)
-    if request.place.settings is None:
-        bundle.lack("configuration/environment", "no packages of services are installed here")
-    else:
-        bundle.add("configuration/environment", end_of, request.place.settings, PART_BYTES, True)
-    _add_survey(bundle, request.data)
-    for name, command in COMMANDS:
-        bundle.add(name, lambda words: answer_of(words, LIMIT_S, None)[-PART_BYTES:], command)
-    _add_logs(bundle, request.place.log)
-    return bundle.finish()
+        yield f"configuration/{name}", partial(_configuration, machine.config / name)
+    for number, path in enumerate(_newest(machine.log, "**/*.log")[:LOG_FILES]):
+        yield f"logs/{number:03}.txt", partial(_words, LOG_WORDS, path)
 
 
-def _versions(robot: RobotFacts, root: Path) -> str:
+def _said(name: str, level: str, message: Message, values: Mapping[str, str]) -> Dict[str, Any]:
+    """Return what was said, by the templates of the software and with numbers alone."""
+    templates = list(filter(_is_translated, (one.template for one in message.nested())))
+    numbers: Dict[str, Any] = {
+        key: value
+        for one in message.nested()
+        for key, value in one.values.items()
+        if isinstance(value, (int, float))
+    }
+    numbers.update({key: one for key, one in values.items() if NUMBER.fullmatch(one)})
+    code = message.fault_code
+    return {"name": name, "level": level, "code": code, "said": templates, "numbers": numbers}
+
+
+def _is_translated(words: str) -> bool:
+    """Return whether a template is the software's; one that came from elsewhere may be anything."""
+    return read_catalogue(language_from_code("es")).template(words) != words
+
+
+def _configuration(path: Path) -> str:
+    return _json(listed(read_yaml(path)))
+
+
+def listed(value: Any) -> Any:
+    """Return those values of a file that have a listed key, and are a number or a choice."""
+    if isinstance(value, dict):
+        return {key: listed(one) for key, one in value.items() if key in KEYS}
+    is_choice = isinstance(value, str) and CHOICE.fullmatch(value)
+    return value if is_choice or isinstance(value, (int, float)) else None
+
+
+def _versions(robot: RobotFacts, root: Path) -> Dict[str, Any]:
     model = root / "proc/device-tree/model"
-    return json.dumps(
-        {
-            "installed": own_software().name,
-            "parts": {name: f"{one.name} {one.host}" for name, one in robot.software.items()},
-            "python": sys.version,
-            "kernel": platform.release(),
-            "machine": platform.machine(),
-            "model": model.read_text(errors="replace").strip("\0") if model.exists() else "",
-            "system": (root / "etc/os-release").read_text(errors="replace").splitlines(),
-            "ros": os.environ.get("ROS_DISTRO", ""),
-        },
-        indent=2,
-    )
+    return {
+        "installed": own_software().name,
+        "parts": {name: one.name for name, one in robot.software.items()},
+        "python": platform.python_version(),
+        "system": platform.platform(),
+        "model": model.read_text().strip("\0") if model.exists() else "",
+    }
 
 
-def _diagnostics(robot: RobotFacts) -> str:
-    if not robot.nodes:
-        raise ValueError("no part of the robot reports")
-    nodes = [
-        {
-            "node": one.name,
-            "level": one.level.name,
-            "text": str(one.message),
-            "fault_code": one.message.fault_code,
-            "values": dict(one.values),
-        }
-        for one in robot.nodes
-    ]
-    return json.dumps(nodes, indent=2, ensure_ascii=False)
-
-
-def _add_survey(bundle: Bundle, data: Optional[Path]) -> None:
-    surveys = [] if data is None else newest(data, f"*/{SURVEY_FILE}")
-    if not surveys:
-        where = "on this computer" if data is None else f"in {data}"
-        bundle.lack("survey", f"there is no survey {where}")
-        return
-    folder = surveys[0].parent
-    sizes = {SURVEY_FILE: SURVEY_BYTES, MANIFEST_FILE: SURVEY_BYTES, LOG_FILE: PART_BYTES}
-    for name, most_bytes in sizes.items():
-        bundle.add(f"survey/{folder.name}/{name}", end_of, folder / name, most_bytes)
-
-
-def _add_logs(bundle: Bundle, folder: Path) -> None:
-    logs = newest(folder, "**/*.log")
+def _survey(machine: Machine) -> str:
+    logs = [] if machine.data is None else _newest(machine.data, f"*/{LOG_FILE}")
     if not logs:
-        bundle.lack("logs", f"there is no log in {folder}")
-    left = LOGS_BYTES
-    for number, path in enumerate(logs):
-        if left < PART_BYTES or number == LOG_FILES:
-            bundle.lack("logs", f"{len(logs) - number} older ones: the bundle has its limit")
-            break
-        name = f"logs/{path.relative_to(folder)}"
-        left -= bundle.add(name, end_of, path, PART_BYTES)
+        raise FileNotFoundError("no survey")
+    return _words(FACT_WORDS, logs[0])
+
+
+def _newest(folder: Path, pattern: str) -> List[Path]:
+    """Return regular files below a folder, the newest first."""
+    found = filter(Path.is_file, folder.glob(pattern))
+    return sorted(found, key=lambda one: one.stat().st_mtime, reverse=True)
+
+
+def _words(pattern: Pattern[str], path: Path) -> str:
+    """Return what a pattern finds in the end of a file."""
+    with path.open("rb") as stream:
+        stream.seek(max(0, os.fstat(stream.fileno()).st_size - PART_BYTES))
+        text = stream.read(PART_BYTES).decode(errors="replace")
+    return "\n".join(one.group() for one in pattern.finditer(text))
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, indent=2)

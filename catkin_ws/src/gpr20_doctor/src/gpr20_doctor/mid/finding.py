@@ -44,14 +44,12 @@ class Finding:
         level: How it ended.
         text: What was found, in one sentence.
         remedy: What to do; None only if nothing is wrong.
-        restart: The service to restart after that, empty for the robot's here; None: none.
     """
 
     check: str
     level: Level
     text: Message
     remedy: Optional[Message] = None
-    restart: Optional[str] = None
 
     @classmethod
     def of(
@@ -61,7 +59,6 @@ class Finding:
         fault: Optional[Fault] = None,
         mild: bool = False,
         advice: Optional[Message] = None,
-        restart: Optional[str] = None,
     ) -> Finding:
         """Return the finding of a sentence: good, unless it reports a fault.
 
@@ -71,7 +68,7 @@ class Finding:
             return cls(check, Level.OK, text)
         found = text.with_fault(fault)
         known = cls.of_fault(check, found.as_warning() if mild else found)
-        return replace(known, remedy=advice or known.remedy, restart=restart)
+        return replace(known, remedy=advice or known.remedy)
 
     @classmethod
     def of_fault(cls, check: str, text: Message) -> Finding:
@@ -79,33 +76,3 @@ class Finding:
         cause = text.cause
         assert cause is not None
         return cls(check, Level[cause.severity.name], text, cause.remedy)
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """Takes the place of a fact that could not be found out.
-
-    Attributes:
-        reason: Why.
-    """
-
-    reason: Message
-
-
-NOT_ASKED = Message("it was not looked for")
-BY_HAND = Message("Look by hand: docs/doctor.md says how.")
-ASK = Message("Run the doctor without --quick, or touch CHECK ALL on ROBOT.")
-
-
-def not_known(check: str, subject: Message, fact: object, remedy: Message = BY_HAND) -> Finding:
-    """Return that something is not known, and why.
-
-    Args:
-        check: Name of the check.
-        subject: What is not known, in the middle of a sentence.
-        fact: An `Unknown`, or anything else if it was not looked for.
-        remedy: What to do.
-    """
-    reason = fact.reason if isinstance(fact, Unknown) else NOT_ASKED
-    text = Message("Not known: {subject} ({reason}).", subject=subject, reason=reason)
-    return Finding(check, Level.UNKNOWN, text, remedy if isinstance(fact, Unknown) else ASK)

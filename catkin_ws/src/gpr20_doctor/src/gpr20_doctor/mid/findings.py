@@ -1,49 +1,106 @@
-"""All findings about the robot and this computer: what they mean together, text and JSON."""
+"""All checks of the computer, and what all findings mean together, as text and JSON.
+
+A check of the computer is a function from a `Machine` to findings. To add one, write it in the
+module of its subject and list it here.
+"""
 
 from __future__ import annotations
 
 import json
-from typing import Any, Dict, Iterable, Iterator, List, Optional, Tuple
+from dataclasses import replace
+from functools import partial
+from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optional, Tuple
 
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.message import Message
-from gpr20_doctor.mid import machine_checks, robot_checks
-from gpr20_doctor.mid.contact_checks import check_installed
+from gpr20_common.errors import os_reason
+from gpr20_common.faults import DISK_FULL
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.node_facts import own_software
+from gpr20_doctor.low.programs import FAILURES, in_time
+from gpr20_doctor.mid import (
+    clock_checks,
+    disk_checks,
+    hardware_checks,
+    network_checks,
+    process_checks,
+    robot_checks,
+    software_checks,
+)
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.place import advised
+from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.robot_facts import RobotFacts
+from gpr20_survey.plan.robot_description import STORAGE
 
-FILES = "config_files"
+SPACE = "data_disk"
 BETWEEN = "; "
 LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
+BY_HAND = Message("Look by hand: docs/doctor.md says how.")
+SPACE_AGAIN = Message(
+    "The disk has space again: press RESUME. Without a survey nothing is to be done."
+)
 
 
-def findings(robot: Optional[RobotFacts], machine: Optional[MachineFacts]) -> Tuple[Finding, ...]:
+Check = Callable[[Machine], Iterable[Finding]]
+# A check that takes longer hangs, such as on a disk; that of the configuration has its own limit.
+LIMIT_S, LONG_LIMIT_S = 6.0, 70.0
+# Each with the name of its findings.
+CHECKS: Mapping[str, Check] = {
+    "config_files": software_checks.check_configuration,
+    "edited": software_checks.check_edited,
+    "packages": software_checks.check_packages,
+    "launch": process_checks.check_launch,
+    "watchdog": process_checks.check_watchdog,
+    "memory": process_checks.check_memory,
+    "addresses": network_checks.check_addresses,
+    "firewall": network_checks.check_firewall,
+    "hardware": hardware_checks.check_hardware,
+    "power": hardware_checks.check_power,
+    "volumes": disk_checks.check_volumes,
+    "date": clock_checks.check_date,
+}
+
+
+def examine(machine: Machine) -> MachineReport:
+    """Return what the checks of a computer find; one that fails is UNKNOWN, with the reason."""
+    found: List[Finding] = []
+    for name, check in CHECKS.items():
+        limit_s = LONG_LIMIT_S if check is software_checks.check_configuration else LIMIT_S
+        try:
+            found.extend(in_time(partial(_list, check, machine), limit_s))
+        except FAILURES as error:
+            reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
+            text = Message(
+                "The check {check} was not possible: {reason}", check=name, reason=reason
+            )
+            found.append(Finding(name, Level.UNKNOWN, text, BY_HAND))
+    return MachineReport(tuple(found), own_software(), machine)
+
+
+def _list(check: Check, machine: Machine) -> List[Finding]:
+    return list(check(machine))
+
+
+def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
     """Return the results of all checks, the worst first.
 
     Args:
         robot: What the nodes report; None: not asked for.
-        machine: What is known about this computer; None: not asked for.
+        machine: What was found about this computer; None: not asked for.
     """
-    found: List[Finding] = []
+    found: List[Finding] = [] if machine is None else [*machine.found]
     if robot is not None:
-        for check in robot_checks.UNHEARD if robot.unheard else robot_checks.CHECKS:
-            found.extend(check(robot))
-    if machine is not None:
-        for machine_check in machine_checks.CHECKS:
-            found.extend(machine_check(machine))
-    if robot is not None and machine is not None:
-        found.extend(check_installed(robot, machine.software))
-    if any(one.check == "disk" and one.level is not Level.UNKNOWN for one in found):
-        found = [one for one in found if one.check != "data_disk"]
-    # The check of the files also looks at the data folder, whose own check says more.
-    known = {one.text.fault_code for one in found if one.check == "data_folder"} - {""}
-    found = [one for one in found if one.check != FILES or one.text.fault_code not in known]
-    if machine is not None:
-        found = [advised(one, machine.place) for one in found]
+        here = Machine() if machine is None else machine.machine
+        for check in robot_checks.CHECKS:
+            found.extend(check(robot, here))
+        installed = None if machine is None else machine.software
+        found.extend(software_checks.check_versions(robot, installed, here))
+    has_space = any(one.check == SPACE and one.level is Level.OK for one in found)
+    for number, one in enumerate(found):
+        # The storage repeats its last failure until it stores again.
+        if has_space and (one.check, one.text.fault_code) == (STORAGE, DISK_FULL.code):
+            found[number] = replace(one, remedy=SPACE_AGAIN)
     return tuple(sorted(found, key=lambda one: one.level, reverse=True))
 
 
@@ -71,8 +128,9 @@ def summary(found: Tuple[Finding, ...]) -> Message:
 def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
     """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
     for one in found:
-        level = catalogue.text(one.level.title)
-        yield f"{level:{LEVEL_WIDTH}}{_with_details(one.text, catalogue)}"
+        level, details = catalogue.text(one.level.title), BETWEEN.join(one.text.all_details)
+        text = catalogue.text(one.text) + (f" ({details})" if details else "")
+        yield f"{level:{LEVEL_WIDTH}}{text}"
         if one.remedy is not None:
             yield f"{'':{LEVEL_WIDTH}}-> {catalogue.text(one.remedy)}"
     yield catalogue.text(summary(found))
@@ -95,9 +153,3 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
         ],
     }
     return json.dumps(record, indent=2)
-
-
-def _with_details(message: Message, catalogue: Catalogue) -> str:
-    details = BETWEEN.join(message.all_details)
-    text = catalogue.text(message)
-    return f"{text} ({details})" if details else text

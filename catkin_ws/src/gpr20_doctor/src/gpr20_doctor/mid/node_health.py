@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import math
 from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import Deque, Dict, Iterable, List, Mapping, Optional, Tuple
@@ -80,21 +79,6 @@ def level_title(level: HealthLevel) -> Message:
 
 
 @dataclass(frozen=True)
-class ReportedValues:
-    """The values that only the diagnostics hold and that something depends on.
-
-    Attributes:
-        free_disk_mb: Space for recordings [MB]; None: not reported.
-        identity: What the VNA says it is; empty: not reported.
-        calibration: Name of its calibration status; empty: not reported.
-    """
-
-    free_disk_mb: Optional[float]
-    identity: str
-    calibration: str
-
-
-@dataclass(frozen=True)
 class NodeHealth:
     """What a node reports about itself on /diagnostics, once a second.
 
@@ -102,7 +86,7 @@ class NodeHealth:
         name: Of the node.
         level: Its own judgement.
         message: What it says, with the fault.
-        values: As they are shown to people; programs use `reported`.
+        values: As they are shown to people.
         clock_offset_s: How far the clock of its computer is behind this one [s], with the delay.
     """
 
@@ -111,23 +95,6 @@ class NodeHealth:
     message: Message
     values: Mapping[str, str]
     clock_offset_s: float = field(default=0.0, compare=False)
-
-    @property
-    def reported(self) -> ReportedValues:
-        """The values that something depends on."""
-        return ReportedValues(
-            free_disk_mb=_size(self.values.get("free disk [MB]", "")),
-            identity=self.values.get("identity", ""),
-            calibration=self.values.get("calibration", ""),
-        )
-
-
-def _size(text: str) -> Optional[float]:
-    try:
-        size = float(text)
-    except ValueError:
-        return None
-    return size if math.isfinite(size) and size >= 0.0 else None
 
 
 @dataclass(frozen=True)

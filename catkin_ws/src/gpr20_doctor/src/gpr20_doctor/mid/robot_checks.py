@@ -1,117 +1,47 @@
-"""Checks of what the robot's nodes report.
+"""Checks of what the robot's nodes report, of the contact with them, and why there is none.
 
-Each check is a function from the facts to findings. To add one, write it and list it in CHECKS.
+Each check is a function from the facts and this computer to findings. To add one, write
+it and list it in CHECKS.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Callable, Iterable, Iterator, Optional, Tuple
 
 from gpr20_common.faults import (
     CONFIGURATION,
-    DISK_FULL,
     INTERNAL,
     NOT_RUNNING,
     PART_LOST,
     PART_RED,
     PART_SILENT,
 )
-from gpr20_common.message import Message, Severity, verbatim
+from gpr20_common.message import Message, Severity
 from gpr20_doctor import faults
-from gpr20_doctor.low.masters import NodeState
-from gpr20_doctor.mid.contact_checks import (
-    WAIT,
-    check_contact,
-    check_unheard,
-    check_versions,
-    service_of,
-)
+from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
+from gpr20_doctor.low.processes import Processes
+from gpr20_doctor.mid.clock_checks import check_clocks
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, axis_node, node_title
-from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import (
-    CLOCK_WRONG,
-    ENDSTOP,
-    HEIGHT_NOT_MEASURED,
-    NO_GROUND,
-    NOT_CALIBRATED,
-    NOT_HOMED,
-    VNA_SILENT,
-    WRONG_VNA,
-)
-from gpr20_survey.plan.robot_description import (
-    ANALYZER,
-    HEIGHT_SENSOR,
-    STORAGE,
-    is_simulated_identity,
-)
+from gpr20_doctor.mid.machine import Machine
+from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, node_title
+from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
+from gpr20_survey.faults import NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
+from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.calibration import CalibrationStatus
 
-TEST = Message("A survey reads it; or test the VNA on ROBOT.")
-MAKE_SURE = Message("Make sure that the VNA is calibrated.")
-CHECK_LINK = Message(
-    "Check the link, and the address of this computer. Then start the robot again."
-)
-
-
-def check_analyzer(facts: RobotFacts) -> Iterator[Finding]:
-    """Judge the test of the VNA, or what its driver reports where it was not tested."""
-    test = facts.analyzer
-    if test is not None and test.failure is not None:
-        text = Message("Test of the VNA: {reason}", reason=test.failure)
-        yield Finding.of("vna", text, VNA_SILENT)
-    known = facts.reported(ANALYZER) if test is None else test
-    identity, calibration = ("", "") if known is None else (known.identity, known.calibration)
-    if identity:
-        yield _identity(identity, facts.simulated)
-    if calibration or test is None or test.failure is None:
-        yield _calibration(calibration)
-
-
-def _calibration(name: str) -> Finding:
-    if not name:
-        text = Message("The calibration of the VNA has not been read yet.")
-        return Finding("calibration", Level.UNKNOWN, text, TEST)
-    status = CalibrationStatus.__members__.get(name)
-    state = verbatim(name) if status is None else status.meaning
-    text = Message("Calibration of the VNA: {state}", state=state)
-    if status is None:
-        return Finding("calibration", Level.UNKNOWN, text, MAKE_SURE)
-    good, none = status is CalibrationStatus.HIGH, status is CalibrationStatus.NONE
-    advice = MAKE_SURE if status is CalibrationStatus.NOT_REPORTED else None
-    fault = None if good else NOT_CALIBRATED
-    return Finding.of("calibration", text, fault, mild=not none, advice=advice)
-
-
-def _identity(identity: str, simulated: bool) -> Finding:
-    if is_simulated_identity(identity) == simulated:
-        return Finding.of("identity", Message("VNA: {identity}", identity=identity))
-    text = Message(
-        "The VNA {identity} and the robot are not both simulated or both real.",
-        identity=identity,
-    )
-    return Finding.of("identity", text, WRONG_VNA)
-
-
+Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
 # A node reports once a second; who has just begun to listen has not heard all of them [s].
 STARTING_S = 5.0
-LOW_DISK_GB = 5.0
-FULL_DISK_GB = 0.5
-MEGABYTES_PER_GIGABYTE = 1000.0
-# A message is under way for some of it; times of traces are wrong by the rest [s].
-CLOCK_OFFSET_LIMIT_S = 1.0
-# An endstop is at the zero of its axis: farther away than this it cannot be pressed [mm].
-ENDSTOP_REACH_MM = 5.0
-# Antennas that are lower touch the ground; at a greater height they measure little of it [m].
-USUAL_HEIGHT_M = (0.01, 0.6)
-
-Check = Callable[[RobotFacts], Iterable[Finding]]
+# The part itself says why it is silent.
+SILENT = (NodeState.HANGS, NodeState.GONE)
+WAIT = Message("Wait until all parts of the robot have started.")
+MAKE_SURE = Message("Make sure that the VNA is calibrated.")
 
 
-def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
+def check_configuration(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
     """Judge what the nodes say about themselves."""
+    if facts.unheard:
+        return
     if facts.configuration_problem is not None:
         reason = facts.configuration_problem
         text = Message("No survey can start: {reason}", reason=reason)
@@ -127,123 +57,17 @@ def check_configuration(facts: RobotFacts) -> Iterator[Finding]:
         yield Finding("simulated", Level.NOTE, text, real)
 
 
-def check_parts(facts: RobotFacts) -> Iterator[Finding]:
-    """Judge each node by its own report."""
+def check_parts(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
+    """Judge each node by its own report, or by what it does when it is asked."""
     known = facts.evidence.nodes
     gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
-    lost = [one.name for one in facts.nodes if known.get(one.name) is NodeState.UNREACHED]
     if gone:
         text = Message("Not running: {parts}", parts=tuple(map(node_title, gone)))
-        advice = Message(
-            "Wait one minute: what ends is started again by itself. If it stays, start the robot "
-            "again."
-        )
-        yield Finding.of("missing", text, NOT_RUNNING, advice=advice, restart=service_of(gone))
-    if lost:
-        parts, service = tuple(map(node_title, lost)), service_of(lost)
-        text = Message("Not reached at the address where they listen: {parts}", parts=parts)
-        yield Finding.of("missing", text, faults.ADDRESS, advice=CHECK_LINK, restart=service)
+        advice = Message("Wait one minute: what ends is started again by itself. If it stays:")
+        yield Finding.of("missing", text, NOT_RUNNING, advice=machine.restart(advice))
     for node in facts.nodes:
-        if node.name not in {*gone, *lost}:
+        if node.name not in gone:
             yield _part(node, facts.listening_s, known.get(node.name))
-
-
-def check_disk(facts: RobotFacts) -> Iterator[Finding]:
-    """Judge the space for recordings."""
-    reported = facts.reported(STORAGE)
-    free_mb = None if reported is None else reported.free_disk_mb
-    if free_mb is None:
-        text = Message("The free disk space is not known.")
-        wait = Message("It is known when the storage reports.")
-        yield Finding("disk", Level.UNKNOWN, text, wait)
-    else:
-        yield disk_space("disk", free_mb / MEGABYTES_PER_GIGABYTE)
-
-
-def disk_space(check: str, free_gb: float) -> Finding:
-    """Judge the space on the disk of the surveys [GB]."""
-    text = Message("Disk: {free_gb:.1f} GB free", free_gb=free_gb)
-    fault = DISK_FULL if free_gb < LOW_DISK_GB else None
-    return Finding.of(check, text, fault, mild=free_gb >= FULL_DISK_GB)
-
-
-def check_height(facts: RobotFacts) -> Iterator[Finding]:
-    """Judge whether the last height can be one of the antennas."""
-    node, height_m = facts.node(HEIGHT_SENSOR), facts.height_m
-    if node is None or node.level is HealthLevel.ERROR:
-        return  # the part itself says why
-    lowest_m, highest_m = USUAL_HEIGHT_M
-    if not math.isfinite(height_m):
-        text = Message("The height of the antennas has not been measured yet.")
-        yield Finding("height", Level.UNKNOWN, text, HEIGHT_NOT_MEASURED.remedy)
-    elif lowest_m <= height_m <= highest_m:
-        text = Message("Height of the antennas: {height_m:.3f} m", height_m=height_m)
-        yield Finding.of("height", text)
-    else:
-        text = Message(
-            "The height of the antennas is {height_m:.3f} m; expected {lowest_m:g} to "
-            "{highest_m:g} m.",
-            height_m=height_m,
-            lowest_m=lowest_m,
-            highest_m=highest_m,
-        )
-        advice = Message(
-            "Look below the sensor, and check the offset in {height_file}.",
-            height_file="height.yaml",
-        )
-        yield Finding.of("height", text, NO_GROUND, mild=True, advice=advice)
-
-
-def check_endstops(facts: RobotFacts) -> Iterator[Finding]:
-    """Judge the endstops, and find one that is closed where its axis cannot press it."""
-    for axis_id in (AxisId.X, AxisId.Y):
-        seen, position = facts.endstops.get(axis_id), facts.axes.get(axis_id)
-        if facts.node(axis_node(axis_id)) and seen is not None and position is not None:
-            yield _endstop(axis_id, position, seen)
-
-
-def check_clocks(facts: RobotFacts) -> Iterator[Finding]:
-    """Compare the clocks of the computers."""
-    worst = max(facts.clock_offsets_s.items(), key=lambda one: abs(one[1]), default=None)
-    if worst is None:
-        return
-    node, offset_s = worst
-    if abs(offset_s) <= CLOCK_OFFSET_LIMIT_S:
-        yield Finding.of("clocks", Message("Clocks of the computers"))
-        return
-    text = Message(
-        "The clock of {node} differs from this computer's by {offset_s:.1f} s.",
-        node=node_title(node),
-        offset_s=abs(offset_s),
-        details=facts.software[node].host if node in facts.software else "",
-    )
-    advice = Message("Set the clocks of both computers, but not during a survey: install chrony.")
-    yield Finding.of("clocks", text, CLOCK_WRONG, mild=True, advice=advice)
-
-
-def _endstop(axis_id: AxisId, position: AxisReport, seen: Endstop) -> Finding:
-    axis, fault, advice = axis_id.value.upper(), None, None
-    if seen.pressed and position.homed and position.coordinate > ENDSTOP_REACH_MM:
-        text = Message(
-            "The endstop of the {axis} axis is closed at {coordinate_mm:.0f} mm.",
-            axis=axis,
-            coordinate_mm=position.coordinate,
-        )
-        fault = ENDSTOP
-    elif seen.changes:
-        text = Message("The endstop of the {axis} axis works: its state has changed.", axis=axis)
-    elif not seen.pressed:
-        text = Message("The endstop of the {axis} axis is open.", axis=axis)
-    elif position.homed:
-        text = Message("The endstop of the {axis} axis is closed, at its zero.", axis=axis)
-    else:
-        text = Message("The endstop of the {axis} axis is closed; it is not homed.", axis=axis)
-        fault = ENDSTOP.as_warning()
-        advice = Message(
-            "See whether the carriage presses it. If not, switch off the motors' power, and check "
-            "switch and cable."
-        )
-    return Finding.of(f"endstop_{axis_id.value}", text, fault, advice=advice)
 
 
 def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> Finding:
@@ -268,15 +92,143 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)
 
 
-UNHEARD: Tuple[Check, ...] = (check_contact, check_unheard)
+def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
+    """Judge the test of the VNA, or what its driver reports where it was not tested."""
+    test, node = facts.analyzer, facts.node(ANALYZER)
+    if test is not None and test.failure is not None:
+        text = Message("Test of the VNA: {reason}", reason=test.failure)
+        yield Finding.of("vna", text, VNA_SILENT)
+    elif test is not None:
+        yield _calibration(test.calibration)
+    elif node is not None:
+        yield _calibration(node.values.get("calibration", ""))
+
+
+def _calibration(name: str) -> Finding:
+    status = CalibrationStatus.__members__.get(name)
+    if status is None:
+        text = Message("The calibration of the VNA has not been read yet.", details=name)
+        return Finding("calibration", Level.UNKNOWN, text, MAKE_SURE)
+    text = Message("Calibration of the VNA: {state}", state=status.meaning)
+    good, none = status is CalibrationStatus.HIGH, status is CalibrationStatus.NONE
+    advice = MAKE_SURE if status is CalibrationStatus.NOT_REPORTED else None
+    fault = None if good else NOT_CALIBRATED
+    return Finding.of("calibration", text, fault, mild=not none, advice=advice)
+
+
+def evidence_of(namespace: str, state: MasterState, master: str, here: Processes) -> Evidence:
+    """Look for a robot that is not heard where it could be.
+
+    Args:
+        namespace: Where it was looked for.
+        state: Whether the master answers.
+        master: Its address.
+        here: What runs on this computer.
+    """
+    own = here.nodes_of(master)
+    if state is MasterState.HANGS and here.lacks_master(master):
+        state = MasterState.FOREIGN  # what takes calls there is no master
+    return Evidence(
+        master=state,
+        namespace="/" + namespace.strip("/"),
+        robots=robots_at(master) if state is MasterState.ANSWERS else (),
+        elsewhere=tuple(sorted({one.master for one in here.nodes if one not in own})),
+        local_nodes=len(own),
+    )
+
+
+def check_contact(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
+    """Judge the contact with the ROS master and the main control."""
+    if facts.unheard or not facts.master_alive:
+        yield _why_unheard(facts.master, facts.evidence, machine)
+    elif facts.control_alive:
+        yield Finding.of("master", Message("Contact with the robot"))
+    if facts.unheard:
+        text = Message("Axes, height sensor, VNA, storage and versions: not known without a robot.")
+        advice = Message("First do what the fault above says, then run gpr20 doctor again.")
+        yield Finding("parts", Level.UNKNOWN, text, advice)
+    elif not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
+        text = Message("There is no contact with the main control.")
+        yield Finding.of("control", text, PART_SILENT)
+
+
+def _why_unheard(master: str, evidence: Evidence, machine: Machine) -> Finding:
+    """Return the one reason for which nothing of a robot is heard; what may move comes first."""
+    fault, advice = NOT_RUNNING, None
+    if evidence.master is MasterState.HANGS:
+        fault = faults.MASTER_LOST
+        text = Message("The ROS master hangs: it does not answer. The robot may still move.")
+    elif evidence.local_nodes and evidence.master is not MasterState.ANSWERS:
+        fault = faults.MASTER_LOST
+        text = Message(
+            "The ROS master has ended, but {count} parts of the robot still run on this computer. "
+            "The robot may still move.",
+            count=evidence.local_nodes,
+        )
+    elif evidence.robots:
+        text = Message(
+            "There is no robot in the namespace {namespace}. On this ROS master there are: "
+            "{robots}",
+            namespace=evidence.namespace,
+            robots=", ".join(evidence.robots),
+        )
+        advice = Message(
+            "Run: gpr20 doctor --ns {robot}. For every program in this terminal: export "
+            "ROS_NAMESPACE={robot}",
+            robot=evidence.robots[0].strip("/") or "/",
+        )
+    elif evidence.elsewhere:
+        text = Message(
+            "There is no robot at this ROS master, but parts of one run here with another one: "
+            "{others}",
+            others=", ".join(evidence.elsewhere),
+        )
+        advice = Message(
+            "Run: export ROS_MASTER_URI={first}. Then run the doctor again.",
+            first=evidence.elsewhere[0],
+        )
+    else:
+        text, advice = _without_robot(evidence.master, machine)
+    return Finding.of("master", text.with_details(master), fault, advice=advice)
+
+
+def _without_robot(state: MasterState, machine: Machine) -> Tuple[Message, Message]:
+    where = str(machine.settings or "ROS_MASTER_URI")
+    if state is MasterState.ANSWERS:
+        text = Message("The ROS master answers, but it has no robot.")
+        return text, machine.restart(Message("Nothing of the robot was started."))
+    if state is MasterState.FOREIGN:
+        text = Message("Another program listens where the ROS master should.")
+        advice = Message(
+            "To see which, run: sudo ss -ltnp. End that program, or write another port into "
+            "{where}. Then start the robot again.",
+            where=where,
+        )
+        return text, advice
+    if state is MasterState.UNKNOWN_HOST:
+        text = Message("Nobody knows the name of the ROS master's computer.")
+        advice = Message(
+            "Correct the name in {where}, use an address such as 10.20.0.2 instead, or write name "
+            "and address into /etc/hosts.",
+            where=where,
+        )
+        return text, advice
+    if state is MasterState.UNREACHABLE:
+        text = Message("The computer of the ROS master is not reached.")
+        advice = Message(
+            "Check that the other computer is switched on, the cable between them, and the address "
+            "({where}).",
+            where=where,
+        )
+        return text, advice
+    text = Message("The ROS master does not answer.")
+    return text, machine.restart(Message("The robot does not run."))
+
+
 CHECKS: Tuple[Check, ...] = (
     check_contact,
     check_configuration,
-    check_versions,
     check_parts,
     check_analyzer,
-    check_disk,
-    check_height,
-    check_endstops,
     check_clocks,
 )

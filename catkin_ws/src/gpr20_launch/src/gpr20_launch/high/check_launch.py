@@ -22,11 +22,10 @@ from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.place import place_of
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
 from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
-from gpr20_launch.mid.machine_warnings import ROOT, machine_warnings
+from gpr20_launch.mid.machine_warnings import machine_warnings
 from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
@@ -50,8 +49,7 @@ def main() -> int:
             _simulator(given),
             given.full_screen,
         )
-        environment = place_of(os.environ, ROOT)[1]
-        use = Use(request.folder, environment, given.data, given.robot == REAL, given.part)
+        use = Use(request.folder, os.environ, given.data, given.robot == REAL, given.part)
         found = check_robot(use, built_robot())
         if any(one.refuses for one in found):
             _refuse_mistakes(found)

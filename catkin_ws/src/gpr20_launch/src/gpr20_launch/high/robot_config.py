@@ -16,10 +16,9 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable, say
-from gpr20_doctor.mid.arguments import named_folder
 from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.place import ROBOT as PI_SERVICE
-from gpr20_doctor.mid.place import place_of
+from gpr20_doctor.mid.machine import ROBOT as PI_SERVICE
+from gpr20_doctor.mid.machine import Machine
 from gpr20_launch import faults
 from gpr20_launch.errors import ConfigurationError
 from gpr20_launch.high.check_launch import built_axes, built_robot
@@ -77,7 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    place = place_of(os.environ, ROOT)[0]
+    place = Machine.here(os.environ, ROOT)
     # The Raspberry Pi of two computers stores no surveys.
     part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
     check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
@@ -86,13 +85,19 @@ def _parser() -> argparse.ArgumentParser:
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
     for one in actions.choices.values():
-        one.add_argument("folder", nargs="?", default=place.config, type=named_folder)
+        one.add_argument("folder", nargs="?", default=place.config, type=_named_folder)
     return parser
 
 
+def _named_folder(text: str) -> Path:
+    # None at all, as of an unset variable, is refused.
+    if not text.strip():
+        raise argparse.ArgumentTypeError("name a folder")
+    return Path(text)
+
+
 def _check(folder: Path, given: argparse.Namespace) -> int:
-    environment = place_of(os.environ, ROOT, folder)[1]
-    use = Use(folder, environment, given.data, given.robot == REAL, given.part)
+    use = Use(folder, os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(use, built_robot())
     if given.json:
         print(json.dumps([one.record() for one in found], ensure_ascii=False))
@@ -124,7 +129,7 @@ def _create(folder: Path, given: argparse.Namespace) -> int:
 
 def _fill(folder: Path, texts: Mapping[str, str], known: Sequence[Problem] = ()) -> int:
     _write(folder, texts)
-    use = Use(folder, place_of(os.environ, ROOT, folder)[1], part=ROBOT)
+    use = Use(folder, os.environ, part=ROBOT)
     found = (*known, *check_robot(use, built_robot()))
     _say(folder, found)
     # What a person must check by hand is no failure of this command.

@@ -11,9 +11,8 @@ from gpr20_common.mid.codec import record_from
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.mid.node_facts import NO_HARDWARE, NodeSoftware
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.findings import findings
-from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import ROOT, ThisMachine
+from gpr20_doctor.mid.findings import examine
+from gpr20_doctor.mid.machine import ROOT, Machine
 from gpr20_doctor.mid.node_health import axis_node
 from gpr20_launch import faults
 from gpr20_launch.mid.launch_request import REAL, ROBOT, LaunchRequest
@@ -52,9 +51,8 @@ def machine_warnings(
     for node, section in SECTIONS.items():
         here = NodeSoftware(host=host if node in request.nodes else ANOTHER)
         nodes[node] = NodeDescription(node, NO_HARDWARE, sections.get(section, {}), here)
-    machine = ThisMachine(host, environment, root, request.folder)
-    facts = probe_machine(machine.request(nodes, thorough=False))
-    bad = tuple(one for one in findings(None, facts) if one.level >= Level.WARNING)
+    machine = Machine.here(environment, root, request.folder, nodes, thorough=False)
+    bad = tuple(one for one in examine(machine).found if one.level >= Level.WARNING)
     return bad + _unchecked_analyzer(request, sections)
 
 

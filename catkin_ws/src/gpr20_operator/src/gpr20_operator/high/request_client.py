@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import socket
 from functools import partial
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional
 
@@ -14,9 +13,8 @@ from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import analyzer_test_of
-from gpr20_doctor.mid.machine_facts import MachineFacts
-from gpr20_doctor.mid.machine_probe import probe_machine
-from gpr20_doctor.mid.machine_request import ThisMachine
+from gpr20_doctor.mid.findings import examine
+from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_msgs import srv
 from gpr20_msgs.msg import ImagingProgress
 from gpr20_operator.high.conversions import fact_fields, surveys_listed
@@ -146,17 +144,15 @@ class RequestClient(RosEvents):
 
     def examine(
         self,
-        ticket: Ticket[MachineFacts],
+        ticket: Ticket[MachineReport],
         nodes: Mapping[str, NodeDescription],
-        surveying: bool,
         thorough: bool,
     ) -> None:
         """Look at this computer in the background."""
 
         def look() -> None:
-            machine = ThisMachine(socket.gethostname(), os.environ)
-            facts = probe_machine(machine.request(nodes, surveying, thorough=thorough))
-            self._emit(Delivery(partial(ticket.done, facts)))
+            machine = Machine.here(os.environ, nodes=nodes, thorough=thorough)
+            self._emit(Delivery(partial(ticket.done, examine(machine))))
 
         in_background(look)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass
 from functools import singledispatchmethod
 from typing import Any, Callable, Dict, Optional, Tuple
@@ -12,7 +11,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
-from gpr20_doctor.mid.machine_facts import MachineFacts
+from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
 from gpr20_operator.robot.events import Request, RobotDescribed
@@ -92,7 +91,7 @@ class ServiceModel:
         self.height: Job[HeightTested] = job_of(requests, Service.HEIGHT, now_s)
         self.analyzer: Job[AnalyzerTest] = job_of(requests, Service.ANALYZER, now_s)
         self.daily: Job[Message] = job_of(requests, Service.DAILY, now_s, self._take_step)
-        self._examining: Job[MachineFacts] = Job(
+        self._examining: Job[MachineReport] = Job(
             examine, lambda _request_id: None, now_s, self._take_machine
         )
         # Whether everything is being checked.
@@ -101,7 +100,7 @@ class ServiceModel:
         self._part: Optional[Part] = None
         self._endstops: Dict[AxisId, Endstop] = {}
         self._described = RobotDescribed()
-        self._machine: Optional[MachineFacts] = None
+        self._machine: Optional[MachineReport] = None
 
     @singledispatchmethod
     def on_event(self, _event: object) -> None:
@@ -209,9 +208,6 @@ class ServiceModel:
             configuration_problem=self._described.reason,
             listening_s=now_s - self._begun_s,
             software={name: one.software for name, one in nodes.items()},
-            endstops=dict(self._endstops),
-            axes={one.axis: one for one in shown.axes},
-            height_m=math.nan if shown.height_m is None else shown.height_m,
             analyzer=None if shown.running or old else self.tested,
         )
         return findings(robot, self._machine)
@@ -293,10 +289,9 @@ class ServiceModel:
         self.daily.end()
 
     def _examine(self, thorough: bool) -> None:
-        surveying = self._snapshot is not None and self._snapshot.running
-        self._examining.ask(nodes=self._described.nodes, surveying=surveying, thorough=thorough)
+        self._examining.ask(nodes=self._described.nodes, thorough=thorough)
 
-    def _take_machine(self, machine: MachineFacts) -> None:
+    def _take_machine(self, machine: MachineReport) -> None:
         self._machine = machine
 
     @property

@@ -1,0 +1,131 @@
+"""Checks of the configuration and of the software, on this computer and in the robot's parts."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+from typing import Iterator, Optional
+
+import gpr20_common
+from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
+from gpr20_common.low.data_folder import data_folder
+from gpr20_common.message import Message
+from gpr20_common.mid.node_facts import NodeSoftware, software_difference
+from gpr20_common.sent_message import received_message
+from gpr20_common.terminal_text import printable
+from gpr20_doctor.low.programs import answer_of
+from gpr20_doctor.mid.finding import Finding, Level
+from gpr20_doctor.mid.machine import SERVER, Machine
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
+from gpr20_doctor.mid.robot_facts import RobotFacts
+
+CHECK = ("rosrun", "gpr20_launch", "robot_config", "check", "--json")
+CHECK_LIMIT_S = 60.0
+# Nothing is wrong, and something is.
+CHECK_STATUSES = (0, 1)
+UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
+# What the nodes of each computer import and a system does not bring (requirements/nodes.in).
+MODULES = (
+    *("apprise", "mcap", "polib", "pydantic", "pyqtgraph", "rosbags", "tornado", "tqdm", "vxi11"),
+    "zstandard",
+)
+
+
+def check_configuration(machine: Machine) -> Iterator[Finding]:
+    """Say what the check of the whole robot finds in the files on this computer."""
+    if not machine.thorough:
+        return
+    folder, robot = machine.config, "simulated" if machine.simulated else "gpr20"
+    part = "survey"
+    if machine.two_computers:
+        part = "robot" if machine.data is None else "server"
+    # That of the configuration, unless the launch was given another.
+    default = data_folder(
+        str(machine.configured("storage.yaml", "data") or ""), machine.environment
+    )
+    data = "" if machine.data in (None, default) else str(machine.data)
+    command = (*CHECK, "--robot", robot, "--part", part, "--data", data, str(folder))
+    records = json.loads(answer_of(command, CHECK_LIMIT_S, CHECK_STATUSES))
+    for one in records:
+        # Each problem has its own fault; one without has that of a value.
+        text = Message("Configuration: {reason}", reason=received_message(UNREADABLE, one))
+        known = text if text.cause is not None else text.with_fault(CONFIGURATION)
+        yield Finding.of_fault("config_files", known)
+    if not records:
+        values = {"folder": printable(folder), "robot": robot}
+        text = Message("Configuration in {folder}, for robot:={robot}", **values)
+        yield Finding.of("config_files", text)
+
+
+def check_edited(machine: Machine) -> Iterator[Finding]:
+    """Find files that a running robot has read, and that were changed since."""
+    launches = machine.processes.launches_of(machine.master)
+    if not launches:
+        return
+    started_s = min(one.started_s for one in launches)
+    # In a checkout each package has its sources below src; where they are installed, beside it.
+    module = Path(gpr20_common.__file__).resolve()
+    programs = [*module.parents[3].glob("gpr20_*/src/**/*.py")]
+    programs += module.parents[1].glob("gpr20_*/**/*.py")
+    files = [*machine.config.glob("*.yaml"), *programs]
+    later = [one for one in files if one.stat().st_mtime > started_s]
+    if not later:
+        yield Finding.of("edited", Message("The robot runs with the files as they are now."))
+        return
+    text = Message(
+        "Changed since the robot was started, which runs as before: {files}",
+        files=", ".join(printable(one) for one in sorted(later)[:3]),
+    )
+    advice = machine.restart(Message("Outside a survey, start the robot again."))
+    yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
+
+
+def check_packages(machine: Machine) -> Iterator[Finding]:
+    """Find Python packages that the parts of the robot import and that are not installed."""
+    missing = [one for one in MODULES if importlib.util.find_spec(one) is None]
+    if not missing:
+        yield Finding.of("packages", Message("Python packages of the robot"))
+        return
+    text = Message("Python packages are missing: {names}", names=", ".join(missing))
+    advice = Message("Run: scripts/setup.sh")
+    if machine.settings:
+        name = machine.service or SERVER
+        advice = Message("Run: sudo apt install --reinstall {package}", package=name)
+    yield Finding.of("packages", text, NOT_SET_UP, advice=advice)
+
+
+def check_versions(
+    facts: RobotFacts, installed: Optional[NodeSoftware], machine: Machine
+) -> Iterator[Finding]:
+    """Compare the software of the nodes, and what is installed here.
+
+    Args:
+        facts: What the nodes say.
+        installed: On this computer; None: not looked for.
+        machine: This computer.
+    """
+    if not facts.control_alive:
+        return
+    software = {name: one for name, one in facts.software.items() if one.version}
+    # The node of the images does not describe itself.
+    silent = [one for one in EXPECTED_NODES if one not in (IMAGING, *software)]
+    if installed is not None:
+        software["installed here"] = installed
+    difference = software_difference(software)
+    if difference is not None:
+        text = Message("Versions: {difference}", difference=difference)
+        hosts = {one.host: one.name for one in software.values()}
+        fault, advice = VERSIONS_DIFFER.as_warning(), None
+        if any(one.name != hosts[one.host] for one in software.values()):
+            # It was updated under a robot that runs on.
+            again = Message("Start all parts of the robot again, from one installation.")
+            fault, advice = OTHER_LAUNCH.as_warning(), machine.restart(again)
+        yield Finding.of("versions", text.reporting_only(fault), fault, advice=advice)
+    elif silent:
+        text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, silent)))
+        yield Finding("versions", Level.UNKNOWN, text, VERSIONS_DIFFER.remedy)
+    else:
+        name = next(iter(software.values())).name
+        text = Message("Software {software} on every part", software=name)
+        yield Finding.of("versions", text)
