@@ -9,11 +9,14 @@ from case_kit import each_case
 from robot_check_examples import PROFILES, VNA, checked, write
 
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
+from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_launch import faults
-from gpr20_launch.mid import place_checks
-from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES
-from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Unchecked
+from gpr20_launch.faults import NOT_CHECKED
+from gpr20_launch.mid import data_checks
+from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES, spi_pins
+from gpr20_launch.mid.wiring import WITH_ROBOT, Unchecked
+from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SENSOR = "topic: soil/values, message: std_msgs/Float64, field: data"
 TWICE = f"sensors: [{{name: a, {SENSOR}}}, {{name: b, {SENSOR}}}]"
@@ -60,6 +63,8 @@ MISTAKES = [
     ("axes", "x: {step_size: 0,01}", "x/step_size", "point, not a comma: 0.01"),
     ("axes", "x:\n  dir_pin:13", "x", "line 2|colon"),
     ("axes", "x:\n\tdir_pin: 13", "", "line 2|tab"),
+    ("site", "site: a\nrobot:\u00a0b", "", "line 2|space of another kind"),
+    ("survey", b"\x7fELF\x02\x01\x00", "", "line 1|no text"),
     ("axes", "x: {step_pin: '15'}", "x/step_pin", "'15'|quotes"),
     ("axes", "x: {delta_step: 1e-4}", "x/delta_step", "1.0e-4"),
     ("analyzer", f"{VNA}min_frequency_hz: 2.0e9", "min_frequency_hz", "2.0e+9"),
@@ -75,6 +80,7 @@ MISTAKES = [
     # Data, addresses, sensors, wiring, files.
     ("storage", "data: surveys", "data", "absolute path, such as /srv/gpr20"),
     ("storage", "data: /etc/surveys", "data", "/etc/surveys|system|GPR20_DATA"),
+    ("storage", "data: /tmp", "data", "/tmp|every program"),
     ("analyzer", "address: 224.0.0.1", "address", "224.0.0.1"),
     ("analyzer", "address: 192.168.1.255", "address", "192.168.1.255"),
     ("analyzer", "address: 192.168.1.300", "address", "192.168.1.300|192.168.1.10"),
@@ -86,7 +92,7 @@ MISTAKES = [
         "wiring",
         "unchecked: [pins]",
         "unchecked",
-        "pins|continuity meter|corrected the files",
+        "pins|docs/wiring.md|corrected the files",
         "config.not_checked",
     ),
     ("hight", "", "", "hight.yaml|height.yaml|rename it"),
@@ -121,6 +127,10 @@ DOUBTS = [
         "survey.not_signed",
     ),
     ("survey", "settle_s: 0", "settle_s", "swing"),
+    ("survey", "reference_interval_s: 1", "reference_interval_s", ">= 60 s"),
+    ("web", "port: 11311", "port", "11311|ROS master"),
+    ("axes", "z: {delta_step: 0.02}", "z/delta_step", "max_step 0.025|<= 0.015 s"),
+    ("axes", "y: {step_size: 0.1}", "y/step_size", "0.1 mm|0.002 - 0.05 mm"),
     ("analyzer", f"{VNA}antenna_delay_ns: 1.9e-9", "antenna_delay_ns", "seconds"),
     ("analyzer", "address: 127.0.0.1", "address", "127.0.0.1"),
     (
@@ -141,7 +151,7 @@ def home(tmp_path, monkeypatch):
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
     monkeypatch.setenv("GPR20_ENVIRONMENT", str(tmp_path / "none"))
     monkeypatch.delenv("GPR20_DATA", raising=False)
-    monkeypatch.setattr(place_checks, "free_bytes", lambda _folder: 5e10)
+    monkeypatch.setattr(data_checks, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
     (tmp_path / "home/src/gpr20/.git").mkdir(parents=True)
 
@@ -162,8 +172,6 @@ def test_a_mistake_is_found_once_with_file_key_value_and_uses(tmp_path, case):
     assert one.refuses == (case in MISTAKES) and one.message.remedy is not None
     assert one.file in text and all(word in text for word in shown.split("|")), text
     assert [one.message.fault_code] == (code or [CONFIGURATION.code])
-    assert (len(one.uses) > 1) == ("purposes" in text)
-    assert all(use in text for use in one.uses)
 
 
 # The programs show all alike.
@@ -180,7 +188,7 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
     received = received_message("", record)
     assert status == int(refused)
     assert (received, received.cause) == (one.message, one.message.cause)
-    assert (record["file"], record["key"], tuple(record["uses"])) == (one.file, one.key, one.uses)
+    assert (record["file"], record["key"]) == (one.file, one.key)
     launch = ("--part", "survey", "--robot", "gpr20", "--config", folder)
     status, configuration, said = run("check_launch", *launch)
     assert status == int(refused) and text in said
@@ -227,6 +235,32 @@ def test_a_class_of_analyzer_checks_its_options(tmp_path, monkeypatch):
     (one,) = checked(tmp_path / "robot", part="server")
     assert one.message.fault_code == CONFIGURATION.code
     assert "port is -1" in str(one.message)
+
+
+class OwnAnalyzer:
+    """A class for another analyzer."""
+
+    connect = identify = check_sweep = configure = sweep = confirm = calibration = None
+    release = disconnect = trace_duration_s = remarks = None
+
+    def __init__(self, parameters, deadline):
+        """Open no link."""
+
+
+def test_a_class_of_analyzer_that_never_passed_its_check_is_doubtful(tmp_path):
+    own = f"{__name__}:OwnAnalyzer"
+    folder = tmp_path / "robot"
+    write(folder, {"analyzer": f"{VNA}analyzer: {own}"})
+
+    def codes(**options):
+        return [one.message.fault_code for one in checked(folder, **options)]
+
+    assert codes(part="robot") == codes(real=False) == []
+    for status in (Status.FAILED, Status.PASSED):
+        assert codes() == codes(part="server") == [NOT_CHECKED.code]
+        found = [Result("identity", status, verbatim("found"))]
+        store(folder, VnaParameters(analyzer=own), found)
+    assert codes() == []
 
 
 @pytest.mark.skipif(not HAS_ROS, reason="could not import 'genpy'")
@@ -320,9 +354,9 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
 def test_the_header_has_forty_pins_and_every_bus_its_own_lines():
     assert {*GPIO_OF_BOARD, *NOT_GPIO} == set(range(1, 41))
     assert BOARD_OF_GPIO[17] == 11 and len(BOARD_OF_GPIO) == 28
-    for bus in SPI_BUSES.values():
-        for device in range(len(bus.selects)):
-            assert len(set(bus.pins(device).values())) == 4
+    for bus, (_lines, selects) in SPI_BUSES.items():
+        for device in range(len(selects)):
+            assert len(set(spi_pins(bus, device).values())) == 4
 
 
 @each_case("profile", sorted(path.name for path in PROFILES.iterdir()))
@@ -332,9 +366,8 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     assert status == 0 and all(f"unchecked is {one.value}" in printed for one in OF_PROFILE)
     write(folder, {})
     found = checked(folder)
-    assert {one.message.fault_code for one in found} == {faults.NOT_CHECKED.code}
+    assert {one.message.fault_code for one in found} == {NOT_CHECKED.code}
     assert {one.value for one in found} == {one.value for one in OF_PROFILE}
-    assert set(TASKS) == set(Unchecked)
     assert {one.value for one in found if not one.refuses} == {one.value for one in WITH_ROBOT}
     (folder / "wiring.yaml").write_text("unchecked: []")
     assert checked(folder) == ()
@@ -343,11 +376,6 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     status, _, said = run("robot_config", "create", "--profile", profile, folder)
     assert status == 1 and "axes.yaml" in said and NOT_ALLOWED.remedy.template in said
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
-    # Without its list of checks, nobody has made them.
-    (folder / "wiring.yaml").unlink()
-    unlisted = [one for one in checked(folder) if one.refuses]
-    assert {Path(one.file).name for one in unlisted} >= {"axes.yaml"}
-    assert {one.message.fault_code for one in unlisted} >= {faults.NOT_CHECKED.code}
 
 
 def test_a_folder_of_an_unset_variable_is_refused(run, capfd):

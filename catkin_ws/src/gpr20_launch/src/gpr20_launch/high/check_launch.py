@@ -7,11 +7,13 @@ launch alone. If it fails, roslaunch starts nothing and changes nothing.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import sys
+from dataclasses import fields
 from pathlib import Path
-from typing import Optional, Sequence
+from typing import Mapping, Sequence, TextIO
 
 import rosgraph
 import rospkg
@@ -19,18 +21,14 @@ import rospkg
 from gpr20_common.errors import Gpr20Error, NodeSilentError
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.links import NodeProbe
-from gpr20_common.message import Message
+from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
-from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.place import place_of
-from gpr20_launch.errors import LaunchRefusedError
-from gpr20_launch.low.process_info import ProcessInfo, process_info
-from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
-from gpr20_launch.mid.machine_warnings import ROOT, machine_warnings
-from gpr20_launch.mid.place_checks import Use
+from gpr20_launch.faults import LaunchRefusedError
+from gpr20_launch.low.processes import Process, process_of
+from gpr20_launch.mid.launch_request import REAL, LaunchRequest
 from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
-from gpr20_launch.mid.running_robot import RunningNode, refusal
+from gpr20_launch.mid.robot_check import check_robot
+from gpr20_launch.mid.robot_files import ROBOT, SERVER, SURVEY, Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -42,28 +40,27 @@ def main() -> int:
     """Check a launch and print the configuration of its nodes; return the exit status."""
     given = _parser().parse_args(rosgraph.myargv()[1:])
     try:
-        request = LaunchRequest(
-            given.part,
-            given.robot,
-            given.config,
-            given.data,
-            _simulator(given),
-            given.full_screen,
-        )
-        environment = place_of(os.environ, ROOT)[1]
-        use = Use(request.folder, environment, given.data, given.robot == REAL, given.part)
-        found = check_robot(use, built_robot())
+        names = [one.name for one in fields(SimulatorParameters)]
+        own = {name: value for name, value in vars(given).items() if name in names}
+        place = (given.part, given.robot, given.config, given.data)
+        request = LaunchRequest(*place, SimulatorParameters(**own), given.full_screen)
+        reading = Reading(request.folder, built_axes())
+        use = Use(os.environ, given.data, given.robot == REAL, given.part)
+        found = check_robot(reading, use, message_field)
         if any(one.refuses for one in found):
-            _refuse_mistakes(found)
+            lines = [f"- {one.message}" for one in found if one.refuses]
+            head = "This robot cannot be launched: its configuration is wrong."
+            end = "Correct it, then see that nothing is left: robot_config check"
+            say("", head, *lines, end, "", file=sys.stderr)
             return 1
-        sections = request.sections(built_axes())
+        sections = request.sections(reading)
         _refuse_running(request.nodes, given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
         say("", f"This robot cannot be launched: {error}", "", file=sys.stderr)
         return 1
-    doubtful = [Finding.of_fault("config_files", one.message) for one in found]
-    _print_warnings([*doubtful, *machine_warnings(request, sections, os.environ)])
+    # The standard output is the configuration.
+    say_problems(found, sys.stderr)
     print(json.dumps(sections))
     return 0
 
@@ -73,16 +70,21 @@ def built_axes() -> Path:
     return Path(rospkg.RosPack().get_path("gpr20_launch")) / "config" / "axes.yaml"
 
 
-def built_robot() -> BuiltRobot:
-    """Return the robot as it is built, and what is installed here."""
-    return BuiltRobot(built_axes(), _message_field)
-
-
-def _message_field(datatype: str, field: str) -> object:
+def message_field(datatype: str, field: str) -> object:
+    """Return a field of the messages of a type, or raise an InvalidValueError."""
     # Imported only with a sensor: a launch without one need not wait for it.
     from gpr20_main_control.high.sensor_topics import MessageField
 
     return MessageField(datatype, field)
+
+
+def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
+    """Print problems; what is to be done about several in a row is said once."""
+    for one, after in zip(found, [*found[1:], None]):
+        say(f"{'FAULT' if one.refuses else 'WARNING'}: {one.message}", file=stream)
+        remedy = one.message.remedy
+        if remedy is not None and (after is None or after.message.remedy != remedy):
+            say(f"  -> {remedy}", file=stream)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -91,79 +93,43 @@ def _parser() -> argparse.ArgumentParser:
     for name in ("robot", "ns", "config", "data", "scene", "medium", "capture_dir"):
         parser.add_argument(f"--{name}", default="")
     for name in ("time_scale", "seconds_per_point"):
-        parser.add_argument(f"--{name}", default="1")
-    parser.add_argument("--portmapper", default="false")
+        parser.add_argument(f"--{name}", type=float, default=1.0)
+    parser.add_argument("--portmapper", type="true".__eq__, default=False)
     parser.add_argument("--full_screen", default="auto")
     return parser
-
-
-def _simulator(given: argparse.Namespace) -> SimulatorParameters:
-    return SimulatorParameters(
-        scene=given.scene,
-        time_scale=_number("time_scale", given.time_scale),
-        seconds_per_point=_number("seconds_per_point", given.seconds_per_point),
-        portmapper=given.portmapper == "true",
-        medium=given.medium,
-        capture_dir=given.capture_dir,
-    )
-
-
-def _refuse_mistakes(found: Sequence[Problem]) -> None:
-    lines = [f"- {one.message}" for one in found if one.refuses]
-    say("", "This robot cannot be launched: its configuration is wrong.", *lines, file=sys.stderr)
-    say("Correct it, then see that nothing is left: robot_config check", "", file=sys.stderr)
-
-
-def _print_warnings(found: Sequence[Finding]) -> None:
-    # The standard output is the configuration.
-    for one in found:
-        end = "" if str(one.text).endswith(".") else "."
-        remedy = "" if one.remedy is None else f" {one.remedy}"
-        say(f"{one.level.title}: {one.text}{end}{remedy}", file=sys.stderr)
-
-
-def _number(name: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        values = {"name": name, "value": text}
-        reason = Message("{name}:={value} is not a number; give one, such as {name}:=1", **values)
-        raise LaunchRefusedError(reason) from error
 
 
 def _refuse_running(names: Sequence[str], namespace: str) -> None:
     master = rosgraph.get_master_uri()
     if not rosgraph.is_master_online(master):
         return
-    prefix = "/" + namespace.strip("/")
-    found = [_running(rosgraph.names.ns_join(prefix, name), master) for name in names]
-    nodes = [one for one in found if one is not None]
-    if any(one.is_left_over for one in nodes):
-        # They outlive a roslaunch that was killed, too.
-        shared = [_running("/rosout", master), _master(master)]
-        nodes += [one for one in shared if one is not None and one.is_left_over]
-    if nodes:
-        raise LaunchRefusedError(refusal(nodes, master), fault=OTHER_LAUNCH)
+    found = {}
+    for name in (rosgraph.names.ns_join("/" + namespace.strip("/"), one) for one in names):
+        with contextlib.suppress(NodeSilentError):
+            found[name] = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
+    if found:
+        own = {name: process_of(number) for name, number in found.items()}
+        here = [one for name, one in own.items() if one is not None and one.may_be_node(name)]
+        raise LaunchRefusedError(verbatim(refusal(master, found, here)), fault=OTHER_LAUNCH)
 
 
-def _running(name: str, master: str) -> Optional[RunningNode]:
-    try:
-        number = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
-    except NodeSilentError:
-        return None
-    process = process_info(number)
-    if process is not None and not process.may_be_node(name):
-        process = None  # the number is that of a process on another computer
-    return RunningNode(name, number, process, _parent(process))
-
-
-def _master(master: str) -> Optional[RunningNode]:
-    number = rosgraph.Master(NAME, master).getPid()
-    process = process_info(number)
-    if process is not None and not any("rosmaster" in word for word in process.command[:3]):
-        process = None
-    return RunningNode("rosmaster", number, process, _parent(process))
-
-
-def _parent(process: Optional[ProcessInfo]) -> Optional[ProcessInfo]:
-    return process_info(process.parent) if process else None
+def refusal(master: str, nodes: Mapping[str, int], here: Sequence[Process]) -> str:
+    """Return which nodes answer, by their process ids, and the command that ends those here."""
+    names = ", ".join(f"{name} (process {number})" for name, number in nodes.items())
+    parents = {one.parent: process_of(one.parent) for one in here}
+    launches = [number for number, one in parents.items() if one is not None and one.is_roslaunch]
+    left_over = [one.number for one in here if one.parent not in launches]
+    remedy = "It was started on another computer; end it there."
+    if launches:
+        numbers = " ".join(map(str, launches))
+        remedy = f"To end it, press Ctrl-C in its terminal, or: kill -INT {numbers}."
+    if left_over:
+        numbers = " ".join(map(str, [*launches, *left_over]))
+        remedy = (
+            "No launch that runs has started them. A survey that runs is stopped and can be "
+            f"resumed. To end them, run: kill {numbers}"
+        )
+    return (
+        f"a robot is running on {master}: {names}. To launch another one beside it, add a "
+        f"namespace, such as ns:=robot2. {remedy}"
+    )

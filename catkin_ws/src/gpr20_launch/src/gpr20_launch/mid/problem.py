@@ -1,10 +1,10 @@
-"""What the check of a robot's configuration finds, as data."""
+"""What the check of a robot's configuration finds, as data; its sentences are English."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Dict, Tuple, Union
+from typing import Any, Dict, Union
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Fault, Message, Severity
@@ -20,37 +20,30 @@ class Problem:
         file: The file; empty: a setting of the computer.
         key: The key in it, such as y/sensor_pin; empty: the whole file.
         value: Its value as Python shows it.
-        allowed: What would be allowed.
-        uses: Of a pin with two purposes: everything that uses it.
     """
 
     message: Message
     file: str = ""
     key: str = ""
     value: str = ""
-    allowed: str = ""
-    uses: Tuple[str, ...] = ()
 
     @property
     def refuses(self) -> bool:
         """Whether the robot must not be launched; otherwise it is doubtful."""
-        cause = self.message.cause
-        return cause is None or cause.severity is Severity.FAULT
+        return self.message.severity in (None, Severity.FAULT)
 
     def record(self) -> Dict[str, Any]:
-        """Return the sentence as it travels, and the rest beside it."""
-        own = {name: getattr(self, name) for name in ("file", "key", "value", "allowed")}
-        return {**self.message.record(), **own, "uses": list(self.uses)}
+        """Return the sentence as it travels, and the place beside it."""
+        return {**self.message.record(), "file": self.file, "key": self.key, "value": self.value}
 
 
 def problem(
     file: Union[Path, str],
     key: str,
     value: object,
-    reason: Message,
-    allowed: Union[Message, str],
+    reason: object,
+    allowed: object,
     doubtful: bool = False,
-    uses: Tuple[str, ...] = (),
     fault: Fault = CONFIGURATION,
 ) -> Problem:
     """Return a problem of one value, whose sentence names file, key, value and what is allowed.
@@ -64,6 +57,6 @@ def problem(
         value=printable(str(value)),
         reason=reason,
         allowed=allowed,
-    ).reporting_only(fault)
-    text = text.as_warning() if doubtful else text
-    return Problem(text, str(file), key, str(value), str(allowed), uses)
+    )
+    fault = fault.as_warning() if doubtful else fault
+    return Problem(text.reporting_only(fault), str(file), key, str(value))

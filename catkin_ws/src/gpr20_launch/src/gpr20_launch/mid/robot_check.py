@@ -2,113 +2,252 @@
 
 from __future__ import annotations
 
-import errno
-import os
+import re
 import sys
 from contextlib import redirect_stdout
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Callable, Iterator, List, Tuple
+from typing import Any, Callable, Dict, Iterator, Tuple
 
-from gpr20_axis_driver.controller import check_controller
-from gpr20_common.errors import Gpr20Error, os_reason
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.checks import ipv4_address
+from gpr20_common.mid.codec import plain
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.terminal_text import printable
+from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import check_axes
-from gpr20_launch.mid.launch_request import ROBOT, SERVER
-from gpr20_launch.mid.pin_checks import check_pins
-from gpr20_launch.mid.place_checks import ANALYZER_FILE, Use, check_place
-from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_files import AXES_FILE, Reading
+from gpr20_launch.mid.data_checks import STORAGE_FILE, check_data
+from gpr20_launch.mid.pin_checks import HEIGHT_FILE, check_pins
+from gpr20_launch.mid.problem import Problem, problem
+from gpr20_launch.mid.robot_files import AXES_FILE, ROBOT, SERVER, Reading, Use
+from gpr20_launch.mid.wiring import WITH_ROBOT
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
+
+ANALYZER_FILE, WIRING_FILE, SENSORS_FILE = "analyzer.yaml", "wiring.yaml", "sensors.yaml"
+# What editors, copies and updates of packages leave.
+LEFT_OVER = re.compile(
+    r".*(~|\.(bak|old|orig|save|sav|tmp|rej|sw[a-p]|backup|copy|new|dpkg-\w+|ucf-\w+)[\d~]*)"
+    r"|\.?#.*|\._.*|.*\.ya?ml[._-].+|.*( \(\d+\)|[ -]copy).*",
+    re.IGNORECASE,
+)
+ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
 
 
-@dataclass(frozen=True)
-class BuiltRobot:
-    """The robot as it is built, and the computer.
+# Values that are allowed, but hardly meant: where, when, why, and what is usual.
+DOUBTS: Tuple[Tuple[str, str, str, Callable[[Any], bool], str, str], ...] = (
+    (
+        *("site.yaml", "site", "latitude_deg"),
+        lambda own: own.latitude_deg == own.longitude_deg == 0.0,
+        "0, 0 is in the sea; without a position leave both keys out",
+        "-90 - 90",
+    ),
+    (
+        *(ANALYZER_FILE, "vna_acquisition", "accepted_calibrations"),
+        lambda own: CalibrationStatus.NONE in own.accepted_calibrations,
+        "surveys would be measured without a calibration",
+        "1 - 5",
+    ),
+    (
+        *(ANALYZER_FILE, "vna_acquisition", "accepted_calibrations"),
+        lambda own: not own.accepted_calibrations,
+        "no calibration of the VNA would be accepted",
+        "1 - 5",
+    ),
+    (
+        *(ANALYZER_FILE, "vna_acquisition", "antenna_delay_ns"),
+        # A thousandth of it is 0.15 mm of depth in air.
+        lambda own: 0.0 < abs(own.antenna_delay_ns) < 0.001,
+        "it seems to be in seconds; what is found would be too deep",
+        "0, or >= 0.001 ns",
+    ),
+    (
+        *(STORAGE_FILE, "storage", "recorded_topics"),
+        lambda own: not own.recorded_topics,
+        "neither motion nor states would be recorded beside the traces",
+        "leave it out; extra_recorded_topics adds others",
+    ),
+    (
+        *(STORAGE_FILE, "storage", "disk_reserve_mb"),
+        lambda own: own.disk_reserve_mb < 50.0,
+        "the disk could be full before the end of a survey",
+        ">= 50 MB",
+    ),
+    (
+        *("survey.yaml", "survey", "settle_s"),
+        lambda own: own.settle_s < 0.05,
+        "the antennas would still swing while a trace is measured",
+        ">= 0.05 s",
+    ),
+    (
+        *("survey.yaml", "survey", "reference_interval_s"),
+        lambda own: 0.0 < own.reference_interval_s < 60.0,
+        "a survey would spend its time on the way to its first stop and back",
+        "0, or >= 60 s",
+    ),
+    (
+        *("web.yaml", "web", "port"),
+        lambda own: own.port == 11311,
+        "this is the port of the ROS master",
+        "another port, such as 8443",
+    ),
+    (
+        *(HEIGHT_FILE, "height_sensor", "reference_voltage_v"),
+        # Resistors and noise aside, 3.3 V.
+        lambda own: own.reference_voltage_v > 3.6,
+        "a converter at 5 V puts that on the MISO pin, which is made for 3.3 V: supply it with "
+        "3.3 V, or put a level shifter between them",
+        "0.25 - 3.6 V",
+    ),
+)
 
-    Attributes:
-        axes: File with its axes, whose travel is that of its description (URDF).
-        message_field: Finds a field of the messages of a type that is installed here, such as
-            data of std_msgs/Float64, and raises InvalidValueError if there is none.
-    """
 
-    axes: Path
-    message_field: Callable[[str, str], object] = lambda _type, _field: None
-
-
-def check_robot(use: Use, built: BuiltRobot) -> Tuple[Problem, ...]:
+def check_robot(
+    reading: Reading, use: Use, message_field: Callable[[str, str], object]
+) -> Tuple[Problem, ...]:
     """Return what is wrong with the configuration of a robot, and what is doubtful, gravest first.
 
     Nothing is started, and nothing written. Files that are not there mean the defaults.
+
+    Args:
+        reading: The configuration.
+        use: What it is for.
+        message_field: Finds a field of the messages of a type that is installed here, such as
+            data of std_msgs/Float64, and raises InvalidValueError if there is none.
     """
-    found: List[Problem] = []
-    try:
-        found.extend(_check(use, built))
-    except OSError as error:
-        text = Message("{file}: {reason}", file=printable(use.folder), reason=os_reason(error))
-        found.append(Problem(text.reporting_only(CONFIGURATION), str(use.folder)))
+    found = [*reading.problems, *check_pins(reading), *check_axes(reading), *_left_over(reading)]
+    if use.part != ROBOT:
+        found += check_data(reading, use)
+    for file, section, key, holds, reason, allowed in DOUBTS:
+        own = reading.record(section)
+        if own is not None and holds(own):
+            value = plain(getattr(own, key))
+            found.append(problem(reading.folder / file, key, value, reason, allowed, True))
+    if use.real:
+        found += [*_addresses(reading, use), *_unchecked(reading)]
+    # What a class of others prints when it is imported is no part of this answer.
+    with redirect_stdout(sys.stderr):
+        found += [*_extensions(reading, use), *_sensors(reading, use, message_field)]
     return tuple(sorted(found, key=lambda one: not one.refuses))
 
 
-def _check(use: Use, built: BuiltRobot) -> Iterator[Problem]:
-    if use.folder.exists() and not use.folder.is_dir():
-        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR))
-    if not use.folder.exists() and use.folder != Path(DEFAULT_FOLDER).expanduser():
-        text = Message(
-            "the folder {folder} does not exist: the defaults are used; correct config:=, or "
-            "create it with robot_config create",
-            folder=use.folder,
+def _left_over(reading: Reading) -> Iterator[Problem]:
+    folder, fault = reading.folder, CONFIGURATION.as_warning()
+    if not folder.exists() and folder != Path(DEFAULT_FOLDER).expanduser():
+        text = (
+            f"the folder {folder} does not exist: the defaults are used; correct config:=, or "
+            "create it with robot_config create"
         )
-        yield Problem(text.with_fault(CONFIGURATION).as_warning(), str(use.folder))
-    reading = Reading(use.folder, built.axes)
-    pins = tuple(check_pins(reading))
-    shared = [use for one in pins for use in one.uses]
-    for one in reading.problems:
-        # The parameters of an axis refuse a pin with a second use in it, but not that of others.
-        if not any(use.partition(" (")[0] == f"{AXES_FILE} {one.key}" for use in shared):
-            yield one
-    yield from pins
-    yield from check_axes(use.folder / AXES_FILE, reading.axes(), reading.built)
-    yield from check_place(reading, use)
-    # What a class of others prints when it is imported is no part of this answer.
-    with redirect_stdout(sys.stderr):
-        yield from tuple(_extensions(reading, use, built))
-
-
-def _extensions(reading: Reading, use: Use, built: BuiltRobot) -> Iterator[Problem]:
-    """Find classes and message types that are not installed on the computer that needs them."""
-
-    def missing(
-        name: str, key: str, check: Callable[..., object], *given: object
-    ) -> Iterator[Problem]:
-        file = reading.folder / name
-        try:
-            check(*given)
-        except Gpr20Error as error:
-            text = Message(
-                "{file}, {place}: {reason}; correct it, or install what it needs",
-                file=printable(file),
-                place=key,
-                reason=error.message,
+        yield Problem(verbatim(text).with_fault(fault), str(folder))
+    for path in reading.entries:
+        if LEFT_OVER.fullmatch(path.name) and path.suffix not in (".yaml", ".yml"):
+            text = (
+                f"{printable(path)} is left over, and is not read: compare it with the file that "
+                "is read, keep the right values there, and move it to another folder"
             )
-            yield Problem(text.reporting_only(CONFIGURATION), str(file), key)
+            yield Problem(verbatim(text).with_fault(fault), str(path))
 
+
+def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
+    named = {name: use.environment.get(name, "") for name in ADDRESS_NAMES}
+    known = [("environment", name, address) for name, address in named.items() if address]
+    vna = reading.record("vna_acquisition")
+    # Without an address the window asks for it.
+    given = vna is not None and (ANALYZER_FILE, "address") in reading.given
+    if use.part != ROBOT and given and vna.analyzer == MS2026C:
+        known.append((str(reading.folder / ANALYZER_FILE), "address", vna.address))
+    seen: Dict[str, str] = {}
+    for file, key, address in known:
+        first, reason = seen.setdefault(address, f"{file} {key}"), _not_of_device(address, key)
+        if first != f"{file} {key}":
+            reason = f"{first} has the same address"
+        # The window asks for the address of the VNA, too.
+        doubtful = key == "address" and address.startswith("127.")
+        allowed = "the address of one device, such as 192.168.1.10"
+        if reason:
+            yield problem(file, key, address, reason, allowed, doubtful)
+    for name, other in (ADDRESS_NAMES, ADDRESS_NAMES[::-1]):
+        if named[name] and not named[other]:
+            reason, allowed = f"two computers need both, and {other} is empty", "both, or none"
+            yield problem("environment", name, named[name], reason, allowed, doubtful=True)
+
+
+def _not_of_device(address: str, key: str) -> str:
+    try:
+        ipv4_address(key, address)
+    except Gpr20Error as error:
+        return str(error.message)
+    first, *_middle, last = (int(part) for part in address.split("."))
+    if first == 127:
+        return "this is the address of each computer for itself"
+    unusable = first == 0 or first >= 224 or last in (0, 255)
+    return "no device can have this address" if unusable else ""
+
+
+def _unchecked(reading: Reading) -> Iterator[Problem]:
+    wiring, file = reading.record("wiring"), reading.folder / WIRING_FILE
+    for one in () if wiring is None else wiring.unchecked:
+        reason = "nobody has checked it; docs/wiring.md describes how a person does, and with what"
+        allowed = "nothing in the list, once a person has checked it and corrected the files"
+        where, doubtful = (file, "unchecked", one.value), one in WITH_ROBOT
+        yield problem(*where, reason, allowed, doubtful, faults.NOT_CHECKED)
+
+
+def _extensions(reading: Reading, use: Use) -> Iterator[Problem]:
+    """Find classes that cannot be used on the computer that needs them."""
+    vna = reading.record("vna_acquisition")
     for axis, own in reading.axes().items():
         if own.controller and use.real and use.part != SERVER:
-            yield from missing(AXES_FILE, f"{axis}/controller", check_controller, own)
-    if use.part == ROBOT:
-        return
-    vna = reading.record("vna_acquisition")
-    if use.real and is_extension(vna.analyzer):
+            # Imported only with a class of others: a launch without one need not wait for it.
+            from gpr20_axis_driver.controller import check_controller
+
+            file = reading.folder / AXES_FILE
+            yield from _missing(file, f"{axis}/controller", check_controller, own)
+    if vna is not None and is_extension(vna.analyzer) and use.real and use.part != ROBOT:
+        from gpr20_vna_acquisition.mid.analyzer_record import has_passed
+        from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
+        from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+
         deadline = RequestDeadline(Clock())
-        yield from missing(ANALYZER_FILE, "analyzer", make_foreign_analyzer, vna, deadline)
-    for number, one in enumerate(reading.record(SENSORS).sensors):
-        key, field = f"{SENSORS}[{number}]", (one.message, one.field)
-        yield from missing("sensors.yaml", key, built.message_field, *field)
+        file = reading.folder / ANALYZER_FILE
+        missing = tuple(_missing(file, "analyzer", make_foreign_analyzer, vna, deadline))
+        yield from missing
+        if not missing and not has_passed(reading.folder, vna):
+            reason = "it has not passed the check of analyzers as it is now"
+            allowed = "run before a survey: rosrun gpr20_vna_acquisition check_analyzer"
+            where = (file, "analyzer", vna.analyzer)
+            yield problem(*where, reason, allowed, True, faults.NOT_CHECKED)
+
+
+def _sensors(
+    reading: Reading, use: Use, message_field: Callable[[str, str], object]
+) -> Iterator[Problem]:
+    own, file = reading.record(SENSORS), reading.folder / SENSORS_FILE
+    seen: Dict[Tuple[str, str], str] = {}
+    for number, one in enumerate(() if own is None else own.sensors):
+        first, key = seen.setdefault((one.topic, one.field), one.name), f"{SENSORS}[{number}]"
+        if first != one.name:
+            reason = f"sensor {first} has this topic and field too, so both have one value"
+            value, allowed = f"{one.topic} {one.field}", "a field of its own for each"
+            yield problem(file, f"{key}/field", value, reason, allowed, doubtful=True)
+        if use.part != ROBOT:
+            yield from _missing(file, key, message_field, one.message, one.field)
+
+
+def _missing(
+    file: Path, key: str, check: Callable[..., object], *given: object
+) -> Iterator[Problem]:
+    try:
+        check(*given)
+    except Gpr20Error as error:
+        text = Message(
+            "{file}, {place}: {reason}; correct it, or install what it needs",
+            file=printable(file),
+            place=key,
+            reason=error.message,
+        )
+        yield Problem(text.reporting_only(CONFIGURATION), str(file), key)

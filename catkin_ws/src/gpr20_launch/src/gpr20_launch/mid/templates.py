@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-import json
 import math
 import re
 import textwrap
 import typing
-from pathlib import Path
-from typing import Any, Dict, List, Type
+from typing import Any, Dict, List, Mapping, Type
 
 import yaml
 
-from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.mid.codec import plain
-from gpr20_launch.mid.robot_files import AXES_FILE, FILES, RobotFile
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES
 from gpr20_survey.axes.axis_parameters import AxisParameters
 
 WIDTH = 98
@@ -25,64 +22,47 @@ HEAD = 'A key that is commented out has the default shown; remove its "#" to cha
 _ATTRIBUTE = re.compile(r"^    (\w+): (.*(?:\n        .*)*)", re.MULTILINE)
 
 
-def templates(built_axes: Path) -> Dict[str, str]:
-    """Return the text of each file, by its name."""
-    texts = {name: _template(name, file) for name, file in FILES.items()}
-    texts[AXES_FILE] = _axes_template(built_axes)
+def templates(built: Mapping[str, Mapping[str, Any]]) -> Dict[str, str]:
+    """Return the text of each file, by its name, for a robot with the axes as it is built."""
+    texts = {}
+    for name, sections in FILES.items():
+        lines = [f"# {name}", f"# {HEAD}"]
+        for kind in sections.values():
+            lines += ["#", f"# {_text(kind).splitlines()[0]}"]
+            for field in dataclasses.fields(kind):
+                lines += ["", *_comment(kind, field, f"{field.name}: ")]
+                lines.append(_commented(field.name, _default(field)))
+        texts[name] = "\n".join([*lines, ""])
+    lines = [f"# {AXES_FILE}: the three axes of this robot.", f"# {HEAD}", "#"]
+    lines.append("# Each axis has these keys; lengths are in mm (x, y) or degrees (z).")
+    known = dataclasses.fields(AxisParameters)
+    for field in known:
+        lines += _comment(AxisParameters, field, f"{field.name}: ")
+    optional = {one.name: _default(one) for one in known if _has_default(one)}
+    for axis, values in built.items():
+        lines += ["", f"{axis}:"]
+        lines += [f"  {_commented(key, value)}" for key, value in {**optional, **values}.items()]
+    texts[AXES_FILE] = "\n".join([*lines, ""])
     return texts
 
 
-def _template(name: str, file: RobotFile) -> str:
-    lines = [f"# {name}: {file.title}.", f"# {HEAD}"]
-    for _section, kind in file.sections:
-        for field in dataclasses.fields(kind):
-            lines += ["", *_comment(kind, field.name), *_group_comments(kind, field.name)]
-            lines.append(_commented(field.name, _default(field)))
-    return "\n".join(lines) + "\n"
+def _comment(kind: Type, field: dataclasses.Field, before: str) -> List[str]:
+    """Return what the class says of a field, and of each key of the groups that it lists."""
+    text = _text(kind).partition("Attributes:\n")[2]
+    said = {name: " ".join(words.split()) for name, words in _ATTRIBUTE.findall(text)}
+    words = before + said.get(field.name, "")
+    if before[0] == "-" and _has_default(field):
+        words += f" Default: {plain(_default(field))}."
+    lines = [f"# {line}" for line in textwrap.wrap(words, WIDTH - 2)]
+    item = (*typing.get_args(typing.get_type_hints(kind)[field.name]), None)[0]
+    if isinstance(item, type) and dataclasses.is_dataclass(item):
+        for one in dataclasses.fields(item):
+            lines += _comment(item, one, f"- {one.name}: ")
+    return lines
 
 
-def _axes_template(built_axes: Path) -> str:
-    lines = [f"# {AXES_FILE}: the three axes of this robot.", f"# {HEAD}", "#"]
-    lines.append("# Each axis has these keys; lengths are in mm (x, y) or degrees (z).")
-    for field in dataclasses.fields(AxisParameters):
-        lines += _comment(AxisParameters, field.name, f"{field.name}: ")
-    built = read_yaml(built_axes)
-    optional = {
-        field.name: _default(field)
-        for field in dataclasses.fields(AxisParameters)
-        if _has_default(field)
-    }
-    for axis, values in built.items():
-        lines += ["", f"{axis}:"]
-        keys = {**values, **{key: optional[key] for key in optional if key not in values}}
-        lines += [f"  {_commented(key, value)}" for key, value in keys.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _comment(kind: Type, name: str, before: str = "") -> List[str]:
-    text = before + _attributes(kind).get(name, name)
-    return [f"# {line}" for line in textwrap.wrap(text, WIDTH - 2)]
-
-
-def _group_comments(kind: Type, name: str) -> List[str]:
-    """Return a comment for each key of the groups of a list; none for any other value."""
-    item = (*typing.get_args(typing.get_type_hints(kind)[name]), None)[0]
-    if not (isinstance(item, type) and dataclasses.is_dataclass(item)):
-        return []
-    lines: List[str] = []
-    for field in dataclasses.fields(item):
-        default = ""
-        if field.default is not dataclasses.MISSING:
-            default = f" Default: {json.dumps(_default(field))}."
-        text = f"- {field.name}: {_attributes(item).get(field.name, field.name)}{default}"
-        lines += textwrap.wrap(text, WIDTH - 2, subsequent_indent="  ")
-    return [f"# {line}" for line in lines]
-
-
-def _attributes(kind: Type) -> Dict[str, str]:
-    document = inspect.getdoc(kind) or ""
-    _before, _found, attributes = document.partition("Attributes:\n")
-    return {name: " ".join(text.split()) for name, text in _ATTRIBUTE.findall(attributes)}
+def _text(kind: Type) -> str:
+    return inspect.getdoc(kind) or ""
 
 
 def _commented(name: str, value: Any) -> str:
