@@ -7,11 +7,11 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_common.faults import CONFIGURATION, DISK_REFUSES, FILE_DAMAGED, NOT_ALLOWED
+from gpr20_common.faults import DISK_REFUSES, FILE_DAMAGED
 from gpr20_common.mid.codec import record_from
 from gpr20_launch.faults import LaunchRefusedError
-from gpr20_launch.mid.launch_request import LaunchRequest
-from gpr20_launch.mid.robot_files import Reading
+from gpr20_launch.mid.launch_request import nodes_of, sections_of
+from gpr20_launch.mid.robot_files import Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_survey.faults import FOLDER_MOVED, NO_DATA_DISK, OTHER_DATA_FOLDER
 from gpr20_survey.folder.data_folder import file_system_of, read_marker
@@ -29,31 +29,21 @@ def home(tmp_path, monkeypatch):
     return tmp_path
 
 
-def request(part="survey", robot="simulated", config="", data="", **simulator):
-    parameters = SimulatorParameters(**{"scene": str(SCENE), **simulator})
-    return LaunchRequest(part, robot, config, data, parameters)
-
-
-def sections(*arguments, **named):
+def sections(part="survey", robot="simulated", config="", data="", **simulator):
     """Return what the nodes of a launch get."""
-    asked = request(*arguments, **named)
-    return asked.sections(Reading(asked.folder, AXES))
+    folder = config or Path.home() / ".gpr20/robot"
+    parameters = SimulatorParameters(**{"scene": str(SCENE), **simulator})
+    use = Use({}, data, robot == "gpr20", part)
+    return sections_of(Reading(Path(folder), AXES), use, parameters)
 
 
 def test_each_part_starts_its_own_nodes():
-    robot, server = set(request("robot").nodes), set(request("server").nodes)
-    assert not robot & server
-    assert robot | server == set(request().nodes)
-    assert "simulator" in robot
-    assert "simulator" not in request(robot="gpr20").nodes
+    def nodes(part, real=False):
+        return set(nodes_of(Use({}, real=real, part=part)))
 
-
-def test_whether_the_window_covers_the_screen_is_auto_true_or_false():
-    parameters = SimulatorParameters(scene=str(SCENE))
-    for given in ("auto", "true", "false"):
-        LaunchRequest("robot", "gpr20", "", "", parameters, given)
-    with raises_fault(NOT_ALLOWED, "yes", "auto, true, false"):
-        LaunchRequest("robot", "gpr20", "", "", parameters, "yes")
+    assert not nodes("robot") & nodes("server")
+    assert nodes("robot") | nodes("server") == nodes("survey")
+    assert nodes("robot") - nodes("robot", real=True) == {"simulator"}
 
 
 def test_the_default_configuration_is_read_from_the_home_folder(home):
@@ -105,20 +95,26 @@ def test_the_argument_comes_before_the_file_and_the_file_before_the_environment(
 
 
 @each_case(
-    "arguments, fault, shown",
+    "arguments, shown",
     [
-        ({"robot": "gpr21"}, NOT_ALLOWED, "gpr21"),
-        ({"robot": "gpr20", "time_scale": 2.0}, NOT_ALLOWED, ":=2"),
-        ({"config": str(SCENE)}, CONFIGURATION, SCENE),
-        ({"config": "/nowhere"}, CONFIGURATION, "/nowhere"),
-        ({"scene": "/nowhere.yaml"}, NOT_ALLOWED, "/nowhere.yaml"),
-        ({"time_scale": 0.0}, NOT_ALLOWED, "time_scale"),
-        ({"seconds_per_point": -1.0}, NOT_ALLOWED, "-1 s"),
+        (["--robot", "gpr21"], "gpr21"),
+        (["--full_screen", "yes"], "yes"),
+        (["--time_scale", "fast"], "fast"),
+        (["--robot", "gpr20", "--time_scale", "2"], ":=2"),
+        (["--config", SCENE], SCENE),
+        (["--config", "/nowhere"], "/nowhere"),
+        (["--scene", "/nowhere.yaml"], "/nowhere.yaml"),
+        (["--time_scale", "0"], "time_scale"),
+        (["--seconds_per_point", "-1.0"], "-1 s"),
     ],
 )
-def test_what_cannot_be_launched_is_refused(arguments, fault, shown):
-    with raises_fault(fault, shown):
-        sections(**arguments)
+def test_what_cannot_be_launched_is_refused(run, capfd, arguments, shown):
+    try:
+        given = ("--part", "robot", "--robot", "simulated", "--scene", SCENE, *arguments)
+        status, printed, said = run("check_launch", *given)
+    except SystemExit as error:
+        status, (printed, said) = error.code, capfd.readouterr()
+    assert status != 0 and not printed and str(shown) in said
 
 
 def test_a_data_folder_that_cannot_be_written_is_refused_where_it_is_needed(home):

@@ -18,17 +18,26 @@ from typing import Mapping, Sequence, TextIO
 import rosgraph
 import rospkg
 
-from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
 from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.low.processes import Process, process_of
-from gpr20_launch.mid.launch_request import REAL, LaunchRequest
+from gpr20_launch.mid.launch_request import nodes_of, sections_of
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import ROBOT, SERVER, SURVEY, Reading, Use
+from gpr20_launch.mid.robot_files import (
+    REAL,
+    ROBOT,
+    SERVER,
+    SIMULATED,
+    SURVEY,
+    Reading,
+    Use,
+)
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -39,13 +48,11 @@ ANSWER_LIMIT_S = 1.0
 def main() -> int:
     """Check a launch and print the configuration of its nodes; return the exit status."""
     given = _parser().parse_args(rosgraph.myargv()[1:])
+    use = Use(os.environ, given.data, given.robot == REAL, given.part)
+    names = [one.name for one in fields(SimulatorParameters)]
     try:
-        names = [one.name for one in fields(SimulatorParameters)]
-        own = {name: value for name, value in vars(given).items() if name in names}
-        place = (given.part, given.robot, given.config, given.data)
-        request = LaunchRequest(*place, SimulatorParameters(**own), given.full_screen)
-        reading = Reading(request.folder, built_axes())
-        use = Use(os.environ, given.data, given.robot == REAL, given.part)
+        simulator = SimulatorParameters(**{one: getattr(given, one) for one in names})
+        reading = Reading(_folder(given), built_axes())
         found = check_robot(reading, use, message_field)
         if any(one.refuses for one in found):
             lines = [f"- {one.message}" for one in found if one.refuses]
@@ -53,8 +60,8 @@ def main() -> int:
             end = "Correct it, then see that nothing is left: robot_config check"
             say("", head, *lines, end, "", file=sys.stderr)
             return 1
-        sections = request.sections(reading)
-        _refuse_running(request.nodes, given.ns)
+        sections = sections_of(reading, use, simulator)
+        _refuse_running(nodes_of(use), given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
         say("", f"This robot cannot be launched: {error}", "", file=sys.stderr)
@@ -63,6 +70,18 @@ def main() -> int:
     say_problems(found, sys.stderr)
     print(json.dumps(sections))
     return 0
+
+
+def _folder(given: argparse.Namespace) -> Path:
+    if given.robot == REAL and given.time_scale != 1.0:
+        text = f"time_scale:={given.time_scale:g} is for the simulated robot; leave it out"
+        raise LaunchRefusedError(verbatim(text))
+    folder = Path(given.config or DEFAULT_FOLDER).expanduser().absolute()
+    if given.config and not folder.is_dir():
+        text = f"{folder} (config:=) is no folder; create it with its files: "
+        text += f"rosrun gpr20_launch robot_config create {folder}"
+        raise ConfigurationError(verbatim(text))
+    return folder
 
 
 def built_axes() -> Path:
@@ -90,12 +109,14 @@ def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description="Check a launch; used by the launch files.")
     parser.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), required=True)
-    for name in ("robot", "ns", "config", "data", "scene", "medium", "capture_dir"):
+    parser.add_argument("--robot", choices=(SIMULATED, REAL), required=True)
+    parser.add_argument("--full_screen", choices=("auto", "true", "false"), default="auto")
+    for name in ("ns", "config", "data", "scene", "medium", "capture_dir"):
         parser.add_argument(f"--{name}", default="")
     for name in ("time_scale", "seconds_per_point"):
         parser.add_argument(f"--{name}", type=float, default=1.0)
     parser.add_argument("--portmapper", type="true".__eq__, default=False)
-    parser.add_argument("--full_screen", default="auto")
+    parser.add_argument("--port", type=int, default=0)
     return parser
 
 

@@ -8,7 +8,7 @@ import os
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, Iterable, Mapping
+from typing import Callable, Dict, Mapping
 
 import rosgraph
 
@@ -20,10 +20,17 @@ from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import printable, say
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.high.check_launch import built_axes, message_field, say_problems
-from gpr20_launch.mid.launch_request import REAL, SIMULATED
 from gpr20_launch.mid.old_launch import old_robot
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import ROBOT, SERVER, SURVEY, Reading, Use
+from gpr20_launch.mid.robot_files import (
+    REAL,
+    ROBOT,
+    SERVER,
+    SIMULATED,
+    SURVEY,
+    Reading,
+    Use,
+)
 from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.folder.data_folder import DataFolder
@@ -84,19 +91,16 @@ def _check(folder: Path, given: argparse.Namespace) -> int:
     found = check_robot(Reading(folder, built_axes()), use, message_field)
     if given.json:
         print(json.dumps([one.record() for one in found], ensure_ascii=False))
-        return int(any(one.refuses for one in found))
-    say_problems(found, sys.stdout)
-    if not found:
+    elif found:
+        say_problems(found, sys.stdout)
+    else:
         say(f"{folder}: the configuration is correct")
     return int(any(one.refuses for one in found))
 
 
 def _create(folder: Path, given: argparse.Namespace) -> int:
-    own = {}
-    if given.profile is not None:
-        files = _profiles()[given.profile].glob("*.yaml")
-        own = {path.name: path.read_text(encoding="utf-8") for path in files}
-    return _fill(folder, own)
+    files = () if given.profile is None else _profiles()[given.profile].glob("*.yaml")
+    return _fill(folder, {path.name: path.read_text(encoding="utf-8") for path in files})
 
 
 def _import(folder: Path, given: argparse.Namespace) -> int:
@@ -109,7 +113,14 @@ def _import(folder: Path, given: argparse.Namespace) -> int:
 
 
 def _fill(folder: Path, own: Mapping[str, str]) -> int:
-    _refuse_existing(folder, own)
+    # They would take no effect beside those that are there.
+    there = [name for name in sorted(own) if os.path.lexists(str(folder / name))]
+    if there:
+        text = (
+            f"{printable(folder)} has {', '.join(there)} already, which stay as they are; give an "
+            "empty folder, compare its files with these, and copy what is right"
+        )
+        raise ConfigurationError(verbatim(text), fault=NOT_ALLOWED)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in sorted({**templates(read_yaml(built_axes())), **own}.items()):
         path = folder / name
@@ -125,17 +136,6 @@ def _fill(folder: Path, own: Mapping[str, str]) -> int:
     say_problems(found, sys.stdout)
     # What a person must check by hand is no failure of this command.
     return int(any(one.refuses and one.message.cause != NOT_CHECKED for one in found))
-
-
-def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
-    """Refuse files that would take no effect beside those that are there."""
-    there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
-    if there:
-        text = (
-            f"{printable(folder)} has {', '.join(there)} already, which stay as they are; give an "
-            "empty folder, compare its files with these, and copy what is right"
-        )
-        raise ConfigurationError(verbatim(text), fault=NOT_ALLOWED)
 
 
 def _profiles() -> Dict[str, Path]:

@@ -54,16 +54,13 @@ def check_axes(reading: Reading) -> Iterator[Problem]:
             reason = "x and y move along a line in mm, z turns in degrees"
             yield problem(file, f"{axis}/type", own.type, reason, kind)
             continue
-        doubtful = False
-        broken = [one for one in _impossible(own) if one.broken]
-        if not broken:
-            # What is doubtful may follow from what is wrong.
-            doubtful = True
-            broken = [one for one in _doubtful(own, reading.built[axis]) if one.broken]
+        wrong = [one for one in _impossible(own) if one.broken]
+        # What is doubtful may follow from what is wrong.
+        broken = wrong or [one for one in _doubtful(own, reading.built[axis]) if one.broken]
         for one in broken:
-            value, reason = f"{getattr(own, one.key):g} {one.unit}", one.reason
-            reason += MEASURE.get(one.key, "")
-            yield problem(file, f"{axis}/{one.key}", value, reason, one.allowed, doubtful)
+            value = f"{getattr(own, one.key):g} {one.unit}"
+            reason = one.reason + MEASURE.get(one.key, "")
+            yield problem(file, f"{axis}/{one.key}", value, reason, one.allowed, not wrong)
 
 
 def _impossible(own: AxisParameters) -> Iterator[Rule]:
@@ -84,16 +81,11 @@ def _impossible(own: AxisParameters) -> Iterator[Rule]:
         "no motor of this robot has such steps",
         f"{least:g} - {most:g} {unit}",
     )
-    yield Rule(
-        *(own.homing_margin > LONGEST_MARGIN, "homing_margin", unit),
-        "an endstop that is broken would be passed by that much",
-        f"0 - {LONGEST_MARGIN:g} {unit}",
-    )
-    yield Rule(
-        *(own.homing_backoff > LONGEST_BACKOFF, "homing_backoff", unit),
-        "every coordinate would lie that much farther from the endstop",
-        f"0 - {LONGEST_BACKOFF:g} {unit}",
-    )
+    for key, most, reason in (
+        ("homing_margin", LONGEST_MARGIN, "an endstop that is broken would be passed by that much"),
+        ("homing_backoff", LONGEST_BACKOFF, "coordinates would begin that much farther away"),
+    ):
+        yield Rule(getattr(own, key) > most, key, unit, reason, f"0 - {most:g} {unit}")
     speed, fastest = 0.5 * own.step_size / own.min_step, FASTEST_PER_S[own.type]
     yield Rule(
         *(speed > fastest, "min_step", "s"),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Union
 from xml.etree import ElementTree
@@ -21,13 +21,11 @@ from gpr20_common.message import verbatim
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.mid.hints import UNREAD
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
-from gpr20_survey.axes.axis_parameters import ROTARY
+from gpr20_survey.axes.axis_parameters import ROTARY, AxisParameters
 
 MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
 PINS = ("dir_pin", "step_pin", "sensor_pin")
-MOTION = ("step_size", "min_coord", "max_coord", "min_step", "max_step", "delta_step", "type")
-NAMES = (*PINS, *MOTION)
-VNA_NAMES = ("vna_ip", "ip_addr", "vna_address")
+NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
 _SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
@@ -102,8 +100,6 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
         axis, _slash, key = name.partition("/")
         if axis in axes:
             axes[axis][key] = robot.values.pop(name)
-        elif name.rsplit("/", 1)[-1] in VNA_NAMES:
-            robot.texts["analyzer.yaml"] = yaml.safe_dump({"address": robot.values.pop(name)})
     if not any(axes.values()):
         reason = next(iter(robot.unread), "give the launch file that starts the nodes of the axes")
         raise _refused(f"{path} sets no parameter of an axis: {reason}")

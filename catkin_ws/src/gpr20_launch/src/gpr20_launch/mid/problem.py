@@ -46,17 +46,10 @@ def problem(
     doubtful: bool = False,
     fault: Fault = CONFIGURATION,
 ) -> Problem:
-    """Return a problem of one value, whose sentence names file, key, value and what is allowed.
-
-    A doubtful value may be right on some robot; it refuses no launch.
-    """
+    """Return a problem of one value; a doubtful one may be right on some robot."""
+    place = f"{printable(str(file))}: {key} is {printable(str(value))}"
     text = Message(
-        "{file}: {key} is {value}: {reason}; allowed: {allowed}",
-        file=printable(str(file)),
-        key=key,
-        value=printable(str(value)),
-        reason=reason,
-        allowed=allowed,
+        "{place}: {reason}; allowed: {allowed}", place=place, reason=reason, allowed=allowed
     )
     fault = fault.as_warning() if doubtful else fault
     return Problem(text.reporting_only(fault), str(file), key, str(value))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from contextlib import redirect_stdout
+from ipaddress import IPv4Address
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Tuple
 
@@ -13,7 +14,6 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message, verbatim
-from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.terminal_text import printable
@@ -35,6 +35,7 @@ LEFT_OVER = re.compile(
     r"|\.?#.*|\._.*|.*\.ya?ml[._-].+|.*( \(\d+\)|[ -]copy).*",
     re.IGNORECASE,
 )
+NO_CALIBRATION = (CalibrationStatus.NONE,)
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
 
 
@@ -48,14 +49,8 @@ DOUBTS: Tuple[Tuple[str, str, str, Callable[[Any], bool], str, str], ...] = (
     ),
     (
         *(ANALYZER_FILE, "vna_acquisition", "accepted_calibrations"),
-        lambda own: CalibrationStatus.NONE in own.accepted_calibrations,
-        "surveys would be measured without a calibration",
-        "1 - 5",
-    ),
-    (
-        *(ANALYZER_FILE, "vna_acquisition", "accepted_calibrations"),
-        lambda own: not own.accepted_calibrations,
-        "no calibration of the VNA would be accepted",
+        lambda own: CalibrationStatus.NONE in (own.accepted_calibrations or NO_CALIBRATION),
+        "surveys would be measured without a calibration, or never",
         "1 - 5",
     ),
     (
@@ -138,17 +133,13 @@ def check_robot(
 def _left_over(reading: Reading) -> Iterator[Problem]:
     folder, fault = reading.folder, CONFIGURATION.as_warning()
     if not folder.exists() and folder != Path(DEFAULT_FOLDER).expanduser():
-        text = (
-            f"the folder {folder} does not exist: the defaults are used; correct config:=, or "
-            "create it with robot_config create"
-        )
+        text = f"the folder {folder} does not exist: the defaults are used; correct config:=, or "
+        text += f"create it with robot_config create {folder}"
         yield Problem(verbatim(text).with_fault(fault), str(folder))
     for path in reading.entries:
         if LEFT_OVER.fullmatch(path.name) and path.suffix not in (".yaml", ".yml"):
-            text = (
-                f"{printable(path)} is left over, and is not read: compare it with the file that "
-                "is read, keep the right values there, and move it to another folder"
-            )
+            text = f"{printable(path)} is left over, and is not read: compare it with the file that"
+            text += " is read, keep the right values there, and move it to another folder"
             yield Problem(verbatim(text).with_fault(fault), str(path))
 
 
@@ -162,12 +153,12 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
         known.append((str(reading.folder / ANALYZER_FILE), "address", vna.address))
     seen: Dict[str, str] = {}
     for file, key, address in known:
-        first, reason = seen.setdefault(address, f"{file} {key}"), _not_of_device(address, key)
+        first, reason = seen.setdefault(address, f"{file} {key}"), _not_of_device(address)
         if first != f"{file} {key}":
             reason = f"{first} has the same address"
         # The window asks for the address of the VNA, too.
         doubtful = key == "address" and address.startswith("127.")
-        allowed = "the address of one device, such as 192.168.1.10"
+        allowed = "the four numbers of one device, such as 192.168.1.10"
         if reason:
             yield problem(file, key, address, reason, allowed, doubtful)
     for name, other in (ADDRESS_NAMES, ADDRESS_NAMES[::-1]):
@@ -176,16 +167,15 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
             yield problem("environment", name, named[name], reason, allowed, doubtful=True)
 
 
-def _not_of_device(address: str, key: str) -> str:
+def _not_of_device(address: str) -> str:
     try:
-        ipv4_address(key, address)
-    except Gpr20Error as error:
-        return str(error.message)
-    first, *_middle, last = (int(part) for part in address.split("."))
-    if first == 127:
+        known = IPv4Address(address)
+    except ValueError:
+        return "this is no address"
+    if known.is_loopback:
         return "this is the address of each computer for itself"
-    unusable = first == 0 or first >= 224 or last in (0, 255)
-    return "no device can have this address" if unusable else ""
+    usable = known.packed[0] and known.packed[0] < 224 and known.packed[3] not in (0, 255)
+    return "" if usable else "no device can have this address"
 
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:

@@ -26,6 +26,7 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_web.mid.web_parameters import WebParameters
 
 AXES_FILE = "axes.yaml"
+SIMULATED, REAL = "simulated", "gpr20"
 # What runs on this computer.
 ROBOT, SERVER, SURVEY = "robot", "server", "survey"
 Sections = Dict[str, Dict[str, Any]]
@@ -45,8 +46,7 @@ FILES: Mapping[str, Mapping[str, Type]] = {
 AXIS_SECTIONS = {axis_id.value: f"{axis_id.value}_axis" for axis_id in AxisId}
 KINDS: Dict[str, Type] = dict.fromkeys(AXIS_SECTIONS.values(), AxisParameters)
 KINDS.update((section, kind) for file in FILES.values() for section, kind in file.items())
-AXIS_KEYS = tuple(one.name for one in fields(AxisParameters))
-# Between these keys there is a relation: of the first one that the file has, the error is said.
+# Between these keys there is a relation: the first one that the file has is named.
 RELATED: Mapping[str, Tuple[str, ...]] = {
     "min_step": ("max_step",),
     "max_coord": ("min_coord", "step_size"),
@@ -135,6 +135,7 @@ class Reading:
     def _read_axes(self, path: Path) -> None:
         values, wrong = self._content(path)
         self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
+        names = {one.name for one in fields(AxisParameters)}
         for axis, section in AXIS_SECTIONS.items():
             own, mistaken = values.get(axis) or {}, wrong
             if not isinstance(own, dict):
@@ -142,7 +143,7 @@ class Reading:
                 hint = hint_for_value(axis, own) or hint_for_text(path)
                 self._wrong(path, with_hint(reason, hint), axis, own)
                 own, mistaken = {}, True
-            mistaken |= self._refuse_unknown_keys(path, own, set(AXIS_KEYS), f"{axis}/")
+            mistaken |= self._refuse_unknown_keys(path, own, names, f"{axis}/")
             self._read(path, section, own, {**self.built[axis], **own}, mistaken, axis)
 
     def _content(self, path: Path) -> Tuple[Dict[Any, Any], bool]:
@@ -205,22 +206,21 @@ class Reading:
         below = f"{axis}/" if axis else ""
         # Of several mistakes in the value of a key the first one.
         for keys, error in {str(one[0][:1]): one for one in reversed(found)}.values():
-            allowed, named = error.values.get("allowed"), str(error.values.get("name"))
-            if keys:
-                key, value = str(keys[0]), own.get(keys[0])
-                hint = hint_for_value(key, value, str(allowed))
-                self._wrong(path, with_hint(error, hint), f"{below}{key}", value)
-            elif not (wrong or (axis and _has_wrong_pins(every))):
+            hints, allowed = [], str(error.values.get("allowed", ""))
+            key = str(keys[0]) if keys else ""
+            if not keys and (wrong or (axis and _has_wrong_pins(every))):
+                continue
+            if not keys:
+                named = str(error.values.get("name"))
                 related = [named, *RELATED.get(named, ())]
                 key = next((one for one in related if one in own), "")
-                if key and key != named:
-                    text = f"{below}{key} is {own[key]!r}: {error}; {named} has its default"
-                    error = verbatim(text)
-                elif key:
-                    hints = [hint_for_value(key, own[key], str(allowed))]
-                    hints += [f"{one} is {every[one]!r}" for one in related[1:] if one in every]
-                    error = with_hint(error, "; ".join(filter(None, hints)))
-                self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key))
+                hints = [
+                    f"{one} is {own[one]!r}" if one in own else f"{one} has its default"
+                    for one in (related if key else ())
+                ]
+            hints.insert(0, hint_for_value(key, own.get(key), allowed))
+            error = with_hint(error, "; ".join(filter(None, hints)))
+            self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key))
 
     def _wrong(self, path: Path, reason: Message, key: str = "", value: Any = None) -> None:
         text = Message("{file}: {reason}", file=path, reason=reason).reporting_only(CONFIGURATION)
