@@ -29,15 +29,7 @@ from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import (
-    REAL,
-    ROBOT,
-    SERVER,
-    SIMULATED,
-    SURVEY,
-    Reading,
-    Use,
-)
+from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -108,8 +100,8 @@ def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description="Check a launch; used by the launch files.")
-    parser.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), required=True)
-    parser.add_argument("--robot", choices=(SIMULATED, REAL), required=True)
+    parser.add_argument("--part", choices=PARTS, required=True)
+    parser.add_argument("--robot", choices=ROBOTS, required=True)
     parser.add_argument("--full_screen", choices=("auto", "true", "false"), default="auto")
     for name in ("ns", "config", "data", "scene", "medium", "capture_dir"):
         parser.add_argument(f"--{name}", default="")

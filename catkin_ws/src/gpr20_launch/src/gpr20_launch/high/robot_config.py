@@ -22,15 +22,7 @@ from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.high.check_launch import built_axes, message_field, say_problems
 from gpr20_launch.mid.old_launch import old_robot
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import (
-    REAL,
-    ROBOT,
-    SERVER,
-    SIMULATED,
-    SURVEY,
-    Reading,
-    Use,
-)
+from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
 from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.folder.data_folder import DataFolder
@@ -68,8 +60,8 @@ def _parser() -> argparse.ArgumentParser:
     old.add_argument("launch", type=Path, help="the launch file of the robot's computer")
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
-    check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=SURVEY)
+    check.add_argument("--robot", choices=ROBOTS, default=REAL)
+    check.add_argument("--part", choices=PARTS, default=SURVEY)
     add("key", _make_key, "make the key that signs surveys")
     accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
     for one in (check, accept):
@@ -106,7 +98,6 @@ def _create(folder: Path, given: argparse.Namespace) -> int:
 def _import(folder: Path, given: argparse.Namespace) -> int:
     robot = old_robot(given.launch, read_yaml(built_axes()))
     status = _fill(folder, robot.texts)
-    say("read:", *(f"  {path}" for path in robot.files))
     say("not found out:", *(f"  {one}" for one in robot.unread or ["nothing"]))
     say("without a counterpart:", *(f"  {name}: {one}" for name, one in robot.values.items()))
     return int(status or bool(robot.unread))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import Iterator, Optional, Tuple
@@ -28,7 +29,7 @@ ORDER = "; data:= of a launch counts before data: in storage.yaml, and that befo
 def check_data(reading: Reading, use: Use) -> Iterator[Problem]:
     """Find why surveys cannot be stored, or hardly, in the folder that counts."""
     storage, file = reading.record("storage"), str(reading.folder / STORAGE_FILE)
-    if storage is None:
+    if "storage" in reading.unsure:
         return
     sources = (
         (use.data.strip(), "data:=", "data"),
@@ -36,12 +37,11 @@ def check_data(reading: Reading, use: Use) -> Iterator[Problem]:
         (use.environment.get("GPR20_DATA", "").strip(), "environment", "GPR20_DATA"),
     )
     text, place, key = next((one for one in sources if one[0]), ("", file, "data"))
-    reason = _no_path(text)
-    if not reason and place != "data:=" and text[:1] not in "/~":
-        reason = "it depends on the folder in which the robot is started"
-    if reason:
+    # A relative one depends on the folder in which the robot is started.
+    absolute = place == "data:=" or text[:1] in "/~"
+    if not (absolute and text.isprintable() and "~" not in os.path.expanduser(text)[:1]):
         allowed = "an absolute path, such as /srv/gpr20/surveys"
-        yield problem(place, key, text, reason + ORDER, allowed)
+        yield problem(place, key, text, "no folder is meant by this" + ORDER, allowed)
         return
     storage = replace(storage, data=text)
     mistake = _mistake(storage, reading.folder, use.real)
@@ -51,16 +51,6 @@ def check_data(reading: Reading, use: Use) -> Iterator[Problem]:
         yield problem(place, key, storage.data_folder(), reason + ORDER, allowed, not mistake)
     if not mistake:
         yield from _disk(storage, (place, key), file)
-
-
-def _no_path(text: str) -> str:
-    if not text.isprintable():
-        return "it has characters that cannot be shown"
-    try:
-        Path(text).expanduser()
-    except RuntimeError:
-        return "there is no user of this name"
-    return ""
 
 
 def _mistake(storage: ProcessingParameters, configuration: Path, real: bool) -> str:

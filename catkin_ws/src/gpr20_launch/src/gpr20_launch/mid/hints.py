@@ -7,7 +7,6 @@ import re
 from pathlib import Path
 from typing import Any, Iterable
 
-from gpr20_common.message import Message
 from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, NOT_GPIO
 
 # Begins the value of what the import could not find out and a person must write.
@@ -83,8 +82,3 @@ def hint_for_text(path: Path) -> str:
         if pattern.search(line)
     )
     return next(said, "")
-
-
-def with_hint(reason: Message, hint: str) -> Message:
-    """Return a sentence with a hint behind it."""
-    return Message("{reason}; {hint}", reason=reason, hint=hint) if hint else reason

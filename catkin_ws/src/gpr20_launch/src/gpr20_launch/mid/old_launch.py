@@ -35,13 +35,12 @@ TO_CHECK = ["pins", "endstop_levels", "directions", "travel", "emergency_stop"]
 
 @dataclass
 class OldRobot:
-    """A configuration, the files it was made of, and what was not found out.
+    """A configuration, and what could not be found out.
 
     Of the parameters, such as x/dir_pin, in the end those without a counterpart are left.
     """
 
     texts: Dict[str, str] = field(default_factory=dict)
-    files: List[Path] = field(default_factory=list)
     values: Dict[str, Any] = field(default_factory=dict)
     unread: List[str] = field(default_factory=list)
 
@@ -96,10 +95,9 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     robot = OldRobot()
     read(path, robot)
     axes: Dict[str, Dict[str, Any]] = {axis: {} for axis in AXIS_SECTIONS}
-    for name in sorted(robot.values):
-        axis, _slash, key = name.partition("/")
-        if axis in axes:
-            axes[axis][key] = robot.values.pop(name)
+    for axis, own in axes.items():
+        places = {key: f"{axis}/{key}" for key in NAMES if f"{axis}/{key}" in robot.values}
+        own.update({key: robot.values.pop(place) for key, place in places.items()})
     if not any(axes.values()):
         reason = next(iter(robot.unread), "give the launch file that starts the nodes of the axes")
         raise _refused(f"{path} sets no parameter of an axis: {reason}")
@@ -127,7 +125,7 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
 def read(path: Path, robot: OldRobot) -> None:
     """Add the parameters that a launch file and those that it includes set."""
     try:
-        _follow(_root(path, robot), _Scope(path), robot)
+        _follow(_root(path), _Scope(path), robot)
     except RecursionError as error:
         raise _refused(f"{path} is nested too deeply") from error
 
@@ -136,8 +134,7 @@ def _refused(text: str) -> LaunchRefusedError:
     return LaunchRefusedError(verbatim(text))
 
 
-def _content(path: Path, robot: OldRobot) -> str:
-    robot.files.append(path)
+def _content(path: Path) -> str:
     try:
         with path.open("rb") as file:
             content = file.read(MAX_BYTES + 1)
@@ -148,8 +145,8 @@ def _content(path: Path, robot: OldRobot) -> str:
     return content.decode("utf-8", "replace")
 
 
-def _root(path: Path, robot: OldRobot) -> ElementTree.Element:
-    text = _content(path, robot)
+def _root(path: Path) -> ElementTree.Element:
+    text = _content(path)
     try:
         root = ElementTree.fromstring("" if "<!ENTITY" in text else text)
     except (ElementTree.ParseError, ValueError) as error:
@@ -196,7 +193,7 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
             raise _refused("it deletes or writes parameters")
         text = element.text or ""
         if "file" in element.attrib:
-            text = _content(Path(scope.text(element, "file")), robot)
+            text = _content(Path(scope.text(element, "file")))
         content = parse_yaml(scope.substituted(text), odd_numbers=True)
         _load(content, inner.join(scope.text(element, "param")), robot)
     elif element.tag == "include":
@@ -205,7 +202,7 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
         path = Path(scope.text(element, "file"))
         used = [one for one in element.findall("arg") if scope.uses(one)]
         arguments = {one.get("name", ""): scope.text(one, "value") for one in used}
-        _follow(_root(path, robot), replace(inner, file=path, arguments=arguments), robot)
+        _follow(_root(path), replace(inner, file=path, arguments=arguments), robot)
 
 
 def _plain(text: str) -> Union[int, float, bool, str]:

@@ -83,7 +83,7 @@ def _axis_uses(reading: Reading) -> Iterator[PinUse]:
 def _spi(reading: Reading, uses: List[PinUse]) -> Iterator[Problem]:
     """Add the lines of the height sensor to the uses, or find that there are none."""
     sensor, file = reading.record("height_sensor"), reading.folder / HEIGHT_FILE
-    if sensor is None:
+    if "height_sensor" in reading.unsure:
         return
     bus, device = sensor.spi_bus, sensor.spi_device
     if bus not in SPI_BUSES:

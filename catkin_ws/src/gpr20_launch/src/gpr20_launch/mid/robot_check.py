@@ -35,70 +35,8 @@ LEFT_OVER = re.compile(
     r"|\.?#.*|\._.*|.*\.ya?ml[._-].+|.*( \(\d+\)|[ -]copy).*",
     re.IGNORECASE,
 )
-NO_CALIBRATION = (CalibrationStatus.NONE,)
+MASTER_PORT = 11311
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
-
-
-# Values that are allowed, but hardly meant: where, when, why, and what is usual.
-DOUBTS: Tuple[Tuple[str, str, str, Callable[[Any], bool], str, str], ...] = (
-    (
-        *("site.yaml", "site", "latitude_deg"),
-        lambda own: own.latitude_deg == own.longitude_deg == 0.0,
-        "0, 0 is in the sea; without a position leave both keys out",
-        "-90 - 90",
-    ),
-    (
-        *(ANALYZER_FILE, "vna_acquisition", "accepted_calibrations"),
-        lambda own: CalibrationStatus.NONE in (own.accepted_calibrations or NO_CALIBRATION),
-        "surveys would be measured without a calibration, or never",
-        "1 - 5",
-    ),
-    (
-        *(ANALYZER_FILE, "vna_acquisition", "antenna_delay_ns"),
-        # A thousandth of it is 0.15 mm of depth in air.
-        lambda own: 0.0 < abs(own.antenna_delay_ns) < 0.001,
-        "it seems to be in seconds; what is found would be too deep",
-        "0, or >= 0.001 ns",
-    ),
-    (
-        *(STORAGE_FILE, "storage", "recorded_topics"),
-        lambda own: not own.recorded_topics,
-        "neither motion nor states would be recorded beside the traces",
-        "leave it out; extra_recorded_topics adds others",
-    ),
-    (
-        *(STORAGE_FILE, "storage", "disk_reserve_mb"),
-        lambda own: own.disk_reserve_mb < 50.0,
-        "the disk could be full before the end of a survey",
-        ">= 50 MB",
-    ),
-    (
-        *("survey.yaml", "survey", "settle_s"),
-        lambda own: own.settle_s < 0.05,
-        "the antennas would still swing while a trace is measured",
-        ">= 0.05 s",
-    ),
-    (
-        *("survey.yaml", "survey", "reference_interval_s"),
-        lambda own: 0.0 < own.reference_interval_s < 60.0,
-        "a survey would spend its time on the way to its first stop and back",
-        "0, or >= 60 s",
-    ),
-    (
-        *("web.yaml", "web", "port"),
-        lambda own: own.port == 11311,
-        "this is the port of the ROS master",
-        "another port, such as 8443",
-    ),
-    (
-        *(HEIGHT_FILE, "height_sensor", "reference_voltage_v"),
-        # Resistors and noise aside, 3.3 V.
-        lambda own: own.reference_voltage_v > 3.6,
-        "a converter at 5 V puts that on the MISO pin, which is made for 3.3 V: supply it with "
-        "3.3 V, or put a level shifter between them",
-        "0.25 - 3.6 V",
-    ),
-)
 
 
 def check_robot(
@@ -117,17 +55,55 @@ def check_robot(
     found = [*reading.problems, *check_pins(reading), *check_axes(reading), *_left_over(reading)]
     if use.part != ROBOT:
         found += check_data(reading, use)
-    for file, section, key, holds, reason, allowed in DOUBTS:
-        own = reading.record(section)
-        if own is not None and holds(own):
-            value = plain(getattr(own, key))
-            found.append(problem(reading.folder / file, key, value, reason, allowed, True))
+    for file, key, value, reason, allowed in _doubts(reading):
+        path = reading.folder / file
+        found.append(problem(path, key, plain(value), reason, allowed, doubtful=True))
     if use.real:
         found += [*_addresses(reading, use), *_unchecked(reading)]
     # What a class of others prints when it is imported is no part of this answer.
     with redirect_stdout(sys.stderr):
         found += [*_extensions(reading, use), *_sensors(reading, use, message_field)]
     return tuple(sorted(found, key=lambda one: not one.refuses))
+
+
+def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
+    """Find values that are allowed, but hardly meant: where, why, and what is usual."""
+    names = ("vna_acquisition", "storage", "survey", "site", "web", "height_sensor")
+    vna, storage, survey, site, web, height = map(reading.record, names)
+    if site.latitude_deg == site.longitude_deg == 0.0:
+        reason = "0, 0 is in the sea; without a position leave both keys out"
+        yield "site.yaml", "latitude_deg", 0.0, reason, "-90 - 90"
+    accepted = vna.accepted_calibrations
+    if CalibrationStatus.NONE in accepted or not accepted:
+        reason = "surveys would be measured without a calibration, or never"
+        yield ANALYZER_FILE, "accepted_calibrations", accepted, reason, "1 - 5"
+    # A thousandth of it is 0.15 mm of depth in air.
+    if 0.0 < abs(vna.antenna_delay_ns) < 0.001:
+        reason = "it seems to be in seconds; what is found would be too deep"
+        yield ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns, reason, "0, or >= 0.001 ns"
+    if not storage.recorded_topics:
+        reason = "neither motion nor states would be recorded beside the traces"
+        allowed = "leave it out; extra_recorded_topics adds others"
+        yield STORAGE_FILE, "recorded_topics", storage.recorded_topics, reason, allowed
+    if storage.disk_reserve_mb < 50.0:
+        reason = "the disk could be full before the end of a survey"
+        yield STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb, reason, ">= 50 MB"
+    if survey.settle_s < 0.05:
+        reason = "the antennas would still swing while a trace is measured"
+        yield "survey.yaml", "settle_s", survey.settle_s, reason, ">= 0.05 s"
+    interval_s = survey.reference_interval_s
+    if 0.0 < interval_s < 60.0:
+        reason = "a survey would spend its time on the way to its first stop and back"
+        yield "survey.yaml", "reference_interval_s", interval_s, reason, "0, or >= 60 s"
+    if web.port == MASTER_PORT:
+        reason = "this is the port of the ROS master"
+        yield "web.yaml", "port", web.port, reason, f"another port, such as {type(web).port}"
+    # Resistors and noise aside, 3.3 V.
+    if height.reference_voltage_v > 3.6:
+        reason = "a converter at 5 V puts that on the MISO pin, which is made for 3.3 V: supply it "
+        reason += "with 3.3 V, or put a level shifter between them"
+        value = height.reference_voltage_v
+        yield HEIGHT_FILE, "reference_voltage_v", value, reason, "0.25 - 3.6 V"
 
 
 def _left_over(reading: Reading) -> Iterator[Problem]:
@@ -148,7 +124,7 @@ def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:
     known = [("environment", name, address) for name, address in named.items() if address]
     vna = reading.record("vna_acquisition")
     # Without an address the window asks for it.
-    given = vna is not None and (ANALYZER_FILE, "address") in reading.given
+    given = (ANALYZER_FILE, "address") in reading.given and "vna_acquisition" not in reading.unsure
     if use.part != ROBOT and given and vna.analyzer == MS2026C:
         known.append((str(reading.folder / ANALYZER_FILE), "address", vna.address))
     seen: Dict[str, str] = {}
@@ -180,7 +156,7 @@ def _not_of_device(address: str) -> str:
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     wiring, file = reading.record("wiring"), reading.folder / WIRING_FILE
-    for one in () if wiring is None else wiring.unchecked:
+    for one in wiring.unchecked:
         reason = "nobody has checked it; docs/wiring.md describes how a person does, and with what"
         allowed = "nothing in the list, once a person has checked it and corrected the files"
         where, doubtful = (file, "unchecked", one.value), one in WITH_ROBOT
@@ -197,7 +173,7 @@ def _extensions(reading: Reading, use: Use) -> Iterator[Problem]:
 
             file = reading.folder / AXES_FILE
             yield from _missing(file, f"{axis}/controller", check_controller, own)
-    if vna is not None and is_extension(vna.analyzer) and use.real and use.part != ROBOT:
+    if is_extension(vna.analyzer) and use.real and use.part != ROBOT:
         from gpr20_vna_acquisition.mid.analyzer_record import has_passed
         from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
         from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
@@ -218,7 +194,7 @@ def _sensors(
 ) -> Iterator[Problem]:
     own, file = reading.record(SENSORS), reading.folder / SENSORS_FILE
     seen: Dict[Tuple[str, str], str] = {}
-    for number, one in enumerate(() if own is None else own.sensors):
+    for number, one in enumerate(own.sensors):
         first, key = seen.setdefault((one.topic, one.field), one.name), f"{SENSORS}[{number}]"
         if first != one.name:
             reason = f"sensor {first} has this topic and field too, so both have one value"

@@ -9,10 +9,10 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Set, Tuple, Type
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message
 from gpr20_common.mid.codec import mistakes, record_from
 from gpr20_height_sensor.mid.height_driver import HeightParameters
-from gpr20_launch.mid.hints import hint_for_key, hint_for_text, hint_for_value, with_hint
+from gpr20_launch.mid.hints import hint_for_key, hint_for_text, hint_for_value
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
@@ -26,9 +26,10 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_web.mid.web_parameters import WebParameters
 
 AXES_FILE = "axes.yaml"
-SIMULATED, REAL = "simulated", "gpr20"
+REAL = "gpr20"
+ROBOTS = ("simulated", REAL)
 # What runs on this computer.
-ROBOT, SERVER, SURVEY = "robot", "server", "survey"
+PARTS = ROBOT, SERVER, SURVEY = ("robot", "server", "survey")
 Sections = Dict[str, Dict[str, Any]]
 
 
@@ -102,15 +103,14 @@ class Reading:
         self._read_axes(folder / AXES_FILE)
 
     def record(self, section: str) -> Any:
-        """Return the parameters of a section; None if something is wrong with them."""
-        if section in self.unsure:
-            return None
-        return record_from(KINDS[section], self.sections[section], section)
+        """Return the parameters of a section; the defaults if something is wrong with them."""
+        values = {} if section in self.unsure else self.sections[section]
+        return record_from(KINDS[section], values, section)
 
     def axes(self) -> Dict[str, AxisParameters]:
         """Return the axes with which nothing is wrong."""
-        found = {axis: self.record(section) for axis, section in AXIS_SECTIONS.items()}
-        return {axis: one for axis, one in found.items() if one is not None}
+        known = {axis: one for axis, one in AXIS_SECTIONS.items() if one not in self.unsure}
+        return {axis: self.record(section) for axis, section in known.items()}
 
     def _refuse_unknown_files(self) -> None:
         known = {AXES_FILE, *FILES}
@@ -118,11 +118,9 @@ class Reading:
             # Editors and file managers leave hidden files.
             is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
             if is_yaml and path.name not in known:
-                reason = (
-                    "it is not a file of a robot's configuration, and would not be read; rename "
-                    f"it, or move it to another folder; allowed: {', '.join(sorted(known))}"
-                )
-                self._wrong(path, verbatim(reason))
+                reason = "it is not a file of a robot's configuration, and would not be read; "
+                reason += "rename it, or move it to another folder; allowed: "
+                self._wrong(path, reason + ", ".join(sorted(known)))
 
     def _read_sections(self, path: Path, sections: Mapping[str, Type]) -> None:
         values, wrong = self._content(path)
@@ -134,14 +132,14 @@ class Reading:
 
     def _read_axes(self, path: Path) -> None:
         values, wrong = self._content(path)
-        self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
         names = {one.name for one in fields(AxisParameters)}
+        self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
         for axis, section in AXIS_SECTIONS.items():
             own, mistaken = values.get(axis) or {}, wrong
             if not isinstance(own, dict):
-                reason = verbatim(f"{axis} is {own!r}; it must be a group of values")
                 hint = hint_for_value(axis, own) or hint_for_text(path)
-                self._wrong(path, with_hint(reason, hint), axis, own)
+                reason = f"{axis} is {own!r}; it must be a group of values"
+                self._wrong(path, reason, axis, own, hint)
                 own, mistaken = {}, True
             mistaken |= self._refuse_unknown_keys(path, own, names, f"{axis}/")
             self._read(path, section, own, {**self.built[axis], **own}, mistaken, axis)
@@ -152,20 +150,18 @@ class Reading:
             return {}, True
         try:
             values = read_yaml(path)
+            if values is None or isinstance(values, dict):
+                return values or {}, False
+            reason = "it must be lines of the form key: value"
+            self._wrong(path, reason, hint=hint_for_text(path))
         except OSError as error:
             # A link that leads nowhere, such as to a medium that is not there, is no default.
             links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
             if not links and isinstance(error, FileNotFoundError):
                 return {}, False
             self._wrong(path, os_reason(error))
-            return {}, True
         except YamlFileError as error:
-            self._wrong(path, with_hint(error.message, hint_for_text(path)))
-            return {}, True
-        if values is None or isinstance(values, dict):
-            return values or {}, False
-        reason = verbatim("it must be lines of the form key: value")
-        self._wrong(path, with_hint(reason, hint_for_text(path)))
+            self._wrong(path, error.message, hint=hint_for_text(path))
         return {}, True
 
     def _refuse_unknown_keys(
@@ -178,14 +174,13 @@ class Reading:
             value = values.pop(key)
             if value is None and str(key).isdigit() and type(values.get(before)) is int:
                 # Between braces 0,01 is the number 0 and a key 01.
-                number = f"{values.pop(before)},{key}"
-                reason = verbatim(f"{below}{before} is {number!r}")
+                place, number = f"{below}{before}", f"{values.pop(before)},{key}"
                 hint = hint_for_value(before, number)
-                self._wrong(path, with_hint(reason, hint), f"{below}{before}", number)
+                self._wrong(path, f"{place} is {number!r}", place, number, hint)
                 continue
             place = f"{below}{key}" if below else repr(key)
-            reason = verbatim(f"{place} is unknown; allowed: {', '.join(sorted(known))}")
-            self._wrong(path, with_hint(reason, hint_for_key(key, known)), f"{below}{key}", value)
+            reason = f"{place} is unknown; allowed: {', '.join(sorted(known))}"
+            self._wrong(path, reason, f"{below}{key}", value, hint_for_key(key, known))
         self.given.update((path.name, f"{below}{key}") for key in values)
         return bool(unknown)
 
@@ -219,11 +214,14 @@ class Reading:
                     for one in (related if key else ())
                 ]
             hints.insert(0, hint_for_value(key, own.get(key), allowed))
-            error = with_hint(error, "; ".join(filter(None, hints)))
-            self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key))
+            hint = "; ".join(filter(None, hints))
+            self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key), hint)
 
-    def _wrong(self, path: Path, reason: Message, key: str = "", value: Any = None) -> None:
-        text = Message("{file}: {reason}", file=path, reason=reason).reporting_only(CONFIGURATION)
+    def _wrong(
+        self, path: Path, reason: object, key: str = "", value: Any = None, hint: str = ""
+    ) -> None:
+        said = Message("{reason}; {hint}", reason=reason, hint=hint) if hint else reason
+        text = Message("{file}: {reason}", file=path, reason=said).reporting_only(CONFIGURATION)
         self.problems.append(Problem(text, str(path), key, "" if value is None else repr(value)))
 
 

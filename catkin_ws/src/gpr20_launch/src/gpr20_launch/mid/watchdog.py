@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Callable, Dict
+from typing import Callable, Dict, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_launch.low.launched_nodes import LaunchedNodes
@@ -14,14 +13,6 @@ PERIOD_S = 2.0
 WORKING_FACTOR = 6.0
 # A round that begins this much late [s] shows that the computer itself was held up.
 STALL_S = 2.0
-
-
-@dataclass
-class _Silence:
-    """A node does not answer since a time [s]; whether its process was seen working since."""
-
-    since_s: float
-    works: bool = False
 
 
 class Watchdog:
@@ -35,7 +26,8 @@ class Watchdog:
         self._limit_s = limit_s
         self._clock = clock
         self._say = say
-        self._silences: Dict[int, _Silence] = {}
+        # Of each process without an answer: since when [s], and whether it was seen working.
+        self._silences: Dict[int, Tuple[float, bool]] = {}
         self._due_s = clock.now_s()
 
     def look(self) -> None:
@@ -55,9 +47,10 @@ class Watchdog:
         if self._nodes.answers(number, name) is not False:
             self._silences.pop(number, None)
             return
-        silence = self._silences.setdefault(number, _Silence(asked_s))
-        silence.works |= self._nodes.is_working(number)
-        silent_s = self._clock.now_s() - silence.since_s
-        if silent_s >= self._limit_s * (WORKING_FACTOR if silence.works else 1.0):
+        since_s, works = self._silences.get(number, (asked_s, False))
+        works = works or self._nodes.is_working(number)
+        self._silences[number] = since_s, works
+        silent_s = self._clock.now_s() - since_s
+        if silent_s >= self._limit_s * (WORKING_FACTOR if works else 1.0):
             self._say(f"{name} (process {number}) did not answer for {silent_s:.0f} s: ended")
             self._nodes.kill(number, name)
