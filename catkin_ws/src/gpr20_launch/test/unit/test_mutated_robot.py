@@ -154,3 +154,19 @@ def test_a_key_that_is_mistyped_is_found(where, data):
     (found,) = [one for one in check({name: text}) if one.refuses]
     assert (Path(found.file).name, found.key) == (name, wrong)
     assert name in str(found.message) and typed in str(found.message)
+
+
+TRIED = st.sampled_from([0, -1, 3, 1e9, 0.0004, 12.5, "up", "a:B", True, None, [], {}])
+
+
+@settings(max_examples=draws(30))
+@given(st.dictionaries(st.sampled_from(KEYS), TRIED, min_size=1, max_size=3))
+def test_no_problem_is_about_a_key_that_nobody_wrote(values):
+    files = {name: {} for name, _key in values}
+    for (name, key), value in values.items():
+        files[name][key] = value
+    if AXES_FILE in files:
+        files[AXES_FILE] = {axis: files[AXES_FILE] for axis in "xz"}
+    for one in check({name: yaml.safe_dump(own) for name, own in files.items()}):
+        written = {key for _name, key in values} | {"", "x", "z"}
+        assert re.split(r"[/\[]", one.key)[-1] in written, one.message

@@ -92,9 +92,8 @@ def test_includes_and_files_are_found_beside_the_launch_file(tmp_path):
 
 
 def test_minus_one_or_nothing_means_no_endstop(tmp_path):
-    without_type = {key: value for key, value in Z.items() if key != "type"}
     for pin in (-1, None):
-        text = yaml.safe_dump({"x_axis": {**X, "sensor_pin": pin}, "z_axis": without_type})
+        text = yaml.safe_dump({"X_Axis": {**X, "sensor_pin": pin}, "z_axis": Z})
         axes, _robot = imported(launch(tmp_path, f"<rosparam>{text}</rosparam>"))
         assert axes["x"]["sensor_pin"] is None and "sensor_pin" not in axes["z"]
 

@@ -8,12 +8,12 @@ import pytest
 from case_kit import each_case
 from robot_check_examples import PROFILES, VNA, checked, write
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import data_checks
-from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES, spi_pins
 from gpr20_launch.mid.wiring import WITH_ROBOT, Unchecked
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
@@ -96,6 +96,14 @@ MISTAKES = [
         "config.not_checked",
     ),
     ("hight", "", "", "hight.yaml|height.yaml|rename it"),
+    # Of one record: types, choices, lists, groups, names.
+    ("height", "reference_voltage_v: '3.3'", "reference_voltage_v", "'3.3'|number|quotes"),
+    ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations", "[1]|9"),
+    ("analyzer", "analyzer: hp8753", "analyzer", "'hp8753'|ms2026c, gpr20_scikit_rf:Scikit"),
+    ("survey", "on_height_failure: guess", "on_height_failure", "pause, store_without"),
+    ("survey", "- a list", "", "key: value"),
+    ("storage", "extra_recorded_topics: [a b]", "", "'a b'"),
+    ("axes", "x: {max_step: 0.001}", "x/max_step", "min_step has its default"),
 ]
 DOUBTS = [
     ("axes", "z: {min_coord: 10}", "z/min_coord", "10 deg|<= 0 deg"),
@@ -149,7 +157,6 @@ BOTH = {"GPR20_ROBOT": "192.168.1.2", "GPR20_SERVER": "192.168.1.3"}
 def home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
-    monkeypatch.setenv("GPR20_ENVIRONMENT", str(tmp_path / "none"))
     monkeypatch.delenv("GPR20_DATA", raising=False)
     monkeypatch.setattr(data_checks, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
@@ -216,40 +223,22 @@ def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
     assert {one.key for one in found} == wrong and len(found) == len(wrong), found
 
 
-OPTIONS_REFUSED = """
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import verbatim
-from gpr20_vna_acquisition.mid.analyzers import Analyzer
-
-class Vna(Analyzer):
-    def __init__(self, parameters, deadline, port):
-        raise InvalidValueError(verbatim(f"port is {port}"))
-"""
-
-
-def test_a_class_of_analyzer_checks_its_options(tmp_path, monkeypatch):
-    (tmp_path / "own_vna.py").write_text("print('noise')" + OPTIONS_REFUSED)
-    text = f"{VNA}analyzer: own_vna:Vna\nanalyzer_options: {{port: -1}}"
-    write(tmp_path / "robot", {"analyzer": text})
-    monkeypatch.syspath_prepend(str(tmp_path))
-    (one,) = checked(tmp_path / "robot", part="server")
-    assert one.message.fault_code == CONFIGURATION.code
-    assert "port is -1" in str(one.message)
-
-
 class OwnAnalyzer:
     """A class for another analyzer."""
 
     connect = identify = check_sweep = configure = sweep = confirm = calibration = None
     release = disconnect = trace_duration_s = remarks = None
 
-    def __init__(self, parameters, deadline):
-        """Open no link."""
+    def __init__(self, parameters, deadline, port=1):
+        if port < 0:
+            raise InvalidValueError(verbatim(f"port is {port}"))
 
 
-def test_a_class_of_analyzer_that_never_passed_its_check_is_doubtful(tmp_path):
-    own = f"{__name__}:OwnAnalyzer"
-    folder = tmp_path / "robot"
+def test_a_class_of_analyzer_checks_its_options_and_is_doubtful_until_it_passed_its_check(tmp_path):
+    own, folder = f"{__name__}:OwnAnalyzer", tmp_path / "robot"
+    write(folder, {"analyzer": f"{VNA}analyzer: {own}\nanalyzer_options: {{port: -1}}"})
+    (one,) = checked(folder, part="server")
+    assert one.message.fault_code == CONFIGURATION.code and "port is -1" in str(one.message)
     write(folder, {"analyzer": f"{VNA}analyzer: {own}"})
 
     def codes(**options):
@@ -349,14 +338,6 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     assert one.message.fault_code == CONFIGURATION.code and not one.refuses
     # A robot that needs no values of its own needs no folder.
     assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
-
-
-def test_the_header_has_forty_pins_and_every_bus_its_own_lines():
-    assert {*GPIO_OF_BOARD, *NOT_GPIO} == set(range(1, 41))
-    assert BOARD_OF_GPIO[17] == 11 and len(BOARD_OF_GPIO) == 28
-    for bus, (_lines, selects) in SPI_BUSES.items():
-        for device in range(len(selects)):
-            assert len(set(spi_pins(bus, device).values())) == 4
 
 
 @each_case("profile", sorted(path.name for path in PROFILES.iterdir()))

@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from robot_check_examples import AXES, checked
 
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.mid.codec import record_from
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
 from gpr20_launch.mid.templates import templates
@@ -68,32 +67,6 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
     for axis, values in yaml.safe_load(AXES.read_text()).items():
         assert {key: sections[f"{axis}_axis"][key] for key in values} == values
     assert not [one for one in checked(tmp_path, part="robot") if one.refuses]
-
-
-@each_case(
-    "file, text, shown",
-    [
-        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "number")),
-        ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
-        ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
-        ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),
-        ("analyzer", OTHER_VNA.replace("::16::", "::1 6::"), ("'GPIB0::1 6::INSTR'",)),
-        ("analyzer", OTHER_VNA + "analyzer_option: {}", ("'analyzer_option'",)),
-        ("survey", "on_height_failure: guess", ("on_height_failure", "pause, store_without")),
-        ("survey", "- a list", ("key: value",)),
-        ("storage", "extra_recorded_topics: [a b]", ("'a b'",)),
-        ("sensors", "sensors: [5]", ("sensors[0]", "5")),
-        ("axes", "x: 5", ("x", "5")),
-        ("axes", "x: {enable_pin: none}", ("x/enable_pin",)),
-    ],
-)
-def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
-    path = tmp_path / f"{file}.yaml"
-    path.write_text(text)
-    (one,) = Reading(tmp_path, AXES).problems
-    assert one.message.fault_code == CONFIGURATION.code
-    assert all(word in str(one.message) for word in (str(path), *shown))
-    path.unlink()
 
 
 def test_keys_of_one_file_override_only_themselves(tmp_path):
@@ -198,43 +171,34 @@ def test_the_key_is_made_once_named_for_the_storage_and_never_in_a_survey(tmp_pa
     assert robot_config("key")[0] == 0
 
 
-@each_case("name", ["GPR-20", "Ñandú 3", 'a"b,*!? #x', "名"])
-def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config, name):
-    folder = tmp_path / str(len(name))
+@each_case("name", ["GPR-20", 'a"b,*!? #x', "名"])
+@each_case("text", ["", "signing_key: ''\n", "data: /srv\n#signing_key: ''\n"])
+def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config, name, text):
+    folder = tmp_path / f"{len(name)}_{len(text)}"
     folder.mkdir()
     (folder / "site.yaml").write_text(json.dumps({"robot": name}))
+    (folder / "storage.yaml").write_text(text)
     _status, printed = robot_config("key", folder)
+    storage = read(folder)["storage"]
+    assert storage["signing_key"] == str(folder / "signing_key")
+    assert storage.get("data") == ("/srv" if "data" in text else None)
     (line,) = [one for one in printed.splitlines() if " ssh-ed25519 " in one]
     (folder / "signers").write_text(line)
     plan = LogRecord.after(None, Kind.PLAN, {}, "2026")
     manifest.write_manifest(folder, "0f8fad5b", plan, "1.2.3", "2026")
     signature.Signer(folder / "signing_key").sign(folder)
     content, fingerprint = signature.signed_manifest(folder)
-    signed = (
-        "-s",
-        folder / manifest.SIGNATURE_FILE,
-        "-f",
-        folder / "signers",
-        "-I",
-        line.split()[0],
-    )
-    assert ssh_keygen.ask(("-Y", "verify", "-n", signature.NAMESPACE, *signed), content).yes
+    signed = ("-s", folder / manifest.SIGNATURE_FILE, "-f", folder / "signers")
+    verify = ("-Y", "verify", "-n", signature.NAMESPACE, *signed, "-I", line.split()[0])
+    assert ssh_keygen.ask(verify, content).yes
     assert fingerprint in printed
 
 
-@each_case("text", ["", "signing_key: ''\n", "data: /srv", "data: /srv\n#signing_key: ''\n"])
-def test_storage_yaml_names_the_key_once_whatever_it_holds(tmp_path, robot_config, text):
-    folder = tmp_path / f"f{len(text)}"
-    folder.mkdir()
-    (folder / "storage.yaml").write_text(text)
-    assert robot_config("key", folder)[0] == 0
-    assert signing_key(folder) == str(folder / "signing_key")
-    assert read(folder)["storage"].get("data") == ("/srv" if "data" in text else None)
-    # Where it names another one, that is made.
-    own = f"signing_key: {folder}/own\n"
-    (folder / "storage.yaml").write_text(own)
-    assert robot_config("key", folder)[0] == 0
-    assert (folder / "own").is_file() and (folder / "storage.yaml").read_text() == own
+def test_a_key_that_storage_yaml_names_is_made_there(tmp_path, robot_config):
+    own = f"signing_key: {tmp_path}/own\n"
+    (tmp_path / "storage.yaml").write_text(own)
+    assert robot_config("key")[0] == 0
+    assert (tmp_path / "own").is_file() and (tmp_path / "storage.yaml").read_text() == own
 
 
 def test_another_data_folder_is_used_after_somebody_has_accepted_it(

@@ -211,14 +211,13 @@ def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(
         assert nodes.answers(1, NAME) is UNKNOWN
 
 
-@pytest.fixture(params=["path", "abstract"])
-def systemd(request, tmp_path, monkeypatch):
-    """Return a systemd's socket, whose address its services are given."""
-    name, abstract = str(tmp_path / "notify"), request.param == "abstract"
-    monkeypatch.setenv("NOTIFY_SOCKET", "@" + name[1:] if abstract else name)
+@pytest.fixture
+def systemd(tmp_path, monkeypatch):
+    """Return a systemd's socket, whose abstract address its services are given."""
+    monkeypatch.setenv("NOTIFY_SOCKET", f"@{tmp_path}/notify")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
         listener.settimeout(100.0)
-        listener.bind("\0" + name[1:] if abstract else name)
+        listener.bind(f"\0{tmp_path}/notify")
         yield listener
 
 

@@ -24,7 +24,6 @@ from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_survey.axes.axis_parameters import ROTARY, AxisParameters
 
 MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
-PINS = ("dir_pin", "step_pin", "sensor_pin")
 NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
@@ -68,7 +67,7 @@ class _Scope:
             packages = [one for one in around if one.name == name]
             packages += [one / name for one in around if os.path.isdir(one / name)]
             known = {"arg": self.arguments.get(name), "dirname": around[0]}
-            found = known.get(kind, packages[0] if kind == "find" and packages else None)
+            found = {**known, "find": next(iter(packages), None)}.get(kind)
             if found is None:
                 # Also env and eval: only the original's computer knows what they are.
                 raise _refused(f"{match.group(0)} is not known here")
@@ -101,11 +100,9 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     if not any(axes.values()):
         reason = next(iter(robot.unread), "give the launch file that starts the nodes of the axes")
         raise _refused(f"{path} sets no parameter of an axis: {reason}")
-    all_read = not robot.unread
     for axis, own in axes.items():
-        # Another robot has other pins. Of the rest the default counts if everything was read.
-        needed = PINS if own and all_read else NAMES
-        missing = [key for key in needed if key in {*defaults[axis]} - {*own}]
+        # Another robot has other values, and its axis node has no defaults.
+        missing = [key for key in NAMES if key in {*defaults[axis]} - {*own}]
         if missing:
             robot.unread.append(f"{path.name} does not set {axis}: {', '.join(missing)}")
         own.update({key: f"{UNREAD}: {'; '.join(robot.unread)}" for key in missing})
@@ -219,7 +216,8 @@ def _load(values: Any, name: str, robot: OldRobot) -> None:
             _load(value, f"{name.rstrip('/')}/{key}", robot)
         return
     *above, key = name.split("/")
-    axes = [one.group(1) or one.group(2) for one in map(_AXIS.fullmatch, above[::-1]) if one]
+    parts = [_AXIS.fullmatch(one.lower()) for one in reversed(above)]
+    axes = [one.group(1) or one.group(2) for one in parts if one]
     place = f"{axes[0]}/{key}" if axes and key in NAMES else name
     if robot.values.setdefault(place, values) != values or len(robot.values) > MAX_VALUES:
         # Which of two counts depends on the order in which roslaunch sets them.

@@ -206,7 +206,8 @@ class Reading:
             if not keys and (wrong or (axis and _has_wrong_pins(every))):
                 continue
             if not keys:
-                named = str(error.values.get("name"))
+                names = (error.values.get(one) for one in ("name", "place", "key"))
+                named = next((str(one) for one in names if one), "")
                 related = [named, *RELATED.get(named, ())]
                 key = next((one for one in related if one in own), "")
                 hints = [
