@@ -13,8 +13,8 @@ from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_launch.faults import NOT_CHECKED
-from gpr20_launch.mid import data_checks
-from gpr20_launch.mid.wiring import WITH_ROBOT, Unchecked
+from gpr20_launch.mid import robot_check
+from gpr20_launch.mid.robot_files import WITH_ROBOT, Unchecked
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -158,7 +158,7 @@ def home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
     monkeypatch.delenv("GPR20_DATA", raising=False)
-    monkeypatch.setattr(data_checks, "free_bytes", lambda _folder: 5e10)
+    monkeypatch.setattr(robot_check, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
     (tmp_path / "home/src/gpr20/.git").mkdir(parents=True)
 

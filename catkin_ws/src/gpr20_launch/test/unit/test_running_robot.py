@@ -25,14 +25,15 @@ def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
     def said(**parents):
         nodes = {f"/{name}": number for number, name in enumerate(parents, 11)}
         own = [Process(nodes[f"/{name}"], parent, ()) for name, parent in parents.items() if parent]
-        return check_launch.refusal("http://10.20.0.2:11311", nodes, own)
+        shared = [Process(5, 70, ()), Process(6, 1, ())]
+        return check_launch.refusal("http://10.20.0.2:11311", nodes, own, shared)
 
     text = said(x=70, y=70)
     assert "on http://10.20.0.2:11311: /x (process 11), /y (process 12)" in text
     assert "kill -INT 70." in text and "ns:=robot2" in text
     # The launch of some was killed.
-    assert said(x=1, y=69).endswith("kill 11 12")
-    assert said(x=1, y=70).endswith("kill 70 11")
+    assert said(x=1, y=69).endswith("kill 11 12 6")
+    assert said(x=1, y=70).endswith("kill 70 11 6")
     text = said(x=None)
     assert "end it there" in text and "kill" not in text
 

@@ -13,7 +13,7 @@ import os
 import sys
 from dataclasses import fields
 from pathlib import Path
-from typing import Mapping, Sequence, TextIO
+from typing import Dict, List, Mapping, Sequence, TextIO
 
 import rosgraph
 import rospkg
@@ -27,9 +27,8 @@ from gpr20_common.terminal_text import say
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
-from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Reading, Use
+from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Problem, Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -116,31 +115,48 @@ def _refuse_running(names: Sequence[str], namespace: str) -> None:
     master = rosgraph.get_master_uri()
     if not rosgraph.is_master_online(master):
         return
+    prefix = "/" + namespace.strip("/")
+    nodes = _running([rosgraph.names.ns_join(prefix, one) for one in names], master)
+    # They outlive a roslaunch that was killed, too.
+    shared = {**_running(["/rosout"], master), "rosmaster": rosgraph.Master(NAME, master).getPid()}
+    if nodes:
+        said = refusal(master, nodes, _processes(nodes), _processes(shared))
+        raise LaunchRefusedError(verbatim(said), fault=OTHER_LAUNCH)
+
+
+def _running(names: Sequence[str], master: str) -> Dict[str, int]:
     found = {}
-    for name in (rosgraph.names.ns_join("/" + namespace.strip("/"), one) for one in names):
+    for name in names:
         with contextlib.suppress(NodeSilentError):
             found[name] = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
-    if found:
-        own = {name: process_of(number) for name, number in found.items()}
-        here = [one for name, one in own.items() if one is not None and one.may_be_node(name)]
-        raise LaunchRefusedError(verbatim(refusal(master, found, here)), fault=OTHER_LAUNCH)
+    return found
 
 
-def refusal(master: str, nodes: Mapping[str, int], here: Sequence[Process]) -> str:
+def _processes(nodes: Mapping[str, int]) -> List[Process]:
+    """Return what runs on this computer: a number may be of a process elsewhere."""
+    found = {name: process_of(number) for name, number in nodes.items()}
+    return [one for name, one in found.items() if one is not None and one.may_be_node(name)]
+
+
+def refusal(
+    master: str, nodes: Mapping[str, int], here: Sequence[Process], shared: Sequence[Process]
+) -> str:
     """Return which nodes answer, by their process ids, and the command that ends those here."""
     names = ", ".join(f"{name} (process {number})" for name, number in nodes.items())
-    parents = {one.parent: process_of(one.parent) for one in here}
+    parents = {one.parent: process_of(one.parent) for one in (*here, *shared)}
     launches = [number for number, one in parents.items() if one is not None and one.is_roslaunch]
+    launched = sorted({one.parent for one in here} & {*launches})
     left_over = [one.number for one in here if one.parent not in launches]
     remedy = "It was started on another computer; end it there."
-    if launches:
-        numbers = " ".join(map(str, launches))
+    if launched:
+        numbers = " ".join(map(str, launched))
         remedy = f"To end it, press Ctrl-C in its terminal, or: kill -INT {numbers}."
     if left_over:
-        numbers = " ".join(map(str, [*launches, *left_over]))
+        left_over += [one.number for one in shared if one.parent not in launches]
+        numbers = " ".join(map(str, [*launched, *left_over]))
         remedy = (
-            "No launch that runs has started them. A survey that runs is stopped and can be "
-            f"resumed. To end them, run: kill {numbers}"
+            "No launch that runs has started them. To end them, run this; a survey that runs is "
+            f"stopped and can be resumed: kill {numbers}"
         )
     return (
         f"a robot is running on {master}: {names}. To launch another one beside it, add a "

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, Iterator, Mapping, Tuple
 
-from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, Reading
+from gpr20_launch.mid.robot_files import AXES_FILE, Problem, Reading, problem
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import LINEAR, ROTARY, AxisParameters
 

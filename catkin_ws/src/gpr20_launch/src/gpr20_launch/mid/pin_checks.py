@@ -14,8 +14,7 @@ from gpr20_launch.mid.pin_table import (
     SPI_BUSES,
     spi_pins,
 )
-from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Reading
+from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Problem, Reading, problem
 from gpr20_survey.axes.axis_parameters import Level, Pull
 
 HEIGHT_FILE = "height.yaml"

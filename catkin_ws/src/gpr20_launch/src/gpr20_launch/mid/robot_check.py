@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
 import sys
 from contextlib import redirect_stdout
+from dataclasses import replace
 from ipaddress import IPv4Address
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import CONFIGURATION
+from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.message import Message, verbatim
@@ -19,16 +21,28 @@ from gpr20_common.mid.extension import is_extension
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
 from gpr20_launch.mid.axis_checks import check_axes
-from gpr20_launch.mid.data_checks import STORAGE_FILE, check_data
 from gpr20_launch.mid.pin_checks import HEIGHT_FILE, check_pins
-from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, ROBOT, SERVER, Reading, Use
-from gpr20_launch.mid.wiring import WITH_ROBOT
+from gpr20_launch.mid.robot_files import (
+    AXES_FILE,
+    ROBOT,
+    SERVER,
+    WITH_ROBOT,
+    Problem,
+    Reading,
+    Use,
+    problem,
+)
+from gpr20_survey.errors import ProcessingError
+from gpr20_survey.files.durable_files import free_bytes
+from gpr20_survey.folder.data_folder import IN_MEMORY, DataFolder, existing_folder, file_system_of
+from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.sensors import SENSORS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
+from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
 
 ANALYZER_FILE, WIRING_FILE, SENSORS_FILE = "analyzer.yaml", "wiring.yaml", "sensors.yaml"
+STORAGE_FILE = "storage.yaml"
 # What editors, copies and updates of packages leave.
 LEFT_OVER = re.compile(
     r".*(~|\.(bak|old|orig|save|sav|tmp|rej|sw[a-p]|backup|copy|new|dpkg-\w+|ucf-\w+)[\d~]*)"
@@ -37,6 +51,11 @@ LEFT_OVER = re.compile(
 )
 MASTER_PORT = 11311
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
+# Folders of the system, and those that it empties.
+OF_SYSTEM = ("/bin", "/boot", "/dev", "/etc", "/lib", "/proc", "/sbin", "/sys", "/usr")
+EMPTIED = ("/tmp", "/var/tmp", "/var/cache")
+OF_MEDIA = ("/media", "/mnt", "/run/media")
+ORDER = "; data:= of a launch counts before data: in storage.yaml, and that before GPR20_DATA"
 
 
 def check_robot(
@@ -54,7 +73,7 @@ def check_robot(
     """
     found = [*reading.problems, *check_pins(reading), *check_axes(reading), *_left_over(reading)]
     if use.part != ROBOT:
-        found += check_data(reading, use)
+        found += _data(reading, use)
     for file, key, value, reason, allowed in _doubts(reading):
         path = reading.folder / file
         found.append(problem(path, key, plain(value), reason, allowed, doubtful=True))
@@ -64,6 +83,89 @@ def check_robot(
     with redirect_stdout(sys.stderr):
         found += [*_extensions(reading, use), *_sensors(reading, use, message_field)]
     return tuple(sorted(found, key=lambda one: not one.refuses))
+
+
+def _data(reading: Reading, use: Use) -> Iterator[Problem]:
+    """Find why surveys cannot be stored, or hardly, in the folder that counts."""
+    storage, file = reading.record("storage"), str(reading.folder / STORAGE_FILE)
+    if "storage" in reading.unsure:
+        return
+    sources = (
+        (use.data.strip(), "data:=", "data"),
+        (storage.data.strip(), file, "data"),
+        (use.environment.get("GPR20_DATA", "").strip(), "environment", "GPR20_DATA"),
+    )
+    text, place, key = next((one for one in sources if one[0]), ("", file, "data"))
+    # A relative one depends on the folder in which the robot is started.
+    absolute = place == "data:=" or text[:1] in "/~"
+    if not (absolute and text.isprintable() and "~" not in os.path.expanduser(text)[:1]):
+        allowed = "an absolute path, such as /srv/gpr20/surveys"
+        yield problem(place, key, text, "no folder is meant by this" + ORDER, allowed)
+        return
+    storage = replace(storage, data=text)
+    mistake = _mistake(storage, reading.folder, use.real)
+    reason = mistake or (_doubt(storage) if text else "")
+    if reason:
+        allowed = "a folder of its own on a disk, such as ~/gpr20_data"
+        yield problem(place, key, storage.data_folder(), reason + ORDER, allowed, not mistake)
+    if not mistake:
+        yield from _disk(storage, (place, key), file)
+
+
+def _mistake(storage: ProcessingParameters, configuration: Path, real: bool) -> str:
+    folder = storage.data_folder()
+    inside = {folder, *folder.parents}
+    if folder in (Path("/"), Path.home()) or inside & set(map(Path, OF_SYSTEM)):
+        return "this folder belongs to the system"
+    if str(folder) in EMPTIED:
+        return "this folder belongs to every program, and the system empties it"
+    if folder.exists() and not folder.is_dir():
+        return "it is no folder"
+    if configuration in inside:
+        return "this folder holds the configuration"
+    if real and file_system_of(existing_folder(folder)).kind in IN_MEMORY:
+        return "this folder is in memory: surveys are lost when the robot is off"
+    return ""
+
+
+def _doubt(storage: ProcessingParameters) -> str:
+    folder = storage.data_folder()
+    inside = [folder, *folder.parents]
+    if {*map(str, inside)} & {*EMPTIED} - {*map(str, Path.home().parents)}:
+        return "the system empties this folder"
+    if {*map(str, inside)} & {*OF_MEDIA} and not storage.data_disk:
+        return (
+            "without its medium, surveys would be stored on the disk of the system, unless "
+            f"data_disk: true is in {STORAGE_FILE}"
+        )
+    for one in inside:
+        if (one / ".git").exists():
+            return f"it is inside of the repository {one}, which people clean and replace"
+    if not folder.exists():
+        mount_point = file_system_of(existing_folder(folder)).mount_point
+        return (
+            "it does not exist; unless its disk is mounted before, a launch makes it on the file "
+            f"system of {mount_point}"
+        )
+    return ""
+
+
+def _disk(storage: ProcessingParameters, where: Tuple[str, str], file: str) -> Iterator[Problem]:
+    use = storage.data_folder_use()
+    try:
+        DataFolder(use).identify()
+    except ProcessingError as error:
+        yield Problem(error.message, *where, printable(use.path))
+        return
+    free_mb = free_bytes(existing_folder(use.path)) / BYTES_PER_MB
+    if free_mb < storage.disk_reserve_mb:
+        reason = f"{free_mb:.0f} MB are free there, so no survey can start"
+        key, value = "disk_reserve_mb", f"{storage.disk_reserve_mb:g} MB"
+        yield problem(file, key, value, reason, f"<= {free_mb:.0f} MB", True, DISK_FULL)
+    unsigned = key_warning(storage.signer())
+    if unsigned is not None:
+        text = Message("{file}: {reason}", file=printable(file), reason=unsigned)
+        yield Problem(text, file, "signing_key", storage.signing_key)
 
 
 def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:

@@ -1,20 +1,20 @@
-"""The files of a robot's configuration: what each may hold, and how it is read."""
+"""The files of a robot's configuration: what each may hold, how it is read, what is wrong."""
 
 from __future__ import annotations
 
-from dataclasses import fields
+import enum
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Set, Tuple, Type
+from typing import Any, Dict, List, Mapping, NamedTuple, Set, Tuple, Type, Union
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.codec import mistakes, record_from
+from gpr20_common.terminal_text import printable
 from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_launch.mid.hints import hint_for_key, hint_for_text, hint_for_value
-from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.wiring import Wiring
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import BOARD_PINS, AxisParameters
@@ -31,6 +31,36 @@ ROBOTS = ("simulated", REAL)
 # What runs on this computer.
 PARTS = ROBOT, SERVER, SURVEY = ("robot", "server", "survey")
 Sections = Dict[str, Dict[str, Any]]
+
+
+class Unchecked(enum.Enum):
+    """Something that must be checked before anything may move."""
+
+    UNREAD = "unread"
+    PINS = "pins"
+    Z_DIRECTION_OR_STEP = "z_direction_or_step"
+    ENDSTOP_LEVELS = "endstop_levels"
+    DIRECTIONS = "directions"
+    NO_5_V = "no_5_v"
+    TRAVEL = "travel"
+    EMERGENCY_STOP = "emergency_stop"
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What a person must still check on this robot.
+
+    Attributes:
+        unchecked: Delete each word when a person has checked it, as docs/wiring.md describes. With
+            unread, pins, z_direction_or_step, no_5_v or endstop_levels in the list the robot is
+            not launched; with emergency_stop, directions or travel it warns.
+    """
+
+    unchecked: Tuple[Unchecked, ...] = ()
+
+
+# They are checked with the robot running, by the steps of the first power-up.
+WITH_ROBOT = (Unchecked.EMERGENCY_STOP, Unchecked.DIRECTIONS, Unchecked.TRAVEL)
 
 
 # The keys of each file are those of these sections of the configuration.
@@ -58,6 +88,50 @@ RELATED: Mapping[str, Tuple[str, ...]] = {
     "min_level_db": ("max_level_db",),
     "min_distance_m": ("max_distance_m",),
 }
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake, or something doubtful, in the configuration of a robot.
+
+    Attributes:
+        message: All of it as one sentence, with its fault.
+        file: The file; empty: a setting of the computer.
+        key: The key in it, such as y/sensor_pin; empty: the whole file.
+        value: Its value as Python shows it.
+    """
+
+    message: Message
+    file: str = ""
+    key: str = ""
+    value: str = ""
+
+    @property
+    def refuses(self) -> bool:
+        """Whether the robot must not be launched; otherwise it is doubtful."""
+        return self.message.severity in (None, Severity.FAULT)
+
+    def record(self) -> Dict[str, Any]:
+        """Return the sentence as it travels, and the place beside it."""
+        return {**self.message.record(), "file": self.file, "key": self.key, "value": self.value}
+
+
+def problem(
+    file: Union[Path, str],
+    key: str,
+    value: object,
+    reason: object,
+    allowed: object,
+    doubtful: bool = False,
+    fault: Fault = CONFIGURATION,
+) -> Problem:
+    """Return a problem of one value; a doubtful one may be right on some robot."""
+    place = f"{printable(str(file))}: {key} is {printable(str(value))}"
+    text = Message(
+        "{place}: {reason}; allowed: {allowed}", place=place, reason=reason, allowed=allowed
+    )
+    fault = fault.as_warning() if doubtful else fault
+    return Problem(text.reporting_only(fault), str(file), key, str(value))
 
 
 class Use(NamedTuple):

@@ -10,7 +10,7 @@ from typing import List
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_launch.mid.data_checks import STORAGE_FILE
+from gpr20_launch.mid.robot_check import STORAGE_FILE
 from gpr20_launch.mid.robot_files import Reading
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError
