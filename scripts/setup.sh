@@ -121,7 +121,8 @@ install_debian_packages() {
 
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
-    local lists=(nodes.in) arguments=() inputs=() names=() version list source gone='' venv_is_new=no
+    local lists=(nodes.in) arguments=() inputs=() names=() gone='' version list source
+    local venv_is_new=no
     [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)

@@ -144,7 +144,7 @@ def test_a_missing_python_package_is_seen_and_restored_in_a_new_environment(comp
     computer.stub(
         "system_python",
         'if [ "$1" = -c ]; then echo 3.11; exit; fi\n'
-        f'mkdir -p {venv}/bin && cp {computer.place}/bin/pip {venv}/bin/python\n'
+        f"mkdir -p {venv}/bin && cp {computer.place}/bin/pip {venv}/bin/python\n"
         f"echo 'VIRTUAL_ENV=\"{venv}\"' >{venv}/bin/activate",
     )
     computer.stub("pip", f'[ "$3" = --version ] && echo pip 23.0 || mkdir -p {packages}/mcap')

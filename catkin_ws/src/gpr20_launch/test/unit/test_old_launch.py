@@ -231,7 +231,8 @@ PARAMS = st.builds(
 ROSPARAMS = st.builds(
     "<rosparam {}>{{ {}: {}, f: {} }}</rosparam>".format,
     st.sampled_from(["", 'ns="below"', 'param="/whole"']),
-    *(st.sampled_from("gh"), TEXTS, st.integers(0, 9)),
+    # 013 is 11 for roslaunch; here it is a text, which no launch accepts.
+    *(st.sampled_from("gh"), TEXTS.filter("013".__ne__), st.integers(0, 9)),
 )
 NODES = st.builds(
     '<node pkg="p" type="t" name="{}" {}>{}</node>'.format,

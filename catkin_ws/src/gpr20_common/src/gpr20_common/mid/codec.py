@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from typing import Any, Dict, Hashable, List, Literal, Mapping, Sequence, Tuple, Type, TypeVar
+from typing import Any, Dict, Hashable, Literal, Mapping, Sequence, Tuple, Type, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
@@ -59,19 +59,17 @@ def record_of_json(kind: Type[Record], content: bytes, place: str, others: bool 
         raise _refusal(found, kind, place) from error
 
 
-def mistakes(kind: Type, values: Any, place: str) -> List[Tuple[List[Any], Message]]:
-    """Return all that keeps values from being a record, each with the keys that lead to it.
-
-    Values that do not fit together, which only the record finds, have none.
-    """
+def mistakes(kind: Type, values: Any, place: str) -> Dict[str, Message]:
+    """Return why values are no record: the first reason of each key; "": of several together."""
     try:
         record_from(kind, values, place)
     except InvalidValueError as error:
         cause = error.__cause__
         single = cause.errors() if isinstance(cause, ValidationError) else []
-        found = [(_keys(one), _refusal(one, kind, place).message) for one in single]
-        return found or [([], error.message)]
-    return []
+        found = [("".join(map(str, one["loc"][1:2])), one) for one in reversed(single)]
+        reasons = {key: _refusal(one, kind, place).message for key, one in found}
+        return reasons or {"": error.message}
+    return {}
 
 
 def shortened(value: Any) -> str:
@@ -99,13 +97,9 @@ def _adapter(kind: Any, others: bool) -> TypeAdapter:
     return TypeAdapter(Tuple[kind], config=config)
 
 
-def _keys(found: Mapping[str, Any]) -> List[Any]:
-    return [one for one in found["loc"][1:] if one != "[key]"]
-
-
 def _refusal(found: Mapping[str, Any], kind: Any, place: str) -> Gpr20Error:
     """Return what refuses a value that pydantic does not accept."""
-    keys = _keys(found)
+    keys = [one for one in found["loc"][1:] if one != "[key]"]
     context: Dict[str, Any] = found.get("ctx", {})
     for key in keys:
         below = f"{place}/{key}" if place else str(key)

@@ -98,7 +98,7 @@ def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description="Check a launch; used by the launch files.")
+    parser = argparse.ArgumentParser("check_launch", usage=argparse.SUPPRESS)
     parser.add_argument("--part", choices=PARTS, required=True)
     parser.add_argument("--robot", choices=ROBOTS, required=True)
     parser.add_argument("--full_screen", choices=("auto", "true", "false"), default="auto")

@@ -191,7 +191,7 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
         text = element.text or ""
         if "file" in element.attrib:
             text = _content(Path(scope.text(element, "file")))
-        content = parse_yaml(scope.substituted(text), odd_numbers=True)
+        content = parse_yaml(scope.substituted(text))
         _load(content, inner.join(scope.text(element, "param")), robot)
     elif element.tag == "include":
         if "pass_all_args" in element.attrib:

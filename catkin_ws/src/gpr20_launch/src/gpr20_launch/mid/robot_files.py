@@ -273,13 +273,11 @@ class Reading:
         if wrong or found:
             self.unsure.add(section)
         below = f"{axis}/" if axis else ""
-        # Of several mistakes in the value of a key the first one.
-        for keys, error in {str(one[0][:1]): one for one in reversed(found)}.values():
+        for key, error in found.items():
             hints, allowed = [], str(error.values.get("allowed", ""))
-            key = str(keys[0]) if keys else ""
-            if not keys and (wrong or (axis and _has_wrong_pins(every))):
+            if not key and (wrong or (axis and _has_wrong_pins(every))):
                 continue
-            if not keys:
+            if not key:
                 names = (error.values.get(one) for one in ("name", "place", "key"))
                 named = next((str(one) for one in names if one), "")
                 related = [named, *RELATED.get(named, ())]
