@@ -3,6 +3,7 @@
 import importlib.util
 import json
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from case_kit import each_case
@@ -14,7 +15,7 @@ from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import robot_check
-from gpr20_launch.mid.robot_files import WITH_ROBOT, Unchecked
+from gpr20_launch.mid.robot_files import Before, WithRobot
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -27,7 +28,7 @@ NO_CONTROLLER = "x: {controller: 'subprocess:Popen', controller_options: {args: 
 LEVELS = "x: {enable_pin: 18}\ny: {enable_pin: 18, enable_active: high}"
 LEFT = ("axes.yaml.bak", "axes.yaml~", ".axes.yaml.swp", "axes.yaml.dpkg-old", "#axes.yaml#")
 PACKAGED = ("axes.yaml.dpkg-new", "axes.yaml.dpkg-dist", "axes.yaml.2", "axes.yml.orig")
-OF_PROFILE = [one for one in Unchecked if one is not Unchecked.UNREAD]
+OF_PROFILE = {*get_args(Before), *get_args(WithRobot)} - {"unread"}
 # File and text; key, after the other file that has it; what must be said; code, if another.
 MISTAKES = [
     # Pins, with everything that uses them.
@@ -208,6 +209,7 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
         ("axes", "x: {min_stp: 0.01, step_size: 0.5}", {"x/min_stp"}),
         ("axes", "x: {max_coord: abc, min_coord: 700, dir_pin: 41}", {"x/max_coord", "x/dir_pin"}),
         ("axes", LEVELS.replace("high", "hi"), {"y/enable_active"}),
+        ("axes", "x: {dir_pn: 37}\ny: {dir_pin: 13}", {"x/dir_pn"}),
         ("height", "spi_bu: 1\nspi_device: 2", {"spi_bu"}),
         ("height", "spi_bus: 1\nspi_bus: 0", {""}),
         ("storage", "daat: /media/x\ndisk_reserve_mb: -1", {"daat", "disk_reserve_mb"}),
@@ -344,12 +346,12 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
 def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, profile):
     folder = tmp_path / profile
     status, printed, _ = run("robot_config", "create", "--profile", profile, folder)
-    assert status == 0 and all(f"unchecked is {one.value}" in printed for one in OF_PROFILE)
+    assert status == 0 and all(f"unchecked is {one}" in printed for one in OF_PROFILE)
     write(folder, {})
     found = checked(folder)
     assert {one.message.fault_code for one in found} == {NOT_CHECKED.code}
-    assert {one.value for one in found} == {one.value for one in OF_PROFILE}
-    assert {one.value for one in found if not one.refuses} == {one.value for one in WITH_ROBOT}
+    assert {one.value for one in found} == OF_PROFILE
+    assert {one.value for one in found if not one.refuses} == {*get_args(WithRobot)}
     (folder / "wiring.yaml").write_text("unchecked: []")
     assert checked(folder) == ()
     # Beside other files it would have no effect.

@@ -9,7 +9,7 @@ from contextlib import redirect_stdout
 from dataclasses import replace
 from ipaddress import IPv4Address
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Tuple
+from typing import Any, Callable, Dict, Iterator, Tuple, get_args
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import CONFIGURATION, DISK_FULL
@@ -26,10 +26,10 @@ from gpr20_launch.mid.robot_files import (
     AXES_FILE,
     ROBOT,
     SERVER,
-    WITH_ROBOT,
     Problem,
     Reading,
     Use,
+    WithRobot,
     problem,
 )
 from gpr20_survey.errors import ProcessingError
@@ -261,7 +261,7 @@ def _unchecked(reading: Reading) -> Iterator[Problem]:
     for one in wiring.unchecked:
         reason = "nobody has checked it; docs/wiring.md describes how a person does, and with what"
         allowed = "nothing in the list, once a person has checked it and corrected the files"
-        where, doubtful = (file, "unchecked", one.value), one in WITH_ROBOT
+        where, doubtful = (file, "unchecked", one), one in get_args(WithRobot)
         yield problem(*where, reason, allowed, doubtful, faults.NOT_CHECKED)
 
 

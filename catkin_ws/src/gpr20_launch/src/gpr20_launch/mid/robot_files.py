@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import enum
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Set, Tuple, Type, Union
+from typing import Any, Dict, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
@@ -33,17 +32,9 @@ PARTS = ROBOT, SERVER, SURVEY = ("robot", "server", "survey")
 Sections = Dict[str, Dict[str, Any]]
 
 
-class Unchecked(enum.Enum):
-    """Something that must be checked before anything may move."""
-
-    UNREAD = "unread"
-    PINS = "pins"
-    Z_DIRECTION_OR_STEP = "z_direction_or_step"
-    ENDSTOP_LEVELS = "endstop_levels"
-    DIRECTIONS = "directions"
-    NO_5_V = "no_5_v"
-    TRAVEL = "travel"
-    EMERGENCY_STOP = "emergency_stop"
+# What is checked with everything off; and with the robot running, at the first power-up.
+Before = Literal["unread", "pins", "z_direction_or_step", "endstop_levels", "no_5_v"]
+WithRobot = Literal["emergency_stop", "directions", "travel"]
 
 
 @dataclass(frozen=True)
@@ -56,11 +47,7 @@ class Wiring:
             not launched; with emergency_stop, directions or travel it warns.
     """
 
-    unchecked: Tuple[Unchecked, ...] = ()
-
-
-# They are checked with the robot running, by the steps of the first power-up.
-WITH_ROBOT = (Unchecked.EMERGENCY_STOP, Unchecked.DIRECTIONS, Unchecked.TRAVEL)
+    unchecked: Tuple[Literal[Before, WithRobot], ...] = ()
 
 
 # The keys of each file are those of these sections of the configuration.
