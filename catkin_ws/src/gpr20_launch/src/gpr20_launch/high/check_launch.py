@@ -42,7 +42,8 @@ def main() -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     names = [one.name for one in fields(SimulatorParameters)]
     try:
-        simulator = SimulatorParameters(**{one: getattr(given, one) for one in names})
+        own = {name: value for name, value in vars(given).items() if name in names}
+        simulator = SimulatorParameters(**own)
         reading = Reading(_folder(given), built_axes())
         found = check_robot(reading, use, message_field)
         if any(one.refuses for one in found):
@@ -107,7 +108,6 @@ def _parser() -> argparse.ArgumentParser:
     for name in ("time_scale", "seconds_per_point"):
         parser.add_argument(f"--{name}", type=float, default=1.0)
     parser.add_argument("--portmapper", type="true".__eq__, default=False)
-    parser.add_argument("--port", type=int, default=0)
     return parser
 
 
