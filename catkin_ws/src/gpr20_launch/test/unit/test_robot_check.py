@@ -105,6 +105,8 @@ MISTAKES = [
     ("survey", "- a list", "", "key: value"),
     ("storage", "extra_recorded_topics: [a b]", "", "'a b'"),
     ("axes", "x: {max_step: 0.001}", "x/max_step", "min_step has its default"),
+    ("axes", "x: {enable_pin: 18, enable_active: []}", "x/enable_active", "one of low, high"),
+    ("axes", "x: 0", "x", "group of values"),
 ]
 DOUBTS = [
     ("axes", "z: {min_coord: 10}", "z/min_coord", "10 deg|<= 0 deg"),

@@ -61,7 +61,7 @@ def check_pins(reading: Reading) -> Iterator[Problem]:
 
 
 def _axis_uses(reading: Reading) -> Iterator[PinUse]:
-    levels = {one.value for one in Level}
+    levels = [one.value for one in Level]
     for axis, section in AXIS_SECTIONS.items():
         values = reading.sections[section]
         level = values.get("enable_active", Level.LOW.value)

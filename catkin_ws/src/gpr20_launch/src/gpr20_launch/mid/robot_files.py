@@ -196,7 +196,8 @@ class Reading:
         names = {one.name for one in fields(AxisParameters)}
         self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
         for axis, section in AXIS_SECTIONS.items():
-            own, mistaken = values.get(axis) or {}, wrong
+            own, mistaken = values.get(axis), wrong
+            own = {} if own is None else own
             if not isinstance(own, dict):
                 hint = hint_for_value(axis, own) or hint_for_text(path)
                 reason = f"{axis} is {own!r}; it must be a group of values"
