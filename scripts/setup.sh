@@ -121,7 +121,8 @@ install_debian_packages() {
 
 # What is imported (requirements/*.in), in the versions that are pinned for this Python.
 install_python_packages() {
-    local lists=(nodes.in) arguments=() inputs=() names=() version list source venv_is_new=no
+    local lists=(nodes.in) arguments=() inputs=() names=() gone='' version list source
+    local venv_is_new=no
     [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
@@ -129,10 +130,13 @@ install_python_packages() {
     version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     [ -f "$pins" ] || fail "$pins is missing; add Python $version to scripts/requirements.sh"
-    # Its programs name its folder, so it is made again after the checkout was moved.
-    if [ ! -x "$GPR20_VENV/bin/python" ] ||
+    [ -e "$GPR20_VENV/installed" ] && gone="$(in_environment |
+        LC_ALL=C comm -13 - "$GPR20_VENV/installed" | tr '\n' ' ')"
+    # Its programs name its folder, so it is made again after the checkout was moved; and after a
+    # part of a package was removed, which pip does not see.
+    if [ ! -x "$GPR20_VENV/bin/python" ] || [ -n "$gone" ] ||
         ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
-        if may_change "missing: $GPR20_VENV"; then
+        if may_change "missing: ${gone:-$GPR20_VENV}"; then
             need_disk "$GPR20_ROOT" "$PYTHON_MB" "its Python packages"
             rm -rf "$GPR20_VENV"
             run_logged "the virtual environment $GPR20_VENV" \
@@ -162,13 +166,26 @@ install_python_packages() {
             fi
         done
     fi
-    [ ${#arguments[@]} -gt 0 ] || return 0
+    if [ ${#arguments[@]} -eq 0 ]; then
+        [ -e "$GPR20_VENV/installed" ] || [ "$mode" != install ] ||
+            in_environment >"$GPR20_VENV/installed"
+        return 0
+    fi
     may_change "missing Python packages of: ${names[*]} (pinned in ${pins##*/})" || return 0
     step "installing Python packages in .venv (typically 1 min)"
     run_logged "the installation of Python packages" \
         "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --progress-bar off \
         --constraint "$pins" "${arguments[@]}"
     for list in "${inputs[@]}"; do cat "$list" "$pins" >"$(stamp_of "$list")"; done
+    in_environment >"$GPR20_VENV/installed"
+}
+
+# What pip has put into the virtual environment: a name a line, sorted.
+in_environment() {
+    local folder
+    for folder in "$GPR20_VENV"/lib/python3*/site-packages; do
+        [ ! -d "$folder" ] || LC_ALL=C ls "$folder"
+    done
 }
 
 # That of Ubuntu 20.04, 20.0.2, cannot install what has only a pyproject.toml as editable.
@@ -229,6 +246,8 @@ make_workspace() {
         catkin_make -C "$GPR20_WORKSPACE" -DPYTHON_EXECUTABLE="$GPR20_VENV/bin/python3" \
             -DCATKIN_ENABLE_TESTING=OFF
     )
+    # The messages, whose first import would cost each node of the first launch 0.2 s.
+    "$GPR20_VENV/bin/python3" -m compileall -q "$GPR20_WORKSPACE/devel/lib/python3"
 }
 
 check_place

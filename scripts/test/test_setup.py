@@ -129,6 +129,32 @@ def test_it_installs_builds_and_does_nothing_the_second_time(computer):
     assert computer.run("--check").returncode == 0
 
 
+def test_a_missing_python_package_is_seen_and_restored_in_a_new_environment(computer):
+    venv = computer.checkout / ".venv"
+    packages = venv / "lib/python3.11/site-packages"
+    computer.stub("dpkg-query", "echo install ok installed")
+    for name in ("mcap", "mcap-1.6.0.dist-info", "own"):
+        (packages / name).mkdir(parents=True)
+    assert computer.run().returncode == 0 and computer.run("--check").returncode == 0
+    # Whatever pip knows of it.
+    (packages / "mcap").rmdir()
+    ended = computer.run("--check")
+    assert ended.returncode == 1 and "missing: mcap" in ended.stderr
+    assert "run scripts/setup.sh" in ended.stderr
+    computer.stub(
+        "system_python",
+        'if [ "$1" = -c ]; then echo 3.11; exit; fi\n'
+        f"mkdir -p {venv}/bin && cp {computer.place}/bin/pip {venv}/bin/python\n"
+        f"echo 'VIRTUAL_ENV=\"{venv}\"' >{venv}/bin/activate",
+    )
+    computer.stub("pip", f'[ "$3" = --version ] && echo pip 23.0 || mkdir -p {packages}/mcap')
+    computer.environment["GPR20_SYSTEM_PYTHON"] = str(computer.place / "bin/system_python")
+    ended = computer.run()
+    assert ended.returncode == 0, ended.stderr
+    assert (packages / "mcap").is_dir() and not (packages / "own").exists()
+    assert computer.run("--check").returncode == 0
+
+
 @pytest.mark.parametrize("command", ["update", "install"])
 def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command):
     fails_first(computer, LOCKED, command)

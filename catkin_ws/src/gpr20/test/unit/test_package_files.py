@@ -206,8 +206,7 @@ def test_the_check_before_a_launch_knows_what_the_nodes_import():
         "gpr20_viewer",
     }
     imported = set().union(*(foreign_modules(name) for name in launched))
-    known = {*needed_modules.FROM_ROS, *needed_modules.FROM_SYSTEM, *needed_modules.FROM_PIP}
-    assert known == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
+    assert {*needed_modules.NEEDED} == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
 
 
 @each_case("name", PACKAGES)

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
+from gpr20_launch.mid.robot_check import check_robot
+from gpr20_launch.mid.robot_files import Reading, Use
 
 
 def message_field(datatype, field):
@@ -14,10 +14,7 @@ def message_field(datatype, field):
 
 
 PACKAGES = Path(__file__).resolve().parents[3]
-BUILT = BuiltRobot(
-    PACKAGES / "gpr20_launch/config/axes.yaml",
-    message_field,
-)
+AXES = PACKAGES / "gpr20_launch/config/axes.yaml"
 PROFILES = PACKAGES / "gpr20_launch/config/profiles"
 VNA = "address: 192.168.1.10\n"
 
@@ -33,4 +30,4 @@ def write(folder, files):
 def checked(folder, environment=(), **options):
     """Return what the check finds; the state of this computer does not matter."""
     own = {"GPR20_STATE": str(folder / "state"), **dict(environment)}
-    return check_robot(Use(folder, own, **options), BUILT)
+    return check_robot(Reading(folder, AXES), Use(own, **options), message_field)

@@ -3,17 +3,21 @@
 import importlib.util
 import json
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from case_kit import each_case
 from robot_check_examples import PROFILES, VNA, checked, write
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
+from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
-from gpr20_launch import faults
-from gpr20_launch.mid import place_checks
-from gpr20_launch.mid.pin_table import BOARD_OF_GPIO, GPIO_OF_BOARD, NOT_GPIO, SPI_BUSES
-from gpr20_launch.mid.wiring import TASKS, WITH_ROBOT, Unchecked
+from gpr20_launch.faults import NOT_CHECKED
+from gpr20_launch.mid import robot_check
+from gpr20_launch.mid.robot_files import Before, WithRobot
+from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
+from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SENSOR = "topic: soil/values, message: std_msgs/Float64, field: data"
 TWICE = f"sensors: [{{name: a, {SENSOR}}}, {{name: b, {SENSOR}}}]"
@@ -24,7 +28,7 @@ NO_CONTROLLER = "x: {controller: 'subprocess:Popen', controller_options: {args: 
 LEVELS = "x: {enable_pin: 18}\ny: {enable_pin: 18, enable_active: high}"
 LEFT = ("axes.yaml.bak", "axes.yaml~", ".axes.yaml.swp", "axes.yaml.dpkg-old", "#axes.yaml#")
 PACKAGED = ("axes.yaml.dpkg-new", "axes.yaml.dpkg-dist", "axes.yaml.2", "axes.yml.orig")
-OF_PROFILE = [one for one in Unchecked if one is not Unchecked.UNREAD]
+OF_PROFILE = {*get_args(Before), *get_args(WithRobot)} - {"unread"}
 # File and text; key, after the other file that has it; what must be said; code, if another.
 MISTAKES = [
     # Pins, with everything that uses them.
@@ -60,6 +64,8 @@ MISTAKES = [
     ("axes", "x: {step_size: 0,01}", "x/step_size", "point, not a comma: 0.01"),
     ("axes", "x:\n  dir_pin:13", "x", "line 2|colon"),
     ("axes", "x:\n\tdir_pin: 13", "", "line 2|tab"),
+    ("site", "site: a\nrobot:\u00a0b", "", "line 2|space of another kind"),
+    ("survey", b"\x7fELF\x02\x01\x00", "", "line 1|no text"),
     ("axes", "x: {step_pin: '15'}", "x/step_pin", "'15'|quotes"),
     ("axes", "x: {delta_step: 1e-4}", "x/delta_step", "1.0e-4"),
     ("analyzer", f"{VNA}min_frequency_hz: 2.0e9", "min_frequency_hz", "2.0e+9"),
@@ -75,6 +81,7 @@ MISTAKES = [
     # Data, addresses, sensors, wiring, files.
     ("storage", "data: surveys", "data", "absolute path, such as /srv/gpr20"),
     ("storage", "data: /etc/surveys", "data", "/etc/surveys|system|GPR20_DATA"),
+    ("storage", "data: /tmp", "data", "/tmp|every program"),
     ("analyzer", "address: 224.0.0.1", "address", "224.0.0.1"),
     ("analyzer", "address: 192.168.1.255", "address", "192.168.1.255"),
     ("analyzer", "address: 192.168.1.300", "address", "192.168.1.300|192.168.1.10"),
@@ -86,10 +93,20 @@ MISTAKES = [
         "wiring",
         "unchecked: [pins]",
         "unchecked",
-        "pins|continuity meter|corrected the files",
+        "pins|docs/wiring.md|corrected the files",
         "config.not_checked",
     ),
     ("hight", "", "", "hight.yaml|height.yaml|rename it"),
+    # Of one record: types, choices, lists, groups, names.
+    ("height", "reference_voltage_v: '3.3'", "reference_voltage_v", "'3.3'|number|quotes"),
+    ("analyzer", "accepted_calibrations: [1, 9]", "accepted_calibrations", "[1]|9"),
+    ("analyzer", "analyzer: hp8753", "analyzer", "'hp8753'|ms2026c, gpr20_scikit_rf:Scikit"),
+    ("survey", "on_height_failure: guess", "on_height_failure", "pause, store_without"),
+    ("survey", "- a list", "", "key: value"),
+    ("storage", "extra_recorded_topics: [a b]", "", "'a b'"),
+    ("axes", "x: {max_step: 0.001}", "x/max_step", "min_step has its default"),
+    ("axes", "x: {enable_pin: 18, enable_active: []}", "x/enable_active", "one of low, high"),
+    ("axes", "x: 0", "x", "group of values"),
 ]
 DOUBTS = [
     ("axes", "z: {min_coord: 10}", "z/min_coord", "10 deg|<= 0 deg"),
@@ -121,6 +138,10 @@ DOUBTS = [
         "survey.not_signed",
     ),
     ("survey", "settle_s: 0", "settle_s", "swing"),
+    ("survey", "reference_interval_s: 1", "reference_interval_s", ">= 60 s"),
+    ("web", "port: 11311", "port", "11311|ROS master"),
+    ("axes", "z: {delta_step: 0.02}", "z/delta_step", "max_step 0.025|<= 0.015 s"),
+    ("axes", "y: {step_size: 0.1}", "y/step_size", "0.1 mm|0.002 - 0.05 mm"),
     ("analyzer", f"{VNA}antenna_delay_ns: 1.9e-9", "antenna_delay_ns", "seconds"),
     ("analyzer", "address: 127.0.0.1", "address", "127.0.0.1"),
     (
@@ -139,9 +160,8 @@ BOTH = {"GPR20_ROBOT": "192.168.1.2", "GPR20_SERVER": "192.168.1.3"}
 def home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("GPR20_STATE", str(tmp_path / "state"))
-    monkeypatch.setenv("GPR20_ENVIRONMENT", str(tmp_path / "none"))
     monkeypatch.delenv("GPR20_DATA", raising=False)
-    monkeypatch.setattr(place_checks, "free_bytes", lambda _folder: 5e10)
+    monkeypatch.setattr(robot_check, "free_bytes", lambda _folder: 5e10)
     (tmp_path / "home/surveys").mkdir(parents=True)
     (tmp_path / "home/src/gpr20/.git").mkdir(parents=True)
 
@@ -162,8 +182,6 @@ def test_a_mistake_is_found_once_with_file_key_value_and_uses(tmp_path, case):
     assert one.refuses == (case in MISTAKES) and one.message.remedy is not None
     assert one.file in text and all(word in text for word in shown.split("|")), text
     assert [one.message.fault_code] == (code or [CONFIGURATION.code])
-    assert (len(one.uses) > 1) == ("purposes" in text)
-    assert all(use in text for use in one.uses)
 
 
 # The programs show all alike.
@@ -180,7 +198,7 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
     received = received_message("", record)
     assert status == int(refused)
     assert (received, received.cause) == (one.message, one.message.cause)
-    assert (record["file"], record["key"], tuple(record["uses"])) == (one.file, one.key, one.uses)
+    assert (record["file"], record["key"]) == (one.file, one.key)
     launch = ("--part", "survey", "--robot", "gpr20", "--config", folder)
     status, configuration, said = run("check_launch", *launch)
     assert status == int(refused) and text in said
@@ -193,6 +211,7 @@ def test_command_launch_and_programs_get_the_same(tmp_path, run, case):
         ("axes", "x: {min_stp: 0.01, step_size: 0.5}", {"x/min_stp"}),
         ("axes", "x: {max_coord: abc, min_coord: 700, dir_pin: 41}", {"x/max_coord", "x/dir_pin"}),
         ("axes", LEVELS.replace("high", "hi"), {"y/enable_active"}),
+        ("axes", "x: {dir_pn: 37}\ny: {dir_pin: 13}", {"x/dir_pn"}),
         ("height", "spi_bu: 1\nspi_device: 2", {"spi_bu"}),
         ("height", "spi_bus: 1\nspi_bus: 0", {""}),
         ("storage", "daat: /media/x\ndisk_reserve_mb: -1", {"daat", "disk_reserve_mb"}),
@@ -208,25 +227,33 @@ def test_no_mistake_follows_from_the_default_of_a_value_that_is_not_known(
     assert {one.key for one in found} == wrong and len(found) == len(wrong), found
 
 
-OPTIONS_REFUSED = """
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import verbatim
-from gpr20_vna_acquisition.mid.analyzers import Analyzer
+class OwnAnalyzer:
+    """A class for another analyzer."""
 
-class Vna(Analyzer):
-    def __init__(self, parameters, deadline, port):
-        raise InvalidValueError(verbatim(f"port is {port}"))
-"""
+    connect = identify = check_sweep = configure = sweep = confirm = calibration = None
+    release = disconnect = trace_duration_s = remarks = None
+
+    def __init__(self, parameters, deadline, port=1):
+        if port < 0:
+            raise InvalidValueError(verbatim(f"port is {port}"))
 
 
-def test_a_class_of_analyzer_checks_its_options(tmp_path, monkeypatch):
-    (tmp_path / "own_vna.py").write_text("print('noise')" + OPTIONS_REFUSED)
-    text = f"{VNA}analyzer: own_vna:Vna\nanalyzer_options: {{port: -1}}"
-    write(tmp_path / "robot", {"analyzer": text})
-    monkeypatch.syspath_prepend(str(tmp_path))
-    (one,) = checked(tmp_path / "robot", part="server")
-    assert one.message.fault_code == CONFIGURATION.code
-    assert "port is -1" in str(one.message)
+def test_a_class_of_analyzer_checks_its_options_and_is_doubtful_until_it_passed_its_check(tmp_path):
+    own, folder = f"{__name__}:OwnAnalyzer", tmp_path / "robot"
+    write(folder, {"analyzer": f"{VNA}analyzer: {own}\nanalyzer_options: {{port: -1}}"})
+    (one,) = checked(folder, part="server")
+    assert one.message.fault_code == CONFIGURATION.code and "port is -1" in str(one.message)
+    write(folder, {"analyzer": f"{VNA}analyzer: {own}"})
+
+    def codes(**options):
+        return [one.message.fault_code for one in checked(folder, **options)]
+
+    assert codes(part="robot") == codes(real=False) == []
+    for status in (Status.FAILED, Status.PASSED):
+        assert codes() == codes(part="server") == [NOT_CHECKED.code]
+        found = [Result("identity", status, verbatim("found"))]
+        store(folder, VnaParameters(analyzer=own), found)
+    assert codes() == []
 
 
 @pytest.mark.skipif(not HAS_ROS, reason="could not import 'genpy'")
@@ -317,25 +344,16 @@ def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
     assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
 
 
-def test_the_header_has_forty_pins_and_every_bus_its_own_lines():
-    assert {*GPIO_OF_BOARD, *NOT_GPIO} == set(range(1, 41))
-    assert BOARD_OF_GPIO[17] == 11 and len(BOARD_OF_GPIO) == 28
-    for bus in SPI_BUSES.values():
-        for device in range(len(bus.selects)):
-            assert len(set(bus.pins(device).values())) == 4
-
-
 @each_case("profile", sorted(path.name for path in PROFILES.iterdir()))
 def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, profile):
     folder = tmp_path / profile
     status, printed, _ = run("robot_config", "create", "--profile", profile, folder)
-    assert status == 0 and all(f"unchecked is {one.value}" in printed for one in OF_PROFILE)
+    assert status == 0 and all(f"unchecked is {one}" in printed for one in OF_PROFILE)
     write(folder, {})
     found = checked(folder)
-    assert {one.message.fault_code for one in found} == {faults.NOT_CHECKED.code}
-    assert {one.value for one in found} == {one.value for one in OF_PROFILE}
-    assert set(TASKS) == set(Unchecked)
-    assert {one.value for one in found if not one.refuses} == {one.value for one in WITH_ROBOT}
+    assert {one.message.fault_code for one in found} == {NOT_CHECKED.code}
+    assert {one.value for one in found} == OF_PROFILE
+    assert {one.value for one in found if not one.refuses} == {*get_args(WithRobot)}
     (folder / "wiring.yaml").write_text("unchecked: []")
     assert checked(folder) == ()
     # Beside other files it would have no effect.
@@ -343,11 +361,6 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     status, _, said = run("robot_config", "create", "--profile", profile, folder)
     assert status == 1 and "axes.yaml" in said and NOT_ALLOWED.remedy.template in said
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
-    # Without its list of checks, nobody has made them.
-    (folder / "wiring.yaml").unlink()
-    unlisted = [one for one in checked(folder) if one.refuses]
-    assert {Path(one.file).name for one in unlisted} >= {"axes.yaml"}
-    assert {one.message.fault_code for one in unlisted} >= {faults.NOT_CHECKED.code}
 
 
 def test_a_folder_of_an_unset_variable_is_refused(run, capfd):

@@ -8,16 +8,12 @@ from pathlib import Path
 import pytest
 import yaml
 from case_kit import each_case
-from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from robot_check_examples import BUILT, checked
+from robot_check_examples import AXES, checked
 
-from gpr20_common.faults import CONFIGURATION
 from gpr20_common.mid.codec import record_from
-from gpr20_doctor.mid import bundle
-from gpr20_launch.errors import ConfigurationError
-from gpr20_launch.mid.robot_files import AXES_FILE, FILES, read_configuration
+from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import ssh_keygen
@@ -26,8 +22,6 @@ from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
-
-AXES = BUILT.axes
 
 # Another analyzer than the usual one.
 OTHER_VNA = """\
@@ -43,29 +37,29 @@ accepted_calibrations: [5]
 def read(folder, **texts):
     for name, text in texts.items():
         (folder / f"{name}.yaml").write_text(text)
-    return read_configuration(folder, AXES)
+    reading = Reading(folder, AXES)
+    assert not reading.problems
+    return reading.sections
 
 
 def test_without_files_everything_has_its_default(tmp_path):
     sections = read(tmp_path)
     assert sections["x_axis"]["max_coord"] == 650.0
     for file in FILES.values():
-        for section, kind in file.sections:
+        for section, kind in file.items():
             assert record_from(kind, sections[section], section) == kind()
-    # The bundle for help has every file.
-    assert sorted(bundle.CONFIGURATION) == sorted({*FILES, AXES_FILE})
 
 
 def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
-    texts = templates(AXES)
+    texts = templates(yaml.safe_load(AXES.read_text()))
     for name, text in texts.items():
         (tmp_path / name).write_text(text)
-    assert read_configuration(tmp_path, AXES) == read_configuration(tmp_path / "none", AXES)
+    assert read(tmp_path) == read(tmp_path / "none")
     for name, file in FILES.items():
         lines = [one for one in texts[name].splitlines() if re.match("#[^ ]", one)]
         (tmp_path / name).write_text("\n".join(one[1:] for one in lines))
         shown = yaml.safe_load((tmp_path / name).read_text())
-        for _section, kind in file.sections:
+        for kind in file.values():
             own = {field.name: shown[field.name] for field in dataclasses.fields(kind)}
             assert record_from(kind, own, name) == kind()
     used = [line.replace("  #", "  ", 1) for line in texts[AXES_FILE].splitlines()]
@@ -73,31 +67,6 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
     for axis, values in yaml.safe_load(AXES.read_text()).items():
         assert {key: sections[f"{axis}_axis"][key] for key in values} == values
     assert not [one for one in checked(tmp_path, part="robot") if one.refuses]
-
-
-@each_case(
-    "file, text, shown",
-    [
-        ("height", "reference_voltage_v: '3.3'", ("reference_voltage_v", "'3.3'", "number")),
-        ("analyzer", "accepted_calibrations: [1, 9]", ("accepted_calibrations[1]", "9")),
-        ("analyzer", "analyzer: hp8753", ("analyzer", "'hp8753'", "ms2026c, ")),
-        ("analyzer", "analyzer: scikit_rf", ("gpr20_scikit_rf:ScikitRfAnalyzer",)),
-        ("analyzer", "scikit_rf_class: keysight.PNA", ("scikit_rf_class", "in analyzer_options")),
-        ("analyzer", OTHER_VNA.replace("::16::", "::1 6::"), ("'GPIB0::1 6::INSTR'",)),
-        ("analyzer", OTHER_VNA + "analyzer_option: {}", ("'analyzer_option'",)),
-        ("survey", "on_height_failure: guess", ("on_height_failure", "pause, store_without")),
-        ("survey", "- a list", ("key: value",)),
-        ("storage", "extra_recorded_topics: [a b]", ("'a b'",)),
-        ("sensors", "sensors: [5]", ("sensors[0]", "5")),
-        ("axes", "x: 5", ("x", "5")),
-        ("axes", "x: {enable_pin: none}", ("x/enable_pin",)),
-    ],
-)
-def test_what_is_wrong_is_named_with_its_file(tmp_path, file, text, shown):
-    path = tmp_path / f"{file}.yaml"
-    with raises_fault(CONFIGURATION, path, *shown, error=ConfigurationError):
-        read(tmp_path, **{file: text})
-    path.unlink()
 
 
 def test_keys_of_one_file_override_only_themselves(tmp_path):
@@ -118,15 +87,14 @@ def test_a_file_of_another_name_is_refused_and_what_editors_leave_is_not_read(tm
     assert read(tmp_path) == read(tmp_path / "none")
     for name in ("Axes.yaml", "axes.yml", "hight.yaml"):
         (tmp_path / name).write_text("")
-        with raises_fault(CONFIGURATION, tmp_path / name, error=ConfigurationError):
-            read(tmp_path)
+        (one,) = Reading(tmp_path, AXES).problems
+        assert one.file == str(tmp_path / name) and one.refuses
         (tmp_path / name).unlink()
     # A link that leads nowhere does not mean the defaults.
     (tmp_path / "axes.yaml").symlink_to("/nowhere/axes.yaml")
     (tmp_path / "linked").symlink_to("/nowhere")
     for folder in (tmp_path, tmp_path / "linked"):
-        with raises_fault(CONFIGURATION, folder, error=ConfigurationError):
-            read_configuration(folder, AXES)
+        assert any(str(folder) in one.file for one in Reading(folder, AXES).problems)
 
 
 @given(
@@ -146,11 +114,7 @@ def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, va
     (folder / name).write_text(yaml.safe_dump(values))
     found = checked(folder, part="robot")
     assert all(one.message.remedy is not None for one in found)
-    try:
-        read_configuration(folder, AXES)
-    except ConfigurationError as error:
-        assert name in str(error)
-        assert any(one.refuses and name in one.file for one in found)
+    assert all(name in one.file for one in found if one.refuses)
 
 
 @pytest.fixture
@@ -177,7 +141,7 @@ def test_the_folder_is_the_one_that_a_launch_reads(tmp_path, monkeypatch, robot_
 
 
 def signing_key(folder):
-    return read_configuration(folder, AXES)["storage"].get("signing_key")
+    return read(folder)["storage"].get("signing_key")
 
 
 def test_the_key_is_made_once_named_for_the_storage_and_never_in_a_survey(tmp_path, robot_config):
@@ -196,7 +160,7 @@ def test_the_key_is_made_once_named_for_the_storage_and_never_in_a_survey(tmp_pa
     assert (status, key.read_bytes()) == (0, kept)
     assert first.splitlines()[-4:] == again.splitlines()[-4:]
     assert "GPR-20 Ñandú" in (tmp_path / "signing_key.pub").read_text()
-    stored = json.dumps(read_configuration(tmp_path, AXES))
+    stored = json.dumps(read(tmp_path))
     secret = "".join(key.read_text().splitlines()[1:-1])
     assert not any(secret[at : at + 16] in stored for at in range(len(secret) - 16))
     assert robot_config("check")[0] == 0
@@ -207,45 +171,34 @@ def test_the_key_is_made_once_named_for_the_storage_and_never_in_a_survey(tmp_pa
     assert robot_config("key")[0] == 0
 
 
-@each_case("name", ["GPR-20", "Ñandú 3", 'a"b,*!? #x', "名"])
-def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config, name):
-    folder = tmp_path / str(len(name))
+@each_case("name", ["GPR-20", 'a"b,*!? #x', "名"])
+@each_case("text", ["", "signing_key: ''\n", "data: /srv\n#signing_key: ''\n"])
+def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_config, name, text):
+    folder = tmp_path / f"{len(name)}_{len(text)}"
     folder.mkdir()
     (folder / "site.yaml").write_text(json.dumps({"robot": name}))
+    (folder / "storage.yaml").write_text(text)
     _status, printed = robot_config("key", folder)
+    storage = read(folder)["storage"]
+    assert storage["signing_key"] == str(folder / "signing_key")
+    assert storage.get("data") == ("/srv" if "data" in text else None)
     (line,) = [one for one in printed.splitlines() if " ssh-ed25519 " in one]
     (folder / "signers").write_text(line)
     plan = LogRecord.after(None, Kind.PLAN, {}, "2026")
     manifest.write_manifest(folder, "0f8fad5b", plan, "1.2.3", "2026")
     signature.Signer(folder / "signing_key").sign(folder)
     content, fingerprint = signature.signed_manifest(folder)
-    signed = (
-        "-s",
-        folder / manifest.SIGNATURE_FILE,
-        "-f",
-        folder / "signers",
-        "-I",
-        line.split()[0],
-    )
-    assert ssh_keygen.ask(("-Y", "verify", "-n", signature.NAMESPACE, *signed), content).yes
+    signed = ("-s", folder / manifest.SIGNATURE_FILE, "-f", folder / "signers")
+    verify = ("-Y", "verify", "-n", signature.NAMESPACE, *signed, "-I", line.split()[0])
+    assert ssh_keygen.ask(verify, content).yes
     assert fingerprint in printed
 
 
-@each_case("text", ["", "signing_key: ''\n", "data: /srv", "data: /srv\n#signing_key: ''\n"])
-def test_storage_yaml_names_the_key_once_whatever_it_holds(tmp_path, robot_config, text):
-    folder = tmp_path / f"f{len(text)}"
-    folder.mkdir()
-    (folder / "storage.yaml").write_text(text)
-    assert robot_config("key", folder)[0] == 0
-    assert signing_key(folder) == str(folder / "signing_key")
-    assert read_configuration(folder, AXES)["storage"].get("data") == (
-        "/srv" if "data" in text else None
-    )
-    # Where it names another one, that is made.
-    own = f"signing_key: {folder}/own\n"
-    (folder / "storage.yaml").write_text(own)
-    assert robot_config("key", folder)[0] == 0
-    assert (folder / "own").is_file() and (folder / "storage.yaml").read_text() == own
+def test_a_key_that_storage_yaml_names_is_made_there(tmp_path, robot_config):
+    own = f"signing_key: {tmp_path}/own\n"
+    (tmp_path / "storage.yaml").write_text(own)
+    assert robot_config("key")[0] == 0
+    assert (tmp_path / "own").is_file() and (tmp_path / "storage.yaml").read_text() == own
 
 
 def test_another_data_folder_is_used_after_somebody_has_accepted_it(

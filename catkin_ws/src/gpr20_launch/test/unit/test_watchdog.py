@@ -11,32 +11,25 @@ import pytest
 from case_kit import each_case
 
 from gpr20_common.low.links import limited_server
-from gpr20_launch.low import node_answer
-from gpr20_launch.low.node_answer import Answer, NodeAnswer
-from gpr20_launch.mid.watchdog import (
-    MUTE_LIMIT_S,
-    PERIOD_S,
-    RESPAWN_LIMIT_S,
-    STALL_S,
-    Watchdog,
-)
+from gpr20_launch.low import launched_nodes
+from gpr20_launch.low.launched_nodes import LaunchedNodes
+from gpr20_launch.mid.watchdog import PERIOD_S, STALL_S, Watchdog
 
 LIMIT_S = 10.0
 STORAGE, CONTROL = 11, 12
-ALIVE, SILENT, MUTE, UNKNOWN = Answer.ALIVE, Answer.SILENT, Answer.MUTE, Answer.UNKNOWN
+ALIVE, SILENT, UNKNOWN = True, False, None
 
 
 class Robot:
     """Two nodes and a watchdog; a request to a silent node takes as long as it may."""
 
-    def __init__(self, *spared):
+    def __init__(self):
         self.now = 0.0
         self.found = {STORAGE: "/vna_processing", CONTROL: "/main_control"}
-        self.answers = {STORAGE: ALIVE, CONTROL: ALIVE}
+        self.said = {STORAGE: ALIVE, CONTROL: ALIVE}
         self.working = set()
-        self.traced = set()
         self.killed = []
-        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None, spared)
+        self.watchdog = Watchdog(self, LIMIT_S, self, lambda line: None)
 
     def now_s(self):
         return self.now
@@ -44,17 +37,14 @@ class Robot:
     def find(self):
         return dict(self.found)
 
-    def ask(self, number, name):
+    def answers(self, number, name):
         assert self.found[number] == name
-        answer = self.answers[number]
-        self.now += 2.0 if answer in (SILENT, MUTE) else 0.0
+        answer = self.said[number]
+        self.now += 2.0 if answer is SILENT else 0.0
         return answer
 
     def is_working(self, number):
         return number in self.working
-
-    def is_traced(self, number):
-        return number in self.traced
 
     def kill(self, number, name):
         self.killed.append((self.now, name))
@@ -76,7 +66,7 @@ def robot():
 
 def test_a_node_that_answers_nothing_is_ended_after_the_limit_and_no_other(robot):
     begun_s = robot.now
-    robot.answers[STORAGE] = SILENT
+    robot.said[STORAGE] = SILENT
     robot.run(60.0)
     ((ended_s, name),) = robot.killed
     assert name == "/vna_processing"
@@ -87,33 +77,16 @@ def test_a_node_that_answers_nothing_is_ended_after_the_limit_and_no_other(robot
 def test_one_answer_or_one_doubt_begins_the_time_again(answer):
     robot = Robot()
     for _ in range(20):
-        robot.answers[STORAGE] = SILENT
+        robot.said[STORAGE] = SILENT
         robot.run(LIMIT_S - 3.0)
-        robot.answers[STORAGE] = answer
+        robot.said[STORAGE] = answer
         robot.run(PERIOD_S)
     assert robot.killed == []
 
 
-def test_a_node_that_has_never_answered_is_ended_after_a_minute_unless_it_computes_or_is_traced():
-    robot = Robot()
-    robot.answers[STORAGE] = MUTE
-    for busy in (robot.working, robot.traced):
-        busy.add(STORAGE)
-        robot.run(20.0 * MUTE_LIMIT_S)
-        busy.clear()
-    assert robot.killed == []
-    robot = Robot()
-    robot.answers = {STORAGE: MUTE, CONTROL: UNKNOWN}
-    robot.run(MUTE_LIMIT_S - PERIOD_S)
-    assert robot.killed == []
-    robot.run(600.0)
-    # What cannot be asked is never ended.
-    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
-
-
 def test_a_node_that_worked_in_its_silence_gets_longer_and_is_ended_in_the_end(robot):
     begun_s = robot.now
-    robot.answers[STORAGE] = SILENT
+    robot.said[STORAGE] = SILENT
     robot.working.add(STORAGE)
     robot.run(3.0)
     robot.working.clear()
@@ -125,49 +98,23 @@ def test_a_node_that_worked_in_its_silence_gets_longer_and_is_ended_in_the_end(r
     assert robot.killed[0][0] - begun_s == pytest.approx(6.0 * LIMIT_S, abs=2 * PERIOD_S)
 
 
-def test_a_node_under_a_debugger_is_left_alone_until_the_debugger_is_gone(robot):
-    robot.answers[STORAGE] = SILENT
-    robot.traced.add(STORAGE)
-    robot.run(100.0)
-    assert robot.killed == []
-    robot.traced.clear()
-    robot.run(10.0)
-    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
-
-
 def test_a_computer_that_was_held_up_ends_nobody_for_it(robot):
-    robot.answers = {STORAGE: SILENT, CONTROL: SILENT}
+    robot.said = {STORAGE: SILENT, CONTROL: SILENT}
     robot.run(4.0)
     robot.now += STALL_S + 100.0
     robot.run(4.0)
-    robot.answers = {STORAGE: ALIVE, CONTROL: ALIVE}
+    robot.said = {STORAGE: ALIVE, CONTROL: ALIVE}
     robot.run(60.0)
     assert robot.killed == []
 
 
 def test_a_node_that_took_the_place_of_another_begins_with_no_silence(robot):
-    robot.answers[STORAGE] = SILENT
+    robot.said[STORAGE] = SILENT
     robot.run(6.0)
     robot.found[13] = robot.found.pop(STORAGE)
-    robot.answers[13] = SILENT
+    robot.said[13] = SILENT
     robot.run(6.0)
     assert robot.killed == []
-
-
-def test_a_node_that_is_not_restarted_makes_the_launch_incomplete_unless_it_is_spared():
-    robot = Robot("/vna_processing")
-    robot.run(4.0)
-    robot.answers[STORAGE] = SILENT
-    robot.run(2.0 * RESPAWN_LIMIT_S)
-    assert [name for _at_s, name in robot.killed] == ["/vna_processing"]
-    name = robot.found.pop(CONTROL)
-    robot.run(RESPAWN_LIMIT_S - PERIOD_S)
-    assert robot.watchdog.complete
-    robot.run(2 * PERIOD_S)
-    assert not robot.watchdog.complete
-    robot.found[13], robot.answers[13] = name, ALIVE
-    robot.run(PERIOD_S)
-    assert robot.watchdog.complete
 
 
 ANSWER_LIMIT_S = 2.0
@@ -214,80 +161,70 @@ def master(node):
 
 
 def asked(master, number=None):
-    return NodeAnswer(master.uri, NAME, os.getpid() if number is None else number, ANSWER_LIMIT_S)
+    """Return a function that asks the node, as the watchdog does in each round."""
+    nodes = LaunchedNodes(1, "", (), master.uri, ANSWER_LIMIT_S)
+    own = os.getpid() if number is None else number
+    return lambda: nodes.answers(own, NAME)
 
 
-def test_a_node_that_hangs_is_mute_before_its_first_answer_and_silent_after_it(master, node):
+def test_a_node_is_silent_only_after_its_first_answer(master, node):
     node.running.clear()
     answer = asked(master)
-    assert [answer.ask() for _ in range(2)] == [Answer.MUTE] * 2
+    assert answer() is UNKNOWN
     node.running.set()
-    assert answer.ask() is Answer.ALIVE
+    assert answer() is ALIVE
     node.running.clear()
-    assert [answer.ask() for _ in range(2)] == [Answer.SILENT] * 2
+    assert [answer() for _ in range(2)] == [SILENT] * 2
     node.running.set()
-    assert answer.ask() is Answer.ALIVE
-
-
-def test_a_node_that_never_answered_is_mute_at_an_address_of_this_computer_alone(
-    master, node, monkeypatch
-):
-    node.running.clear()
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        # That of the process before it, where nobody listens any more.
-        for uri in (node.uri, f"http://127.0.0.1:{free.getsockname()[1]}/"):
-            node.uri = uri
-            assert asked(master).ask() is Answer.MUTE
-            with monkeypatch.context() as lost:
-                lost.setattr(node_answer, "_is_own", lambda _host: False)
-                assert asked(master).ask() is Answer.UNKNOWN
+    assert answer() is ALIVE
 
 
 def test_a_master_that_hangs_says_nothing_about_a_node(master, node):
     unasked, answer = asked(master), asked(master)
-    assert answer.ask() is Answer.ALIVE
+    assert answer() is ALIVE
     master.running.clear()
-    assert unasked.ask() is Answer.UNKNOWN
-    assert answer.ask() is Answer.ALIVE
+    assert unasked() is UNKNOWN and answer() is ALIVE
     node.running.clear()
-    assert answer.ask() is Answer.SILENT
+    assert answer() is SILENT
 
 
-def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(master, node):
-    assert asked(master, number=1).ask() is Answer.UNKNOWN
+def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(
+    master, node, monkeypatch
+):
+    assert asked(master, number=1)() is UNKNOWN
     answer = asked(master)
-    assert answer.ask() is Answer.ALIVE
+    assert answer() is ALIVE
     node.running.clear()
-    for host in ("192.0.2.1", "no-such-host.invalid"):
-        answer._host = host
-        assert answer.ask() is Answer.UNKNOWN
+    with monkeypatch.context() as lost:
+        lost.setattr(launched_nodes, "_is_own", lambda _uri: False)
+        assert answer() is UNKNOWN
+    assert not launched_nodes._is_own("http://192.0.2.1:9/")
+    assert not launched_nodes._is_own("http://no-such-host.invalid:9/")
+    assert launched_nodes._is_own(node.uri)
     node.running.set()
-    # It is ending. As a new process has it: nothing is left of the connection.
-    answer = asked(master)
-    assert answer.ask() is Answer.ALIVE
+    # It is ending: nothing listens at its address.
+    nodes = LaunchedNodes(1, "", (), master.uri, ANSWER_LIMIT_S)
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         uri = f"http://127.0.0.1:{free.getsockname()[1]}/"
-        answer._confirmed = limited_server(uri, ANSWER_LIMIT_S)
-    assert answer.ask() is Answer.UNKNOWN
+        nodes._confirmed[1, NAME] = uri, limited_server(uri, ANSWER_LIMIT_S)
+        assert nodes.answers(1, NAME) is UNKNOWN
 
 
-@pytest.fixture(params=["path", "abstract"])
-def systemd(request, tmp_path, monkeypatch):
-    """Return a systemd's socket, whose address its services are given."""
-    name, abstract = str(tmp_path / "notify"), request.param == "abstract"
-    monkeypatch.setenv("NOTIFY_SOCKET", "@" + name[1:] if abstract else name)
+@pytest.fixture
+def systemd(tmp_path, monkeypatch):
+    """Return a systemd's socket, whose abstract address its services are given."""
+    monkeypatch.setenv("NOTIFY_SOCKET", f"@{tmp_path}/notify")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
         listener.settimeout(100.0)
-        listener.bind("\0" + name[1:] if abstract else name)
+        listener.bind(f"\0{tmp_path}/notify")
         yield listener
 
 
 def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeypatch, systemd):
     watchdog = pytest.importorskip("gpr20_launch.high.watchdog")
-    fake = mock.Mock(is_roslaunch=True, complete=True)
-    for name in ("process_info", "Watchdog"):
+    fake = mock.Mock(is_roslaunch=True)
+    for name in ("process_of", "Watchdog"):
         monkeypatch.setattr(watchdog, name, lambda *_all: fake)
     monkeypatch.setattr(watchdog.rosgraph, "myargv", lambda: ["", "--launch=/l", "--limit=9"])
     monkeypatch.setattr(watchdog.signal, "signal", lambda *_all: None)

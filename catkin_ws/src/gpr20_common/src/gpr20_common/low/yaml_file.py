@@ -42,11 +42,10 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
     return parse_yaml(text)
 
 
-def parse_yaml(text: Union[str, bytes], odd_numbers: bool = False) -> Any:
-    """Return what a text of YAML holds; with odd numbers 013 is 11 and 10:50 is 650, as for ROS."""
+def parse_yaml(text: Union[str, bytes]) -> Any:
+    """Return what a text of YAML holds."""
     try:
-        loader = _OddNumberLoader if odd_numbers else _UniqueKeyLoader
-        return yaml.load(text, Loader=loader)  # noqa: S506 - a SafeLoader
+        return yaml.load(text, Loader=_UniqueKeyLoader)  # noqa: S506 - a SafeLoader
     except YamlFileError:
         raise
     except _REFUSED as error:
@@ -74,7 +73,3 @@ class _UniqueKeyLoader(yaml.SafeLoader):
                 )
             seen.add(key.value)
         return super().construct_mapping(node, deep)
-
-
-class _OddNumberLoader(_UniqueKeyLoader):
-    resolve = yaml.SafeLoader.resolve

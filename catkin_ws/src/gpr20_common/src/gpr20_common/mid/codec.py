@@ -9,11 +9,11 @@ from __future__ import annotations
 import dataclasses
 import functools
 import typing
-from typing import Any, Dict, Hashable, Literal, Sequence, Tuple, Type, TypeVar
+from typing import Any, Dict, Hashable, Literal, Mapping, Sequence, Tuple, Type, TypeVar
 
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
-from gpr20_common.errors import ConfigurationError, InvalidValueError
+from gpr20_common.errors import ConfigurationError, Gpr20Error, InvalidValueError
 from gpr20_common.message import Message, numeral, verbatim
 
 Record = TypeVar("Record")
@@ -54,7 +54,22 @@ def record_of_json(kind: Type[Record], content: bytes, place: str, others: bool 
     try:
         return adapter.validate_json(b"[%b]" % content)[0]
     except ValidationError as error:
-        raise _refusal(error, kind, place) from error
+        # Before a value that does not fit comes a misspelt key.
+        found = min(error.errors(), key=lambda one: one["type"] != UNKNOWN_KEY)
+        raise _refusal(found, kind, place) from error
+
+
+def mistakes(kind: Type, values: Any, place: str) -> Dict[str, Message]:
+    """Return why values are no record: the first reason of each key; "": of several together."""
+    try:
+        record_from(kind, values, place)
+    except InvalidValueError as error:
+        cause = error.__cause__
+        single = cause.errors() if isinstance(cause, ValidationError) else []
+        found = [("".join(map(str, one["loc"][1:2])), one) for one in reversed(single)]
+        reasons = {key: _refusal(one, kind, place).message for key, one in found}
+        return reasons or {"": error.message}
+    return {}
 
 
 def shortened(value: Any) -> str:
@@ -82,15 +97,14 @@ def _adapter(kind: Any, others: bool) -> TypeAdapter:
     return TypeAdapter(Tuple[kind], config=config)
 
 
-def _refusal(error: ValidationError, kind: Any, place: str) -> Exception:
-    """Return what refuses the first value that does not fit; before it comes a misspelt key."""
-    found = min(error.errors(), key=lambda one: one["type"] != UNKNOWN_KEY)
+def _refusal(found: Mapping[str, Any], kind: Any, place: str) -> Gpr20Error:
+    """Return what refuses a value that pydantic does not accept."""
     keys = [one for one in found["loc"][1:] if one != "[key]"]
     context: Dict[str, Any] = found.get("ctx", {})
     for key in keys:
         below = f"{place}/{key}" if place else str(key)
         place = f"{place}[{key}]" if isinstance(key, int) else below
-    if isinstance(context.get("error"), Exception):
+    if isinstance(context.get("error"), Gpr20Error):
         return context["error"]  # the record refuses itself
     if found["type"] == "missing":
         return ConfigurationError(Message("{place} is missing", place=place))

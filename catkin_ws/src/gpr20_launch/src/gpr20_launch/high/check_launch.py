@@ -7,20 +7,24 @@ launch alone. If it fails, roslaunch starts nothing and changes nothing.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import json
 import os
 import sys
+from dataclasses import fields
 from pathlib import Path
-from typing import Optional, Sequence
+from typing import Dict, List, Mapping, Sequence, TextIO
 
 import rosgraph
 import rospkg
 
-from gpr20_common.errors import Gpr20Error, NodeSilentError
+from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
 from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
-from gpr20_common.message import Message
+from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
+<<<<<<< HEAD
 from gpr20_doctor.mid.finding import Finding
 from gpr20_launch.errors import LaunchRefusedError
 from gpr20_launch.low.process_info import ProcessInfo, process_info
@@ -30,6 +34,13 @@ from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.problem import Problem
 from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
 from gpr20_launch.mid.running_robot import RunningNode, refusal
+=======
+from gpr20_launch.faults import LaunchRefusedError
+from gpr20_launch.low.processes import Process, process_of
+from gpr20_launch.mid.launch_request import nodes_of, sections_of
+from gpr20_launch.mid.robot_check import check_robot
+from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Problem, Reading, Use
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -40,7 +51,10 @@ ANSWER_LIMIT_S = 1.0
 def main() -> int:
     """Check a launch and print the configuration of its nodes; return the exit status."""
     given = _parser().parse_args(rosgraph.myargv()[1:])
+    use = Use(os.environ, given.data, given.robot == REAL, given.part)
+    names = [one.name for one in fields(SimulatorParameters)]
     try:
+<<<<<<< HEAD
         request = LaunchRequest(
             given.part,
             given.robot,
@@ -51,19 +65,40 @@ def main() -> int:
         )
         use = Use(request.folder, os.environ, given.data, given.robot == REAL, given.part)
         found = check_robot(use, built_robot())
+=======
+        own = {name: value for name, value in vars(given).items() if name in names}
+        simulator = SimulatorParameters(**own)
+        reading = Reading(_folder(given), built_axes())
+        found = check_robot(reading, use, message_field)
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
         if any(one.refuses for one in found):
-            _refuse_mistakes(found)
+            lines = [f"- {one.message}" for one in found if one.refuses]
+            head = "This robot cannot be launched: its configuration is wrong."
+            end = "Correct it, then see that nothing is left: robot_config check"
+            say("", head, *lines, end, "", file=sys.stderr)
             return 1
-        sections = request.sections(built_axes())
-        _refuse_running(request.nodes, given.ns)
+        sections = sections_of(reading, use, simulator)
+        _refuse_running(nodes_of(use), given.ns)
     except (Gpr20Error, OSError, RuntimeError) as error:
         # A folder that may not be searched, a master that has ended, ~USER without such a user.
         say("", f"This robot cannot be launched: {error}", "", file=sys.stderr)
         return 1
-    doubtful = [Finding.of_fault("config_files", one.message) for one in found]
-    _print_warnings([*doubtful, *machine_warnings(request, sections, os.environ)])
+    # The standard output is the configuration.
+    say_problems(found, sys.stderr)
     print(json.dumps(sections))
     return 0
+
+
+def _folder(given: argparse.Namespace) -> Path:
+    if given.robot == REAL and given.time_scale != 1.0:
+        text = f"time_scale:={given.time_scale:g} is for the simulated robot; leave it out"
+        raise LaunchRefusedError(verbatim(text))
+    folder = Path(given.config or DEFAULT_FOLDER).expanduser().absolute()
+    if given.config and not folder.is_dir():
+        text = f"{folder} (config:=) is no folder; create it with its files: "
+        text += f"rosrun gpr20_launch robot_config create {folder}"
+        raise ConfigurationError(verbatim(text))
+    return folder
 
 
 def built_axes() -> Path:
@@ -71,62 +106,34 @@ def built_axes() -> Path:
     return Path(rospkg.RosPack().get_path("gpr20_launch")) / "config" / "axes.yaml"
 
 
-def built_robot() -> BuiltRobot:
-    """Return the robot as it is built, and what is installed here."""
-    return BuiltRobot(built_axes(), _message_field)
-
-
-def _message_field(datatype: str, field: str) -> object:
+def message_field(datatype: str, field: str) -> object:
+    """Return a field of the messages of a type, or raise an InvalidValueError."""
     # Imported only with a sensor: a launch without one need not wait for it.
     from gpr20_main_control.high.sensor_topics import MessageField
 
     return MessageField(datatype, field)
 
 
+def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
+    """Print problems; what is to be done about several in a row is said once."""
+    for one, after in zip(found, [*found[1:], None]):
+        say(f"{'FAULT' if one.refuses else 'WARNING'}: {one.message}", file=stream)
+        remedy = one.message.remedy
+        if remedy is not None and (after is None or after.message.remedy != remedy):
+            say(f"  -> {remedy}", file=stream)
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description="Check a launch; used by the launch files.")
-    parser.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), required=True)
-    for name in ("robot", "ns", "config", "data", "scene", "medium", "capture_dir"):
+    parser = argparse.ArgumentParser("check_launch", usage=argparse.SUPPRESS)
+    parser.add_argument("--part", choices=PARTS, required=True)
+    parser.add_argument("--robot", choices=ROBOTS, required=True)
+    parser.add_argument("--full_screen", choices=("auto", "true", "false"), default="auto")
+    for name in ("ns", "config", "data", "scene", "medium", "capture_dir"):
         parser.add_argument(f"--{name}", default="")
     for name in ("time_scale", "seconds_per_point"):
-        parser.add_argument(f"--{name}", default="1")
-    parser.add_argument("--portmapper", default="false")
-    parser.add_argument("--full_screen", default="auto")
+        parser.add_argument(f"--{name}", type=float, default=1.0)
+    parser.add_argument("--portmapper", type="true".__eq__, default=False)
     return parser
-
-
-def _simulator(given: argparse.Namespace) -> SimulatorParameters:
-    return SimulatorParameters(
-        scene=given.scene,
-        time_scale=_number("time_scale", given.time_scale),
-        seconds_per_point=_number("seconds_per_point", given.seconds_per_point),
-        portmapper=given.portmapper == "true",
-        medium=given.medium,
-        capture_dir=given.capture_dir,
-    )
-
-
-def _refuse_mistakes(found: Sequence[Problem]) -> None:
-    lines = [f"- {one.message}" for one in found if one.refuses]
-    say("", "This robot cannot be launched: its configuration is wrong.", *lines, file=sys.stderr)
-    say("Correct it, then see that nothing is left: robot_config check", "", file=sys.stderr)
-
-
-def _print_warnings(found: Sequence[Finding]) -> None:
-    # The standard output is the configuration.
-    for one in found:
-        end = "" if str(one.text).endswith(".") else "."
-        remedy = "" if one.remedy is None else f" {one.remedy}"
-        say(f"{one.level.title}: {one.text}{end}{remedy}", file=sys.stderr)
-
-
-def _number(name: str, text: str) -> float:
-    try:
-        return float(text)
-    except ValueError as error:
-        values = {"name": name, "value": text}
-        reason = Message("{name}:={value} is not a number; give one, such as {name}:=1", **values)
-        raise LaunchRefusedError(reason) from error
 
 
 def _refuse_running(names: Sequence[str], namespace: str) -> None:
@@ -134,34 +141,49 @@ def _refuse_running(names: Sequence[str], namespace: str) -> None:
     if not rosgraph.is_master_online(master):
         return
     prefix = "/" + namespace.strip("/")
-    found = [_running(rosgraph.names.ns_join(prefix, name), master) for name in names]
-    nodes = [one for one in found if one is not None]
-    if any(one.is_left_over for one in nodes):
-        # They outlive a roslaunch that was killed, too.
-        shared = [_running("/rosout", master), _master(master)]
-        nodes += [one for one in shared if one is not None and one.is_left_over]
+    nodes = _running([rosgraph.names.ns_join(prefix, one) for one in names], master)
+    # They outlive a roslaunch that was killed, too.
+    shared = {**_running(["/rosout"], master), "rosmaster": rosgraph.Master(NAME, master).getPid()}
     if nodes:
-        raise LaunchRefusedError(refusal(nodes, master), fault=OTHER_LAUNCH)
+        said = refusal(master, nodes, _processes(nodes), _processes(shared))
+        raise LaunchRefusedError(verbatim(said), fault=OTHER_LAUNCH)
 
 
-def _running(name: str, master: str) -> Optional[RunningNode]:
-    try:
-        number = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
-    except NodeSilentError:
-        return None
-    process = process_info(number)
-    if process is not None and not process.may_be_node(name):
-        process = None  # the number is that of a process on another computer
-    return RunningNode(name, number, process, _parent(process))
+def _running(names: Sequence[str], master: str) -> Dict[str, int]:
+    found = {}
+    for name in names:
+        with contextlib.suppress(NodeSilentError):
+            found[name] = NodeProbe(master, NAME, name, ANSWER_LIMIT_S).process()
+    return found
 
 
-def _master(master: str) -> Optional[RunningNode]:
-    number = rosgraph.Master(NAME, master).getPid()
-    process = process_info(number)
-    if process is not None and not any("rosmaster" in word for word in process.command[:3]):
-        process = None
-    return RunningNode("rosmaster", number, process, _parent(process))
+def _processes(nodes: Mapping[str, int]) -> List[Process]:
+    """Return what runs on this computer: a number may be of a process elsewhere."""
+    found = {name: process_of(number) for name, number in nodes.items()}
+    return [one for name, one in found.items() if one is not None and one.may_be_node(name)]
 
 
-def _parent(process: Optional[ProcessInfo]) -> Optional[ProcessInfo]:
-    return process_info(process.parent) if process else None
+def refusal(
+    master: str, nodes: Mapping[str, int], here: Sequence[Process], shared: Sequence[Process]
+) -> str:
+    """Return which nodes answer, by their process ids, and the command that ends those here."""
+    names = ", ".join(f"{name} (process {number})" for name, number in nodes.items())
+    parents = {one.parent: process_of(one.parent) for one in (*here, *shared)}
+    launches = [number for number, one in parents.items() if one is not None and one.is_roslaunch]
+    launched = sorted({one.parent for one in here} & {*launches})
+    left_over = [one.number for one in here if one.parent not in launches]
+    remedy = "It was started on another computer; end it there."
+    if launched:
+        numbers = " ".join(map(str, launched))
+        remedy = f"To end it, press Ctrl-C in its terminal, or: kill -INT {numbers}."
+    if left_over:
+        left_over += [one.number for one in shared if one.parent not in launches]
+        numbers = " ".join(map(str, [*launched, *left_over]))
+        remedy = (
+            "No launch that runs has started them. To end them, run this; a survey that runs is "
+            f"stopped and can be resumed: kill {numbers}"
+        )
+    return (
+        f"a robot is running on {master}: {names}. To launch another one beside it, add a "
+        f"namespace, such as ns:=robot2. {remedy}"
+    )

@@ -6,16 +6,19 @@ import argparse
 import json
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
-from typing import Callable, Dict, Iterable, Mapping, Sequence
+from typing import Callable, Dict, Mapping
 
 import rosgraph
 
-from gpr20_common.errors import Gpr20Error, os_reason
+from gpr20_common.errors import ConfigurationError, Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.low.data_folder import robot_folder
 from gpr20_common.low.yaml_file import read_yaml
-from gpr20_common.message import Message
+from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import printable, say
+<<<<<<< HEAD
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import ROBOT as PI_SERVICE
 from gpr20_doctor.mid.machine import Machine
@@ -34,13 +37,16 @@ from gpr20_launch.mid.old_launch import read_launch
 from gpr20_launch.mid.old_robot import old_robot
 from gpr20_launch.mid.place_checks import Use
 from gpr20_launch.mid.problem import Problem
+=======
+from gpr20_launch.faults import NOT_CHECKED
+from gpr20_launch.high.check_launch import built_axes, message_field, say_problems
+from gpr20_launch.mid.old_launch import old_robot
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 from gpr20_launch.mid.robot_check import check_robot
-from gpr20_launch.mid.robot_files import read_configuration
+from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
 from gpr20_launch.mid.signing_key import ensure_key
 from gpr20_launch.mid.templates import templates
 from gpr20_survey.folder.data_folder import DataFolder
-
-ROOT = Path("/")
 
 
 def main() -> int:
@@ -75,49 +81,60 @@ def _parser() -> argparse.ArgumentParser:
     old.add_argument("launch", type=Path, help="the launch file of the robot's computer")
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
+<<<<<<< HEAD
     check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
     place = Machine.here(os.environ, ROOT)
     # The Raspberry Pi of two computers stores no surveys.
     part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
     check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
+=======
+    check.add_argument("--robot", choices=ROBOTS, default=REAL)
+    check.add_argument("--part", choices=PARTS, default=SURVEY)
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     add("key", _make_key, "make the key that signs surveys")
     accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
     for one in actions.choices.values():
+<<<<<<< HEAD
         one.add_argument("folder", nargs="?", default=place.config, type=_named_folder)
     return parser
 
 
 def _named_folder(text: str) -> Path:
     # None at all, as of an unset variable, is refused.
+=======
+        one.add_argument("folder", nargs="?", default=robot_folder(os.environ), type=_named)
+    return parser
+
+
+def _named(text: str) -> Path:
+    # An empty text, such as of a variable that is not set, is not the current folder.
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     if not text.strip():
         raise argparse.ArgumentTypeError("name a folder")
     return Path(text)
 
 
 def _check(folder: Path, given: argparse.Namespace) -> int:
+<<<<<<< HEAD
     use = Use(folder, os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(use, built_robot())
+=======
+    use = Use(os.environ, given.data, given.robot == REAL, given.part)
+    found = check_robot(Reading(folder, built_axes()), use, message_field)
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     if given.json:
         print(json.dumps([one.record() for one in found], ensure_ascii=False))
+    elif found:
+        say_problems(found, sys.stdout)
     else:
-        _say(folder, found)
+        say(f"{folder}: the configuration is correct")
     return int(any(one.refuses for one in found))
 
 
-def _say(folder: Path, found: Sequence[Problem]) -> None:
-    findings = [Finding.of_fault("config_files", one.message) for one in found]
-    for finding, after in zip(findings, [*findings[1:], None]):
-        say(f"{finding.level.title}: {finding.text}")
-        # What is to be done about several is said once.
-        if finding.remedy is not None and (after is None or after.remedy != finding.remedy):
-            say(f"  -> {finding.remedy}")
-    if not found:
-        say(f"{folder}: the configuration is correct")
-
-
 def _create(folder: Path, given: argparse.Namespace) -> int:
+<<<<<<< HEAD
     texts = templates(built_axes())
     if given.profile is not None:
         files = _profiles()[given.profile].glob("*.yaml")
@@ -134,38 +151,31 @@ def _fill(folder: Path, texts: Mapping[str, str], known: Sequence[Problem] = ())
     _say(folder, found)
     # What a person must check by hand is no failure of this command.
     return int(any(one.refuses and one.message.cause != faults.NOT_CHECKED for one in found))
+=======
+    files = () if given.profile is None else _profiles()[given.profile].glob("*.yaml")
+    return _fill(folder, {path.name: path.read_text(encoding="utf-8") for path in files})
+>>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 
 
 def _import(folder: Path, given: argparse.Namespace) -> int:
-    parameters = read_launch(given.launch)
-    robot = old_robot(given.launch, parameters, read_yaml(built_axes()))
-    _refuse_existing(folder, robot.texts)
-    others = {"taken": robot.taken, "changed": robot.changed, "without a counterpart": robot.left}
-    for title, lines in {"read": list(map(str, parameters.files)), **others}.items():
-        say(f"{title}:", *(f"  {line}" for line in lines or ["nothing"]))
-    return _fill(folder, {**templates(built_axes()), **robot.texts}, robot.problems)
+    robot = old_robot(given.launch, read_yaml(built_axes()))
+    status = _fill(folder, robot.texts)
+    say("not found out:", *(f"  {one}" for one in robot.unread or ["nothing"]))
+    say("without a counterpart:", *(f"  {name}: {one}" for name, one in robot.values.items()))
+    return int(status or bool(robot.unread))
 
 
-def _refuse_existing(folder: Path, names: Iterable[str]) -> None:
-    """Refuse files that would take no effect beside those that are there."""
-    there = [name for name in sorted(names) if os.path.lexists(str(folder / name))]
+def _fill(folder: Path, own: Mapping[str, str]) -> int:
+    # They would take no effect beside those that are there.
+    there = [name for name in sorted(own) if os.path.lexists(str(folder / name))]
     if there:
-        values = {"folder": printable(folder), "names": ", ".join(there)}
-        text = Message(
-            "{folder} has {names} already, which stay as they are; give an empty folder, compare "
-            "its files with these, and copy what is right",
-            **values,
+        text = (
+            f"{printable(folder)} has {', '.join(there)} already, which stay as they are; give an "
+            "empty folder, compare its files with these, and copy what is right"
         )
-        raise ConfigurationError(text, fault=NOT_ALLOWED)
-
-
-def _profiles() -> Dict[str, Path]:
-    return {path.name: path for path in (built_axes().parent / "profiles").iterdir()}
-
-
-def _write(folder: Path, texts: Mapping[str, str]) -> None:
+        raise ConfigurationError(verbatim(text), fault=NOT_ALLOWED)
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in sorted(texts.items()):
+    for name, text in sorted({**templates(read_yaml(built_axes())), **own}.items()):
         path = folder / name
         try:
             with path.open("x", encoding="utf-8") as file:
@@ -174,17 +184,33 @@ def _write(folder: Path, texts: Mapping[str, str]) -> None:
             say(f"{path} exists and stays as it is")
         else:
             say(f"{path} created")
+    reading = Reading(folder, built_axes())
+    found = check_robot(reading, Use(os.environ, part=ROBOT), message_field)
+    say_problems(found, sys.stdout)
+    # What a person must check by hand is no failure of this command.
+    return int(any(one.refuses and one.message.cause != NOT_CHECKED for one in found))
+
+
+def _profiles() -> Dict[str, Path]:
+    return {path.name: path for path in (built_axes().parent / "profiles").iterdir()}
+
+
+def _correct(folder: Path) -> Reading:
+    reading = Reading(folder, built_axes())
+    if reading.problems:
+        raise ConfigurationError(reading.problems[0].message)
+    return reading
 
 
 def _make_key(folder: Path, _given: argparse.Namespace) -> int:
     folder.mkdir(parents=True, exist_ok=True)
-    for line in ensure_key(folder, read_configuration(folder, built_axes())):
-        say(line)
+    say(*ensure_key(_correct(folder)))
     return 0
 
 
 def _accept_data(folder: Path, given: argparse.Namespace) -> int:
-    use = storage_parameters(read_configuration(folder, built_axes()), given.data).data_folder_use()
+    storage = _correct(folder).record("storage")
+    use = replace(storage, data=given.data.strip() or storage.data).data_folder_use()
     identity = DataFolder(use).accept()
     say(f"{use.path}: accepted as the data folder {identity}")
     return 0

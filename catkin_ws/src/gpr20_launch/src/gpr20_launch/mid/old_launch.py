@@ -1,253 +1,224 @@
-"""The parameters that a ROS 1 launch file sets, read without ROS and without its packages.
+"""A configuration made of the launch files of the software with which GPR-20 was built.
 
-Only what sets parameters is followed: args, groups, nodes, includes and rosparam. What cannot be
-found out here is named; nothing is run.
+Only what sets parameters is followed: args, groups, nodes, includes and rosparam. Nothing is run.
+What cannot be found out here is named, and refuses every launch until a person has looked.
 """
 
 from __future__ import annotations
 
+import os
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Mapping, Union
 from xml.etree import ElementTree
+
+import yaml
 
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.yaml_file import parse_yaml
-from gpr20_common.message import Message
-from gpr20_launch.errors import OldElementError, OldLaunchError
-from gpr20_launch.mid.launch_texts import BOOLS, FOUND, substituted, typed, unknown
+from gpr20_common.message import verbatim
+from gpr20_launch.faults import LaunchRefusedError
+from gpr20_launch.mid.hints import UNREAD
+from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
+from gpr20_survey.axes.axis_parameters import ROTARY, AxisParameters
 
-MAX_BYTES = 1 << 20
-# Of groups, nodes and includes in each other; files in all; and parameters in all.
-MAX_DEPTH, MAX_FILES, MAX_VALUES = 32, 64, 10_000
-_PRIVATE_ARGUMENT = re.compile(r"_(\w[\w/]*):=(.*)", re.DOTALL)
-
-
-@dataclass(frozen=True)
-class Unread:
-    """An element that could not be read.
-
-    Attributes:
-        message: File, element and reason.
-        name: Full name of the parameter that it sets, or of its node with a slash behind; empty:
-            it may set any; None: none by itself.
-    """
-
-    message: Message
-    name: Optional[str]
+MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
+NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
+# Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
+_AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
+_SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
+_BOOLS = {"true": True, "1": True, "false": False, "0": False}
+TO_CHECK = ["pins", "endstop_levels", "directions", "travel", "emergency_stop"]
 
 
 @dataclass
-class LaunchParameters:
-    """What a launch file sets.
+class OldRobot:
+    """A configuration, and what could not be found out.
 
-    Attributes:
-        values: Value of each parameter, by its full name.
-        unread: What could not be found out.
-        files: The files that were read.
+    Of the parameters, such as x/dir_pin, in the end those without a counterpart are left.
     """
 
+    texts: Dict[str, str] = field(default_factory=dict)
     values: Dict[str, Any] = field(default_factory=dict)
-    unread: List[Unread] = field(default_factory=list)
-    files: List[Path] = field(default_factory=list)
+    unread: List[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
 class _Scope:
-    """Where an element is.
-
-    Attributes:
-        file: The launch file.
-        namespace: Before the names of its parameters.
-        arguments: Values of its args.
-        private: Parameters of the node, or of every node behind.
-        is_node: Whether it is inside of a node.
-        depth: Number of elements around it.
-    """
+    """Where an element is: its file, the names around it, and the args that it knows."""
 
     file: Path
     namespace: str = "/"
     arguments: Dict[str, str] = field(default_factory=dict)
-    private: Dict[str, Any] = field(default_factory=dict)
-    is_node: bool = False
-    depth: int = 0
+
+    def join(self, name: str) -> str:
+        return name if name.startswith("/") else f"{self.namespace.rstrip('/')}/{name}".rstrip("/")
+
+    def text(self, element: ElementTree.Element, name: str, default: str = "") -> str:
+        return self.substituted(element.get(name, default))
+
+    def substituted(self, text: str) -> str:
+        """Return a text with its args; the folder of a package is looked for around the file."""
+
+        def value(match: re.Match[str]) -> str:
+            kind, name = match.group(1), match.group(2) or ""
+            around = list(self.file.absolute().parents)[:4]
+            packages = [one for one in around if one.name == name]
+            packages += [one / name for one in around if os.path.isdir(one / name)]
+            known = {"arg": self.arguments.get(name), "dirname": around[0]}
+            found = {**known, "find": next(iter(packages), None)}.get(kind)
+            if found is None:
+                # Also env and eval: only the original's computer knows what they are.
+                raise _refused(f"{match.group(0)} is not known here")
+            return str(found)
+
+        result = _SUBSTITUTION.sub(value, text)
+        if "$(" in result:
+            raise _refused(f"{result[:200]} is not known here")
+        return result
+
+    def uses(self, element: ElementTree.Element) -> bool:
+        used = [self.text(element, "if", "1").lower(), self.text(element, "unless", "0").lower()]
+        if not {*used} <= {*_BOOLS}:
+            raise _refused("its condition is neither true nor false")
+        return _BOOLS[used[0]] and not _BOOLS[used[1]]
 
 
-def read_launch(path: Path) -> LaunchParameters:
-    """Return the parameters that a launch file and those that it includes set.
+def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot:
+    """Return the configuration that a launch file of the original means.
 
     Raises:
-        OldLaunchError: The file cannot be read, or is no launch file.
+        LaunchRefusedError: It cannot be read, is no launch file, or sets nothing of an axis.
     """
-    found = LaunchParameters()
-    _follow(_root(path, found), _Scope(path), found)
-    return found
+    robot = OldRobot()
+    read(path, robot)
+    axes: Dict[str, Dict[str, Any]] = {axis: {} for axis in AXIS_SECTIONS}
+    for axis, own in axes.items():
+        places = {key: f"{axis}/{key}" for key in NAMES if f"{axis}/{key}" in robot.values}
+        own.update({key: robot.values.pop(place) for key, place in places.items()})
+    if not any(axes.values()):
+        reason = next(iter(robot.unread), "give the launch file that starts the nodes of the axes")
+        raise _refused(f"{path} sets no parameter of an axis: {reason}")
+    for axis, own in axes.items():
+        # Another robot has other values, and its axis node has no defaults.
+        missing = [key for key in NAMES if key in {*defaults[axis]} - {*own}]
+        if missing:
+            robot.unread.append(f"{path.name} does not set {axis}: {', '.join(missing)}")
+        own.update({key: f"{UNREAD}: {'; '.join(robot.unread)}" for key in missing})
+        # Its axis node drives DIR low for increasing coordinates.
+        own["invert_direction"] = True
+        if str(own.get("type", defaults[axis]["type"])) == ROTARY:
+            own.pop("sensor_pin", None)
+        elif isinstance(own.get("sensor_pin"), int) and own["sensor_pin"] < 0:
+            own["sensor_pin"] = None
+    unchecked = ["unread", *TO_CHECK] if robot.unread else TO_CHECK
+    notes = "".join(f"# unread: {one!r}\n" for one in robot.unread)
+    robot.texts["wiring.yaml"] = notes + yaml.safe_dump({"unchecked": unchecked})
+    robot.texts[AXES_FILE] = f"# From {path.name}.\n" + yaml.safe_dump(axes, sort_keys=False)
+    return robot
 
 
-def _root(path: Path, found: LaunchParameters) -> ElementTree.Element:
-    text = _bytes(path, found)
+def read(path: Path, robot: OldRobot) -> None:
+    """Add the parameters that a launch file and those that it includes set."""
     try:
-        root = ElementTree.fromstring(b"" if b"<!ENTITY" in text else text)
-    except (ElementTree.ParseError, LookupError, ValueError) as error:
-        raise OldLaunchError(
-            Message("{file} is not a launch file", file=path, details=error)
-        ) from error
+        _follow(_root(path), _Scope(path), robot)
+    except RecursionError as error:
+        raise _refused(f"{path} is nested too deeply") from error
+
+
+def _refused(text: str) -> LaunchRefusedError:
+    return LaunchRefusedError(verbatim(text))
+
+
+def _content(path: Path) -> str:
+    try:
+        with path.open("rb") as file:
+            content = file.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise _refused(f"{path}: {os_reason(error)}") from error
+    if len(content) > MAX_BYTES:
+        raise _refused(f"{path} is not a launch file: it is too long")
+    return content.decode("utf-8", "replace")
+
+
+def _root(path: Path) -> ElementTree.Element:
+    text = _content(path)
+    try:
+        root = ElementTree.fromstring("" if "<!ENTITY" in text else text)
+    except (ElementTree.ParseError, ValueError) as error:
+        raise _refused(f"{path} is not a launch file: {error}") from error
     if root.tag != "launch":
-        raise OldLaunchError(Message("{file} is not a launch file", file=path))
+        raise _refused(f"{path} is not a launch file")
     return root
 
 
-def _bytes(path: Path, found: LaunchParameters) -> bytes:
-    found.files.append(path)
-    if len(found.files) > MAX_FILES:
-        raise OldElementError(Message("there are too many files"))
-    try:
-        with path.open("rb") as file:
-            text = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise OldLaunchError(
-            Message("{file}: {reason}", file=path, reason=os_reason(error))
-        ) from error
-    if len(text) > MAX_BYTES:
-        raise OldLaunchError(Message("{file} is not a launch file", file=path))
-    return text
-
-
-def _follow(parent: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
+def _follow(parent: ElementTree.Element, scope: _Scope, robot: OldRobot) -> None:
     for element in parent:
         try:
-            if scope.depth > MAX_DEPTH:
-                raise OldElementError(Message("it is nested too deeply"))
-            if _is_used(element, scope):
-                _element(element, scope, found)
+            if scope.uses(element):
+                _element(element, scope, robot)
         except Gpr20Error as error:
-            attributes = "".join(f' {key}="{value}"' for key, value in element.attrib.items())
-            text = Message(
-                "{file}: {element} could not be read: {reason}",
-                file=scope.file,
-                element=f"<{element.tag}{attributes}>"[:200],
-                reason=error.message.with_fault(None),
-            )
-            found.unread.append(Unread(text, _name_of(element, scope)))
+            text = ElementTree.tostring(element, "unicode").strip()[:200]
+            robot.unread.append(f"{scope.file}: {text} could not be read: {error}")
 
 
-def _name_of(element: ElementTree.Element, scope: _Scope) -> Optional[str]:
-    """Return the name of an `Unread`."""
+def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> None:
+    inner = replace(scope, namespace=scope.join(scope.text(element, "ns")))
+    name = scope.text(element, "name")
     if element.tag == "arg":
-        return None
-    try:
-        name, below = (_text(element, key, scope) for key in ("name", "ns"))
-    except OldElementError:
-        return ""
-    if element.tag == "param" and name and (scope.is_node or not name.startswith("~")):
-        return _join(scope.namespace, name.lstrip("~/" if scope.is_node else ""))
-    is_node = element.tag == "node" and name
-    return _join(_join(scope.namespace, below), name) + "/" if is_node else ""
-
-
-def _element(element: ElementTree.Element, scope: _Scope, found: LaunchParameters) -> None:
-    names = _join(scope.namespace, _text(element, "ns", scope))
-    inner = replace(scope, namespace=names, depth=scope.depth + 1)
-    if element.tag == "arg":
-        name = element.get("name", "")
         # A value that was passed to an include replaces the default.
-        if "value" in element.attrib:
-            scope.arguments.pop(name, None)
-            scope.arguments[name] = _text(element, "value", scope)
-        elif "default" in element.attrib and name not in scope.arguments:
-            scope.arguments[name] = _text(element, "default", scope)
+        passed = scope.arguments.pop(name, element.get("default"))
+        text = element.get("value", passed)
+        if text is not None:
+            scope.arguments[name] = scope.substituted(text)
     elif element.tag == "group":
-        # An arg or a private parameter inside of a group does not exist behind it.
-        inner = replace(inner, arguments=dict(scope.arguments), private=dict(scope.private))
-        _follow(element, inner, found)
+        # An arg inside of a group does not exist behind it.
+        _follow(element, replace(inner, arguments=dict(scope.arguments)), robot)
     elif element.tag == "node":
-        node = _join(names, _text(element, "name", scope))
-        own: Dict[str, Any] = {}
-        _follow(element, replace(inner, namespace=node, private=own, is_node=True), found)
-        # They replace what its rosparams load, wherever these stand: roslaunch sets them last.
-        for name, value in {**scope.private, **own}.items():
-            _load(value, _join(node, name), found)
-        for word in _text(element, "args", scope).split():
-            private = _PRIVATE_ARGUMENT.fullmatch(word)
-            if private:
-                _load(typed(private.group(2), "yaml"), _join(node, private.group(1)), found)
-            elif ":=" not in word:
-                raise OldElementError(Message("only its program knows what its args mean"))
+        _follow(element, replace(inner, namespace=inner.join(name)), robot)
+        if scope.text(element, "args"):
+            raise _refused("only its program knows what its args mean")
     elif element.tag == "param":
-        if "value" not in element.attrib:
-            raise OldElementError(Message("its value comes from a command or another file"))
-        name = _text(element, "name", scope)
-        text = re.sub(f"{FOUND}(.*?){FOUND}", r"$(find \1)", _text(element, "value", scope))
-        value = typed(text, element.get("type", "auto").lower().strip())
-        if scope.is_node or name.startswith("~"):
-            scope.private[name.lstrip("~/")] = value
-        else:
-            _load(value, _join(scope.namespace, name), found)
-    elif element.tag == "rosparam" and element.get("command", "load") == "load":
-        below = _join(names, _text(element, "param", scope))
+        kind = element.get("type", "auto")
+        if "value" not in element.attrib or name[:1] in "~/" or kind in ("yaml", "bool"):
+            raise _refused("its value comes from elsewhere, or goes to another node")
+        text = scope.text(element, "value")
+        _load(text if kind in ("str", "string") else _plain(text), scope.join(name), robot)
+    elif element.tag == "rosparam":
+        if element.get("command", "load") != "load":
+            raise _refused("it deletes or writes parameters")
         text = element.text or ""
         if "file" in element.attrib:
-            text = _bytes(_file(element, scope), found).decode("utf-8", "replace")
-        if element.get("subst_value", "false").lower() in ("true", "1") or "$(" in text:
-            text = substituted(text, scope.arguments, scope.file)
-        _load(parse_yaml(text, odd_numbers=True), below, found)
-    elif element.tag == "rosparam" and element.get("command") == "delete":
-        raise OldElementError(Message("it deletes parameters"))
+            text = _content(Path(scope.text(element, "file")))
+        content = parse_yaml(scope.substituted(text))
+        _load(content, inner.join(scope.text(element, "param")), robot)
     elif element.tag == "include":
-        path, used = _file(element, scope), element.findall("arg")
-        used = [one for one in used if _is_used(one, scope)]
-        given = {one.get("name", ""): _text(one, "value", scope) for one in used}
-        passed = dict(scope.arguments) if element.get("pass_all_args") == "true" else {}
-        inner = replace(inner, file=path, arguments={**passed, **given})
-        # As roslaunch: a file adds to the private parameters around it unless there are none.
-        _follow(_root(path, found), replace(inner, private=scope.private or {}), found)
+        if "pass_all_args" in element.attrib:
+            raise _refused("it passes all args")
+        path = Path(scope.text(element, "file"))
+        used = [one for one in element.findall("arg") if scope.uses(one)]
+        arguments = {one.get("name", ""): scope.text(one, "value") for one in used}
+        _follow(_root(path), replace(inner, file=path, arguments=arguments), robot)
 
 
-def _is_used(element: ElementTree.Element, scope: _Scope) -> bool:
-    for name, wanted in (("if", True), ("unless", False)):
-        if name in element.attrib:
-            text = _text(element, name, scope).lower()
-            if text not in BOOLS:
-                raise unknown(f"{name}={text}")
-            if BOOLS[text] != wanted:
-                return False
-    return True
+def _plain(text: str) -> Union[int, float, bool, str]:
+    """Return a value as roslaunch understands it without a type."""
+    try:
+        return float(text) if "." in text else int(text)
+    except ValueError:
+        return {"true": True, "false": False}.get(text.lower(), text)
 
 
-def _text(element: ElementTree.Element, name: str, scope: _Scope) -> str:
-    return substituted(element.get(name, ""), scope.arguments, scope.file)
-
-
-def _file(element: ElementTree.Element, scope: _Scope) -> Path:
-    text = _text(element, "file", scope)
-    if FOUND not in text:
-        return Path(text)
-    before, package, rest = text.split(FOUND, 2)
-    if before or FOUND in rest:
-        raise unknown(element.get("file", ""))
-    rest, near = rest.strip("/"), list(scope.file.absolute().parents)[:4]
-    inside = [folder for folder in near if folder.name == package]
-    inside += [folder / package for folder in near]
-    # Also files that were copied without the folders of their package.
-    copied = [near[0] / name for name in (rest, Path(rest).name) if name]
-    for path in (*(folder / rest for folder in inside), *copied):
-        if path.is_file():
-            return path
-    raise unknown(f"$(find {package})/{rest}")
-
-
-def _load(values: Any, below: str, found: LaunchParameters) -> None:
-    if len(found.values) > MAX_VALUES:
-        raise OldElementError(Message("it sets too many parameters"))
+def _load(values: Any, name: str, robot: OldRobot) -> None:
     if isinstance(values, dict):
-        for name, value in values.items():
-            _load(value, _join(below, str(name)), found)
-    else:
-        found.values[below] = values
-
-
-def _join(namespace: str, name: Optional[str]) -> str:
-    if not name:
-        return namespace
-    return name if name.startswith("/") else f"{namespace.rstrip('/')}/{name}"
+        for key, value in values.items():
+            _load(value, f"{name.rstrip('/')}/{key}", robot)
+        return
+    *above, key = name.split("/")
+    parts = [_AXIS.fullmatch(one.lower()) for one in reversed(above)]
+    axes = [one.group(1) or one.group(2) for one in parts if one]
+    place = f"{axes[0]}/{key}" if axes and key in NAMES else name
+    if robot.values.setdefault(place, values) != values or len(robot.values) > MAX_VALUES:
+        # Which of two counts depends on the order in which roslaunch sets them.
+        raise _refused(f"{name} is {values}, after {place} {robot.values[place]}")

@@ -2,149 +2,116 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any, Dict, Iterator, List, Mapping, Tuple
+from typing import Dict, Iterator, List, NamedTuple
 
-from gpr20_common.message import Message
-from gpr20_launch.mid.pin_table import EEPROM, GPIO_OF_BOARD, I2C, SPI_BUSES, UART
-from gpr20_launch.mid.problem import Problem, problem
-from gpr20_launch.mid.robot_files import AXES_FILE, Reading
-from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
+from gpr20_launch.mid.hints import hint_for_value
+from gpr20_launch.mid.pin_table import (
+    EEPROM,
+    FREE,
+    GPIO_OF_BOARD,
+    I2C,
+    RESERVED,
+    SPI_BUSES,
+    spi_pins,
+)
+from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Problem, Reading, problem
+from gpr20_survey.axes.axis_parameters import Level, Pull
 
 HEIGHT_FILE = "height.yaml"
 # What enables the drivers of several axes.
 SHARED = "enable_pin"
-# A switch to ground works with the resistors of I2C.
-ENDSTOP = "sensor_pin"
-_EEPROM = Message("at every start the Raspberry Pi sends pulses to this pin, looking for an EEPROM")
-_CONSOLE = Message("this is the serial port, whose console Linux prints on unless it is off")
-_CE1 = Message("this is CE1 of SPI0, which Linux drives unless only one chip select is set up")
-RESERVED: Mapping[int, Message] = {
-    **dict.fromkeys(EEPROM, _EEPROM),
-    **dict.fromkeys(UART, _CONSOLE),
-    **dict.fromkeys(I2C, Message("this is I2C, with a resistor of 1.8 kOhm to 3.3 V")),
-    SPI_BUSES[0].pins(1)["CE1"]: _CE1,
-}
 
 
-@dataclass(frozen=True)
-class PinUse:
-    """One use of a pin.
+class PinUse(NamedTuple):
+    """One use of a pin [BOARD]: file, key and its value; what is said of it; and with whom.
 
-    Attributes:
-        pin: The pin [BOARD].
-        file: File that names it.
-        key: Key that names it.
-        text: The use, for people.
-        value: Value of the key.
-        shared: Uses that have the same text here may share the pin; empty: this may not.
+    Uses with the same text in `shared` may share the pin; with none, this may not.
     """
 
     pin: int
-    file: Path
+    file: str
     key: str
-    text: str
     value: object
+    text: str
     shared: str = ""
 
 
 def check_pins(reading: Reading) -> Iterator[Problem]:
     """Find pins with two purposes, and pins that something beside this software uses."""
-    lines, without = _spi(reading)
-    uses = [*_axis_uses(reading), *lines]
-    yield from _shared(uses)
+    uses = list(_axis_uses(reading))
+    allowed = f"another pin, with the signal connected to it: {', '.join(map(str, FREE))}"
     for use in uses:
-        yield from _reserved(use)
-    axes = {axis: one for axis, one in reading.axes().items() if not one.controller}
-    for axis, parameters in axes.items():
-        yield from _pull(reading.folder / AXES_FILE, axis, parameters)
-    yield from without
-
-
-def is_pin(key: str, value: Any) -> bool:
-    """Return whether a key of an axis has a pin that exists."""
-    return key.endswith("_pin") and type(value) is int and value in GPIO_OF_BOARD
+        where = (reading.folder / use.file, use.key, use.value)
+        if use.pin not in GPIO_OF_BOARD:
+            hint = hint_for_value(use.key, use.pin) or "there is no such pin"
+            yield problem(*where, f"{hint}; pins have the numbers of the header, BOARD", allowed)
+        # A switch to ground works with the resistors of I2C.
+        elif use.pin in RESERVED and not (use.pin in I2C and use.key.endswith("/sensor_pin")):
+            yield problem(*where, RESERVED[use.pin], allowed, doubtful=use.pin not in EEPROM)
+    yield from _spi(reading, uses)
+    yield from _shared(reading, uses)
+    for axis, own in reading.axes().items():
+        if own.sensor_pin in I2C and not own.controller and own.endstop_pull != Pull.UP.value:
+            reason = (
+                f"pin {own.sensor_pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up; "
+                "measure the signal, pressed and free, and correct endstop_active, too"
+            )
+            place = (reading.folder / AXES_FILE, f"{axis}/endstop_pull", own.endstop_pull)
+            yield problem(*place, reason, Pull.UP.value)
 
 
 def _axis_uses(reading: Reading) -> Iterator[PinUse]:
-    for axis, values in reading.raw_axes.items():
-        if values.get("controller") or not reading.knows(AXES_FILE, f"{axis}/controller"):
-            continue  # that has no pins
+    levels = [one.value for one in Level]
+    for axis, section in AXIS_SECTIONS.items():
+        values = reading.sections[section]
         level = values.get("enable_active", Level.LOW.value)
-        known = reading.knows(AXES_FILE, f"{axis}/enable_active")
         for name, pin in values.items():
-            if is_pin(name, pin) and (known or name != SHARED):
-                key = f"{axis}/{name}"
-                default = "" if (AXES_FILE, key) in reading.given else " (default)"
-                shared = f"{name} {level}" if name == SHARED else ""
-                yield PinUse(
-                    pin, reading.folder / AXES_FILE, key, f"{AXES_FILE} {key}{default}", pin, shared
-                )
+            key = f"{axis}/{name}"
+            given = (AXES_FILE, key) in reading.given
+            # A default says nothing where a key is misspelt, and a controller has no pins.
+            known = type(pin) is int and (given or section not in reading.unsure)
+            if not name.endswith("_pin") or not known or values.get("controller"):
+                continue
+            text = f"{AXES_FILE} {key}" if given else f"{AXES_FILE} {key} (default)"
+            if name != SHARED:
+                yield PinUse(pin, AXES_FILE, key, pin, text)
+            elif level in levels:
+                yield PinUse(pin, AXES_FILE, key, pin, text, f"{name} {level}")
 
 
-def _spi(reading: Reading) -> Tuple[List[PinUse], List[Problem]]:
-    """Return the lines of the height sensor, or that there are none."""
-    if not reading.knows(HEIGHT_FILE, "spi_bus", "spi_device"):
-        return [], []
+def _spi(reading: Reading, uses: List[PinUse]) -> Iterator[Problem]:
+    """Add the lines of the height sensor to the uses, or find that there are none."""
     sensor, file = reading.record("height_sensor"), reading.folder / HEIGHT_FILE
+    if "height_sensor" in reading.unsure:
+        return
     bus, device = sensor.spi_bus, sensor.spi_device
-    lines = SPI_BUSES.get(bus)
-    if lines is None:
-        reason = Message("the header of a Raspberry Pi 4 has no such bus")
-        allowed = ", ".join(map(str, SPI_BUSES))
-        return [], [problem(file, "spi_bus", bus, reason, allowed)]
-    if device >= len(lines.selects):
-        reason = Message("SPI bus {bus} has no such chip select", bus=bus)
-        allowed = f"0 - {len(lines.selects) - 1}"
-        return [], [problem(file, "spi_device", device, reason, allowed)]
-    uses = []
-    for name, pin in lines.pins(device).items():
+    if bus not in SPI_BUSES:
+        reason = "the header of a Raspberry Pi 4 has no such bus"
+        yield problem(file, "spi_bus", bus, reason, ", ".join(map(str, SPI_BUSES)))
+        return
+    last = len(SPI_BUSES[bus][1]) - 1
+    if device > last:
+        reason = f"SPI bus {bus} has no such chip select"
+        yield problem(file, "spi_device", device, reason, f"0 - {last}")
+        return
+    for name, pin in spi_pins(bus, device).items():
         key, value = ("spi_device", device) if name.startswith("CE") else ("spi_bus", bus)
-        uses.append(PinUse(pin, file, key, f"{HEIGHT_FILE} {key}: SPI{bus} {name}", value))
-    return uses, []
+        uses.append(PinUse(pin, HEIGHT_FILE, key, value, f"{HEIGHT_FILE} {key}: SPI{bus} {name}"))
 
 
-def _shared(uses: List[PinUse]) -> Iterator[Problem]:
+def _shared(reading: Reading, uses: List[PinUse]) -> Iterator[Problem]:
     by_pin: Dict[int, List[PinUse]] = {}
     for use in uses:
         by_pin.setdefault(use.pin, []).append(use)
+    allowed = (
+        "a pin of its own for each; axes can share only enable_pin, with the same enable_active"
+    )
     for pin, own in by_pin.items():
-        first = own[0]
-        if len(own) == 1 or (first.shared and {one.shared for one in own} == {first.shared}):
-            continue
-        texts, last, gpio = tuple(one.text for one in own), own[-1], GPIO_OF_BOARD[pin]
-        values = {"pin": pin, "gpio": gpio, "count": len(own), "uses": ", ".join(texts)}
-        reason = Message(
-            "pin {pin} (GPIO{gpio}) has {count} purposes: {uses}; find out with a continuity meter "
-            "where it leads, as docs/wiring.md describes",
-            **values,
-        )
-        allowed = Message(
-            "a pin of its own for each; axes can share only {shared}, with the same {level}",
-            shared=SHARED,
-            level="enable_active",
-        )
-        yield problem(last.file, last.key, last.value, reason, allowed, uses=texts)
-
-
-def _reserved(use: PinUse) -> Iterator[Problem]:
-    reason = RESERVED.get(use.pin)
-    of_axis = use.file.name == AXES_FILE
-    if reason is None or not of_axis or (use.pin in I2C and use.key.endswith(ENDSTOP)):
-        return
-    free = ", ".join(map(str, sorted(set(GPIO_OF_BOARD) - {*RESERVED, 19, 21, 23, 24})))
-    allowed = Message("another pin, with the signal connected to it: {free}", free=free)
-    yield problem(use.file, use.key, use.value, reason, allowed, use.pin not in EEPROM)
-
-
-def _pull(file: Path, axis: str, parameters: AxisParameters) -> Iterator[Problem]:
-    pin, pull, up = parameters.sensor_pin, parameters.endstop_pull, Pull.UP.value
-    if pin in I2C and pull != up:
-        reason = Message(
-            "pin {pin} has a resistor of 1.8 kOhm to 3.3 V, which pulls up; measure the signal, "
-            "pressed and free, and correct {active}, too",
-            pin=pin,
-            active="endstop_active",
-        )
-        yield problem(file, f"{axis}/endstop_pull", pull, reason, up)
+        last, sharing = own[-1], {one.shared for one in own}
+        if pin in GPIO_OF_BOARD and len(own) > 1 and (len(sharing) > 1 or not last.shared):
+            reason = (
+                f"pin {pin} (GPIO{GPIO_OF_BOARD[pin]}) has {len(own)} purposes: "
+                f"{', '.join(one.text for one in own)}; find out with a continuity meter where it "
+                "leads, as docs/wiring.md describes"
+            )
+            yield problem(reading.folder / last.file, last.key, last.value, reason, allowed)

@@ -7,17 +7,13 @@ selects that the overlays spi0 to spi6 of the Raspberry Pi's kernel use by defau
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Dict, Mapping, Tuple
 
-from gpr20_common.message import Message
-
-_V3, _V5, _GROUND = Message("3.3 V"), Message("5 V"), Message("ground")
 # Pins of the header [BOARD] that carry no signal.
-NOT_GPIO: Mapping[int, Message] = {
-    **dict.fromkeys((1, 17), _V3),
-    **dict.fromkeys((2, 4), _V5),
-    **dict.fromkeys((6, 9, 14, 20, 25, 30, 34, 39), _GROUND),
+NOT_GPIO: Mapping[int, str] = {
+    **dict.fromkeys((1, 17), "3.3 V"),
+    **dict.fromkeys((2, 4), "5 V"),
+    **dict.fromkeys((6, 9, 14, 20, 25, 30, 34, 39), "ground"),
 }
 GPIO_OF_BOARD: Mapping[int, int] = {
     **{3: 2, 5: 3, 7: 4, 8: 14, 10: 15, 11: 17, 12: 18, 13: 27, 15: 22, 16: 23, 18: 24, 19: 10},
@@ -29,39 +25,33 @@ BOARD_OF_GPIO: Mapping[int, int] = {gpio: board for board, gpio in GPIO_OF_BOARD
 # At every start the firmware looks for an EEPROM here, with pulses of its own.
 EEPROM = (27, 28)
 I2C = (3, 5)
-# The console of Linux and of the boot loader prints on the first one unless it is switched off.
-UART = (8, 10)
-
-
-@dataclass(frozen=True)
-class SpiBus:
-    """The lines of an SPI bus [GPIO numbers].
-
-    Attributes:
-        miso: Data to the computer.
-        mosi: Data from the computer.
-        clock: Clock.
-        selects: Chip selects, the first one of device 0.
-    """
-
-    miso: int
-    mosi: int
-    clock: int
-    selects: Tuple[int, ...]
-
-    def pins(self, device: int) -> Dict[str, int]:
-        """Return name and pin [BOARD] of each line that a device uses."""
-        lines = {"MISO": self.miso, "MOSI": self.mosi, "SCLK": self.clock}
-        lines[f"CE{device}"] = self.selects[device]
-        return {name: BOARD_OF_GPIO[gpio] for name, gpio in lines.items()}
-
-
-# Bus 2 has no lines on the header.
-SPI_BUSES: Mapping[int, SpiBus] = {
-    0: SpiBus(9, 10, 11, (8, 7)),
-    1: SpiBus(19, 20, 21, (18, 17, 16)),
-    3: SpiBus(1, 2, 3, (0, 24)),
-    4: SpiBus(5, 6, 7, (4, 25)),
-    5: SpiBus(13, 14, 15, (12, 26)),
-    6: SpiBus(19, 20, 21, (18, 27)),
+# GPIO numbers of MISO, MOSI and SCLK, and of the chip selects. Bus 2 is not on the header.
+SPI_BUSES: Mapping[int, Tuple[Tuple[int, int, int], Tuple[int, ...]]] = {
+    0: ((9, 10, 11), (8, 7)),
+    1: ((19, 20, 21), (18, 17, 16)),
+    3: ((1, 2, 3), (0, 24)),
+    4: ((5, 6, 7), (4, 25)),
+    5: ((13, 14, 15), (12, 26)),
+    6: ((19, 20, 21), (18, 27)),
 }
+RESERVED: Mapping[int, str] = {
+    **dict.fromkeys(
+        EEPROM, "at every start the Raspberry Pi sends pulses to this pin, looking for an EEPROM"
+    ),
+    **dict.fromkeys(
+        (8, 10), "this is the serial port, whose console Linux prints on unless it is off"
+    ),
+    **dict.fromkeys(I2C, "this is I2C, with a resistor of 1.8 kOhm to 3.3 V"),
+    26: "this is CE1 of SPI0, which Linux drives unless only one chip select is set up",
+}
+
+
+def spi_pins(bus: int, device: int) -> Dict[str, int]:
+    """Return name and pin [BOARD] of each line that a device of a bus uses."""
+    lines, selects = SPI_BUSES[bus]
+    named = {**dict(zip(("MISO", "MOSI", "SCLK"), lines)), f"CE{device}": selects[device]}
+    return {name: BOARD_OF_GPIO[gpio] for name, gpio in named.items()}
+
+
+# For anything: what neither the Raspberry Pi nor the usual converter uses.
+FREE = sorted({*GPIO_OF_BOARD} - {*RESERVED} - {*spi_pins(0, 0).values()})

@@ -1,27 +1,22 @@
-"""The files of a robot's configuration: what each may hold, and how it is read."""
+"""The files of a robot's configuration: what each may hold, how it is read, what is wrong."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, Dict, List, Mapping, Set, Tuple, Type
+from typing import Any, Dict, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Message
-from gpr20_common.mid.codec import record_from
+from gpr20_common.message import Fault, Message, Severity
+from gpr20_common.mid.codec import mistakes, record_from
+from gpr20_common.terminal_text import printable
 from gpr20_height_sensor.mid.height_driver import HeightParameters
-from gpr20_launch.errors import ConfigurationError
-from gpr20_launch.mid import hints
-from gpr20_launch.mid.axis_checks import impossible_values
-from gpr20_launch.mid.pin_table import GPIO_OF_BOARD
-from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.wiring import Wiring
+from gpr20_launch.mid.hints import hint_for_key, hint_for_text, hint_for_value
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes.axis_parameters import BOARD_PINS, AxisParameters
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.sensors import SENSORS, Sensors
 from gpr20_survey.plan.survey_parameters import SurveySettings
@@ -30,47 +25,109 @@ from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_web.mid.web_parameters import WebParameters
 
 AXES_FILE = "axes.yaml"
+REAL = "gpr20"
+ROBOTS = ("simulated", REAL)
+# What runs on this computer.
+PARTS = ROBOT, SERVER, SURVEY = ("robot", "server", "survey")
 Sections = Dict[str, Dict[str, Any]]
-NOTHING: Mapping[str, Any] = MappingProxyType({})
+
+
+# What is checked with everything off; and with the robot running, at the first power-up.
+Before = Literal["unread", "pins", "z_direction_or_step", "endstop_levels", "no_5_v"]
+WithRobot = Literal["emergency_stop", "directions", "travel"]
 
 
 @dataclass(frozen=True)
-class RobotFile:
-    """One file of the configuration.
+class Wiring:
+    """What a person must still check on this robot.
 
     Attributes:
-        title: What it is about, for the first line of its template.
-        sections: Parts of the configuration whose keys it holds, and the class of each.
+        unchecked: Delete each word when a person has checked it, as docs/wiring.md describes. With
+            unread, pins, z_direction_or_step, no_5_v or endstop_levels in the list the robot is
+            not launched; with emergency_stop, directions or travel it warns.
     """
 
-    title: str
-    sections: Tuple[Tuple[str, Type], ...]
+    unchecked: Tuple[Literal[Before, WithRobot], ...] = ()
 
 
-FILES: Mapping[str, RobotFile] = {
-    "height.yaml": RobotFile(
-        "the height sensor of this robot", (("height_sensor", HeightParameters),)
-    ),
-    "analyzer.yaml": RobotFile(
-        "the network analyzer (VNA) of this robot", (("vna_acquisition", VnaParameters),)
-    ),
-    "survey.yaml": RobotFile(
-        "how surveys are carried out", (("survey", SurveySettings), ("time_limits", TimeLimits))
-    ),
-    "storage.yaml": RobotFile(
-        "where and how surveys are stored", (("storage", ProcessingParameters),)
-    ),
-    "sensors.yaml": RobotFile(
-        "other sensors beside the radar, whose values are stored with each trace",
-        ((SENSORS, Sensors),),
-    ),
-    "site.yaml": RobotFile("this robot, its place and its operator", (("site", Site),)),
-    "web.yaml": RobotFile(
-        "the page that shows this robot to browsers, with web:=true", (("web", WebParameters),)
-    ),
-    "wiring.yaml": RobotFile("what a person must still check on this robot", (("wiring", Wiring),)),
+# The keys of each file are those of these sections of the configuration.
+FILES: Mapping[str, Mapping[str, Type]] = {
+    "height.yaml": {"height_sensor": HeightParameters},
+    "analyzer.yaml": {"vna_acquisition": VnaParameters},
+    "survey.yaml": {"survey": SurveySettings, "time_limits": TimeLimits},
+    "storage.yaml": {"storage": ProcessingParameters},
+    "sensors.yaml": {SENSORS: Sensors},
+    "site.yaml": {"site": Site},
+    "web.yaml": {"web": WebParameters},
+    "wiring.yaml": {"wiring": Wiring},
 }
 AXIS_SECTIONS = {axis_id.value: f"{axis_id.value}_axis" for axis_id in AxisId}
+KINDS: Dict[str, Type] = dict.fromkeys(AXIS_SECTIONS.values(), AxisParameters)
+KINDS.update((section, kind) for file in FILES.values() for section, kind in file.items())
+# Between these keys there is a relation: the first one that the file has is named.
+RELATED: Mapping[str, Tuple[str, ...]] = {
+    "min_step": ("max_step",),
+    "max_coord": ("min_coord", "step_size"),
+    "late_limit_s": ("min_step",),
+    "gap_limit_s": ("late_limit_s",),
+    "homing_backoff": ("sensor_pin", "step_size"),
+    "max_frequency_hz": ("min_frequency_hz",),
+    "min_level_db": ("max_level_db",),
+    "min_distance_m": ("max_distance_m",),
+}
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One mistake, or something doubtful, in the configuration of a robot.
+
+    Attributes:
+        message: All of it as one sentence, with its fault.
+        file: The file; empty: a setting of the computer.
+        key: The key in it, such as y/sensor_pin; empty: the whole file.
+        value: Its value as Python shows it.
+    """
+
+    message: Message
+    file: str = ""
+    key: str = ""
+    value: str = ""
+
+    @property
+    def refuses(self) -> bool:
+        """Whether the robot must not be launched; otherwise it is doubtful."""
+        return self.message.severity in (None, Severity.FAULT)
+
+    def record(self) -> Dict[str, Any]:
+        """Return the sentence as it travels, and the place beside it."""
+        return {**self.message.record(), "file": self.file, "key": self.key, "value": self.value}
+
+
+def problem(
+    file: Union[Path, str],
+    key: str,
+    value: object,
+    reason: object,
+    allowed: object,
+    doubtful: bool = False,
+    fault: Fault = CONFIGURATION,
+) -> Problem:
+    """Return a problem of one value; a doubtful one may be right on some robot."""
+    place = f"{printable(str(file))}: {key} is {printable(str(value))}"
+    text = Message(
+        "{place}: {reason}; allowed: {allowed}", place=place, reason=reason, allowed=allowed
+    )
+    fault = fault.as_warning() if doubtful else fault
+    return Problem(text.reporting_only(fault), str(file), key, str(value))
+
+
+class Use(NamedTuple):
+    """How a configuration is used: variables, data:= of the launch, real robot or not, and part."""
+
+    environment: Mapping[str, str]
+    data: str = ""
+    real: bool = True
+    part: str = SURVEY
 
 
 class Reading:
@@ -79,220 +136,159 @@ class Reading:
     Attributes:
         folder: Their folder.
         built: The axes of the robot as it is built: the defaults.
-        sections: Every section, without the values that are not allowed.
+        sections: Every section as the nodes get it, with the values that are wrong.
         problems: These values, and files that cannot be read.
-        given: The keys that the files name, such as axes.yaml x/dir_pin.
-        unsure: Keys whose value was refused or misspelt, so that the default says nothing about
-            the robot; without a key: all of the file.
-        raw_axes: The values of each axis with the defaults, also those that are not allowed.
+        entries: What is in the folder.
+        given: The keys that each file names, such as x/dir_pin of axes.yaml.
+        unsure: The sections with a mistake, so that their defaults say nothing of the robot.
     """
 
     def __init__(self, folder: Path, built_axes: Path) -> None:
-        """Read the files that are there.
-
-        Raises:
-            OSError: The folder cannot be read.
-        """
+        """Read the files that are there."""
         self.folder = folder
         self.built: Mapping[str, Mapping[str, Any]] = read_yaml(built_axes)
         self.sections: Sections = {}
         self.problems: List[Problem] = []
         self.given: Set[Tuple[str, str]] = set()
-        self.unsure: Set[Tuple[str, str]] = set()
-        self.raw_axes: Dict[str, Mapping[str, Any]] = {}
+        self.unsure: Set[str] = set()
+        self.entries: Tuple[Path, ...] = ()
+        try:
+            self.entries = tuple(sorted(folder.iterdir()))
+        except FileNotFoundError:
+            pass
+        except OSError as error:
+            self._wrong(folder, os_reason(error))
         self._refuse_unknown_files()
-        for name, file in FILES.items():
-            self._read_sections(folder / name, file)
+        for name, sections in FILES.items():
+            self._read_sections(folder / name, sections)
         self._read_axes(folder / AXES_FILE)
 
     def record(self, section: str) -> Any:
-        """Return the parameters of a section."""
-        kinds = dict(one for file in FILES.values() for one in file.sections)
-        return record_from(kinds.get(section, AxisParameters), self.sections[section], section)
-
-    def knows(self, file: str, *keys: str) -> bool:
-        """Return whether the robot has the values of these keys, or the defaults."""
-        wanted = {"", *keys, *(key.partition("/")[0] for key in keys)}
-        return not self.unsure & {(file, key) for key in wanted}
+        """Return the parameters of a section; the defaults if something is wrong with them."""
+        values = {} if section in self.unsure else self.sections[section]
+        return record_from(KINDS[section], values, section)
 
     def axes(self) -> Dict[str, AxisParameters]:
-        """Return the axes whose values, but for the pins, are known."""
-        found = {}
-        for axis, section in AXIS_SECTIONS.items():
-            keys = [f"{axis}/{one.name}" for one in fields(AxisParameters)]
-            if self.knows(AXES_FILE, *(key for key in keys if not key.endswith("_pin"))):
-                found[axis] = self.record(section)
-        return found
+        """Return the axes with which nothing is wrong."""
+        known = {axis: one for axis, one in AXIS_SECTIONS.items() if one not in self.unsure}
+        return {axis: self.record(section) for axis, section in known.items()}
 
     def _refuse_unknown_files(self) -> None:
-        known = ", ".join(sorted({AXES_FILE, *FILES}))
-        for path in sorted(self.folder.glob("*")):
+        known = {AXES_FILE, *FILES}
+        for path in self.entries:
             # Editors and file managers leave hidden files.
             is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
-            if is_yaml and path.name not in {AXES_FILE, *FILES}:
-                text = Message(
-                    "{file} is not a file of a robot's configuration, and would not be read; "
-                    "rename it, or move it to another folder; allowed: {known}",
-                    file=path,
-                    known=known,
-                )
-                unknown = text.with_fault(CONFIGURATION)
-                self.problems.append(Problem(unknown, str(path), allowed=known))
+            if is_yaml and path.name not in known:
+                reason = "it is not a file of a robot's configuration, and would not be read; "
+                reason += "rename it, or move it to another folder; allowed: "
+                self._wrong(path, reason + ", ".join(sorted(known)))
 
-    def _read_sections(self, path: Path, file: RobotFile) -> None:
-        values = self._content(path)
-        names = {section: {one.name for one in fields(kind)} for section, kind in file.sections}
-        self._refuse_unknown_keys(path, values, set().union(*names.values()))
-        for section, kind in file.sections:
+    def _read_sections(self, path: Path, sections: Mapping[str, Type]) -> None:
+        values, wrong = self._content(path)
+        names = {section: {one.name for one in fields(kind)} for section, kind in sections.items()}
+        wrong |= self._refuse_unknown_keys(path, values, set().union(*names.values()))
+        for section in sections:
             own = {key: value for key, value in values.items() if key in names[section]}
-            self.sections[section] = self._allowed(path, kind, own)
+            self._read(path, section, own, own, wrong)
 
     def _read_axes(self, path: Path) -> None:
-        values = self._content(path)
-        self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
+        values, wrong = self._content(path)
         names = {one.name for one in fields(AxisParameters)}
+        self._refuse_unknown_keys(path, values, set(AXIS_SECTIONS))
         for axis, section in AXIS_SECTIONS.items():
-            own = values.get(axis) or {}
+            own, mistaken = values.get(axis), wrong
+            own = {} if own is None else own
             if not isinstance(own, dict):
-                reason = Message(
-                    "{place} is {value}; it must be a group of values", place=axis, value=repr(own)
-                )
-                hint = hints.hint_for_value(axis, own, reason) or hints.hint_for_text(path)
-                self._wrong(path, hints.with_hint(reason, hint), axis, own)
-                own = {}
-            own = dict(own)
-            self._refuse_unknown_keys(path, own, names, f"{axis}/")
-            base = self.built[axis]
-            every = {**base, **own}
-            known = [key for key in every if self.knows(path.name, f"{axis}/{key}")]
-            raw = self.raw_axes[axis] = {key: every[key] for key in known}
-            for one in impossible_values(path, axis, raw):
-                self.problems.append(one)
-                self.unsure.add((path.name, one.key))
-                own.pop(one.key.partition("/")[2], None)
-            pins = [raw[key] for key in known if key.endswith("_pin")]
-            for key in [one for one in own if one.endswith("_pin") and type(own[one]) is int]:
-                if own[key] in GPIO_OF_BOARD and pins.count(own[key]) > 1:
-                    twice = f"{key} {own[key]}"
-                    reason = Message("{pins}: all pins must be different", pins=twice)
-                    self._wrong(path, reason, f"{axis}/{key}", own.pop(key), place=axis)
-            own = self._allowed(path, AxisParameters, own, axis, base)
-            self.sections[section] = {**base, **own}
+                hint = hint_for_value(axis, own) or hint_for_text(path)
+                reason = f"{axis} is {own!r}; it must be a group of values"
+                self._wrong(path, reason, axis, own, hint)
+                own, mistaken = {}, True
+            mistaken |= self._refuse_unknown_keys(path, own, names, f"{axis}/")
+            self._read(path, section, own, {**self.built[axis], **own}, mistaken, axis)
 
-    def _content(self, path: Path) -> Dict[Any, Any]:
+    def _content(self, path: Path) -> Tuple[Dict[Any, Any], bool]:
+        """Return the lines of a file, and whether they cannot be read."""
+        if any(one.file == str(self.folder) for one in self.problems):
+            return {}, True
         try:
             values = read_yaml(path)
+            if values is None or isinstance(values, dict):
+                return values or {}, False
+            reason = "it must be lines of the form key: value"
+            self._wrong(path, reason, hint=hint_for_text(path))
         except OSError as error:
             # A link that leads nowhere, such as to a medium that is not there, is no default.
             links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
-            if links or not isinstance(error, FileNotFoundError):
-                self._wrong(path, os_reason(error))
-            return {}
+            if not links and isinstance(error, FileNotFoundError):
+                return {}, False
+            self._wrong(path, os_reason(error))
         except YamlFileError as error:
-            self._wrong(path, hints.with_hint(error.message, hints.hint_for_text(path)))
-            return {}
-        if values is not None and not isinstance(values, dict):
-            reason = Message("it must be lines of the form {example}", example="key: value")
-            self._wrong(path, hints.with_hint(reason, hints.hint_for_text(path)))
-        return values if isinstance(values, dict) else {}
+            self._wrong(path, error.message, hint=hint_for_text(path))
+        return {}, True
 
     def _refuse_unknown_keys(
         self, path: Path, values: Dict[Any, Any], known: Set[str], below: str = ""
-    ) -> None:
-        """Remove the keys that are unknown."""
-        for key in [one for one in values if one not in known]:
-            self._refuse_comma(path, values, key, below)
-            if key not in values:
-                continue
+    ) -> bool:
+        """Remove the keys that are unknown; return whether there were any."""
+        unknown = [one for one in values if one not in known]
+        for key in unknown:
+            before = ([""] + list(values))[list(values).index(key)]
             value = values.pop(key)
+            if value is None and str(key).isdigit() and type(values.get(before)) is int:
+                # Between braces 0,01 is the number 0 and a key 01.
+                place, number = f"{below}{before}", f"{values.pop(before)},{key}"
+                hint = hint_for_value(before, number)
+                self._wrong(path, f"{place} is {number!r}", place, number, hint)
+                continue
             place = f"{below}{key}" if below else repr(key)
-            allowed = ", ".join(sorted(known))
-            reason = Message("{place} is unknown; allowed: {known}", place=place, known=allowed)
-            options = ", ".join(one for one in sorted(known) if one.endswith("_options"))
-            if options:
-                text = Message("settings of another class belong in {options}", options=options)
-                reason = hints.with_hint(reason, text)
-            reason = hints.with_hint(reason, hints.hint_for_key(key, known))
-            self._wrong(path, reason, f"{below}{key}", value, allowed)
-            meant = hints.nearest(key, known)
-            if meant is not None and meant not in values:
-                self.unsure.add((path.name, f"{below}{meant}"))
+            reason = f"{place} is unknown; allowed: {', '.join(sorted(known))}"
+            self._wrong(path, reason, f"{below}{key}", value, hint_for_key(key, known))
         self.given.update((path.name, f"{below}{key}") for key in values)
+        return bool(unknown)
 
-    def _refuse_comma(self, path: Path, values: Dict[Any, Any], key: Any, below: str) -> None:
-        """Remove both halves of a number such as 0,01 between braces, where 01 is another key."""
-        names = list(values)
-        before = names[max(0, names.index(key) - 1)]
-        if values[key] is None and str(key).isdigit() and type(values[before]) is int:
-            number = f"{values.pop(before)},{key}"
-            del values[key]
-            place = f"{below}{before}"
-            reason = Message("{place} is {value}", place=place, value=repr(number))
-            hint = hints.hint_for_value("", number, reason)
-            self._wrong(path, hints.with_hint(reason, hint), place, number)
-
-    def _allowed(
+    def _read(
         self,
         path: Path,
-        kind: Type,
-        own: Dict[str, Any],
-        place: str = "",
-        base: Mapping[str, Any] = NOTHING,
-    ) -> Dict[str, Any]:
-        """Return the values without those that are not allowed, alone or together."""
-        below = f"{place}/" if place else ""
-        names = [one.name for one in fields(kind)]
-        while True:
-            unsure = [one for one in names if (path.name, f"{below}{one}") in self.unsure]
-            # What is only wrong without them is no mistake of its own.
-            for one in {two for key in unsure for two in hints.TOGETHER.get(key, ())} & set(own):
-                del own[one]
-            error = hints.refusal(kind, {**base, **own}, place)
-            if error is None:
-                return own
-            key = hints.culprit(kind, own, place, base, error)
-            value = own.get(key)
-            alone = {key: value} if key else {}
-            if not any(hints.follows(kind, one, place, base, unsure) for one in (own, alone)):
-                reason = hints.with_hint(error, hints.hint_for_value(key, value, error))
-                absent = [one for one in names if one not in own] if key else []
-                for one in (one for one in absent if hints.follows(kind, own, place, base, (one,))):
-                    default = Message("{name} has its default", name=one)
-                    reason = hints.with_hint(reason, default)
-                self._wrong(path, reason, f"{below}{key}" if key else place, value, place=place)
+        section: str,
+        own: Mapping[str, Any],
+        every: Dict[str, Any],
+        wrong: bool,
+        axis: str = "",
+    ) -> None:
+        """Keep the values of a section; find what is wrong with each, then with them together."""
+        self.sections[section] = every
+        found = mistakes(KINDS[section], every, axis)
+        if wrong or found:
+            self.unsure.add(section)
+        below = f"{axis}/" if axis else ""
+        for key, error in found.items():
+            hints, allowed = [], str(error.values.get("allowed", ""))
+            if not key and (wrong or (axis and _has_wrong_pins(every))):
+                continue
             if not key:
-                return {}
-            self.unsure.add((path.name, f"{below}{key}"))
-            del own[key]
+                names = (error.values.get(one) for one in ("name", "place", "key"))
+                named = next((str(one) for one in names if one), "")
+                related = [named, *RELATED.get(named, ())]
+                key = next((one for one in related if one in own), "")
+                hints = [
+                    f"{one} is {own[one]!r}" if one in own else f"{one} has its default"
+                    for one in (related if key else ())
+                ]
+            hints.insert(0, hint_for_value(key, own.get(key), allowed))
+            hint = "; ".join(filter(None, hints))
+            self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key), hint)
 
     def _wrong(
-        self,
-        path: Path,
-        reason: Message,
-        key: str = "",
-        value: Any = None,
-        allowed: str = "",
-        place: str = "",
+        self, path: Path, reason: object, key: str = "", value: Any = None, hint: str = ""
     ) -> None:
-        if place:
-            text = Message("{file}, {place}: {reason}", file=path, place=place, reason=reason)
-        else:
-            text = Message("{file}: {reason}", file=path, reason=reason)
-        shown = "" if value is None else repr(value)
-        self.unsure.add((path.name, key))
-        self.problems.append(
-            Problem(text.reporting_only(CONFIGURATION), str(path), key, shown, allowed)
-        )
+        said = Message("{reason}; {hint}", reason=reason, hint=hint) if hint else reason
+        text = Message("{file}: {reason}", file=path, reason=said).reporting_only(CONFIGURATION)
+        self.problems.append(Problem(text, str(path), key, "" if value is None else repr(value)))
 
 
-def read_configuration(folder: Path, built_axes: Path) -> Sections:
-    """Return every section of a configuration; what a file leaves out has its default.
-
-    Raises:
-        ConfigurationError: A file cannot be read, or has an unknown key or a value that is not
-            allowed; the message names file, key, value and what is allowed.
-    """
-    found = Reading(folder, built_axes)
-    if found.problems:
-        raise ConfigurationError(found.problems[0].message)
-    return found.sections
+def _has_wrong_pins(values: Mapping[str, Any]) -> bool:
+    """Return whether the check of all pins finds what is wrong in an axis."""
+    pins = [pin for key, pin in values.items() if key.endswith("_pin") and pin is not None]
+    return not values.get("controller") and (
+        not BOARD_PINS.issuperset(pins) or len(set(pins)) < len(pins)
+    )

@@ -181,8 +181,8 @@ class Site:
     robot: str = "GPR-20"
     site: str = ""
     operator: str = ""
-    latitude_deg: Optional[float] = None
-    longitude_deg: Optional[float] = None
+    latitude_deg: Optional[float] = bounded(-90.0, 90.0, None)
+    longitude_deg: Optional[float] = bounded(-180.0, 180.0, None)
     false_alarms_per_m2: float = bounded(*FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2)
 
     def __post_init__(self) -> None:

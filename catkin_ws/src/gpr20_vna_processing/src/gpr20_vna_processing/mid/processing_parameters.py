@@ -11,13 +11,14 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.data_folder import data_folder, state_folder
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.codec import bounded
 from gpr20_survey.files.durable_files import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
 from gpr20_survey.plan.sensors import TOPIC
 
 BYTES_PER_MB = 1_000_000
+POSITIVE = (1e-6, 1e9)
 OF_AN_AXIS = (
     *("current_coord", "axis/goal", "axis/result", "axis/status", "axis/cancel"),
     "axis_driver/description",
@@ -72,20 +73,17 @@ class ProcessingParameters:
 
     data: str = ""
     data_disk: bool = False
-    disk_reserve_mb: float = 500.0
-    message_queue_mb: float = 16.0
-    timeout_s: float = 60.0
-    long_timeout_s: float = 600.0
-    commit_period_s: float = 2.0
+    disk_reserve_mb: float = bounded(0.0, 1e9, 500.0)
+    message_queue_mb: float = bounded(*POSITIVE, 16.0)
+    timeout_s: float = bounded(*POSITIVE, 60.0)
+    long_timeout_s: float = bounded(*POSITIVE, 600.0)
+    commit_period_s: float = bounded(*POSITIVE, 2.0)
     recorded_topics: Tuple[str, ...] = DEFAULT_TOPICS
     extra_recorded_topics: Tuple[str, ...] = ()
     readable_by: Readers = Readers.GROUP
     signing_key: str = ""
 
     def __post_init__(self) -> None:
-        number_between("disk_reserve_mb", self.disk_reserve_mb, 0.0, 1e9, "MB")
-        for name in ("message_queue_mb", "timeout_s", "long_timeout_s", "commit_period_s"):
-            number_between(name, getattr(self, name), 1e-6, 1e9)
         key = self.signing_key
         if key and not (key.isprintable() and key.startswith(("/", "~/"))):
             raise InvalidValueError(
