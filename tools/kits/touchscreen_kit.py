@@ -36,7 +36,7 @@ class Touchscreen:
         self.arming = Arming(Clock(), self.web.send)
         for client in (self.control, self.web):
             client.listen()
-        self.control.set_watched(True)
+        self.control.follow_robot()
 
     def _take(self, event: object) -> None:
         self.model.handle(event)

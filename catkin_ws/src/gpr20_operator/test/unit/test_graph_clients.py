@@ -22,7 +22,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
-from gpr20_msgs.srv import Command, ListSurveysResponse, ReadTracesResponse
+from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.files.settings_file import Newest
 from gpr20_operator.high import conversions, robot_stop, robots_client, ros_events
@@ -192,7 +192,7 @@ def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, servi
     asked = [name for name, _fields in taken(services.asked, 5)]
     stop.forget()
     services.hung.set()
-    stop._stops[-1]._repeating.acquire(timeout=LIMIT_S)
+    stop._services[-1]._repeating.acquire(timeout=LIMIT_S)
     assert asked.count("stop_survey") == 2 and services.asked.empty()
 
 
@@ -208,7 +208,7 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
     known = SimpleNamespace(lookupService=look_up)
     monkeypatch.setattr(robot_stop.rosgraph, "Master", lambda _name: known)
     monkeypatch.setattr(ServiceClient, "_look_up", lambda *_given: "asked the master")
-    client = robot_stop.DirectServiceClient("stop_survey", Command)
+    client = robot_stop.StopService(None, print, threading.Event())
     assert client._look_up(0, 1.0) == "asked the master"
     answer = "rosrpc://robot:1"
     client.remember()

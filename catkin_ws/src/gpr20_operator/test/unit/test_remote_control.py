@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 from annotation_examples import annotations
@@ -14,10 +13,11 @@ from topics_kit import Graph
 from view_kit import snapshot, state_of
 
 from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import remote_question
-from gpr20_operator.robot.events import Replay, Senders
+from gpr20_operator.robot.events import Replay
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     SILENCE_S,
@@ -25,7 +25,6 @@ from gpr20_operator.robot.remote_control import (
     RemoteAllowance,
     RemoteArmed,
     RemotePlan,
-    WebPageGone,
     WebStatusReported,
     remote_obstacle,
 )
@@ -142,24 +141,6 @@ def test_the_page_believes_only_what_is_fresh(web, clock):
     assert web.armed
 
 
-MESSAGES = st.builds(RemoteArmed, st.just(True), st.floats(), st.none() | st.just(PLAN))
-STEPS = st.lists(st.tuples(st.floats(0.0, 2.9), MESSAGES), min_size=1, max_size=300)
-
-
-@given(STEPS)
-def test_whatever_the_messages_say_one_hold_allows_no_more_than_its_time(steps):
-    clock = FakeClock()
-    allowance = RemoteAllowance(clock)
-    allowance.note(WELL)
-    begun_s = clock.now_s()
-    for wait_s, message in steps:
-        allowance.on_event(message)
-        clock.advance(wait_s)
-        left_s = begun_s + REMOTE_LIMIT_S + SILENCE_S - clock.now_s()
-        assert not allowance.armed or 0.0 < allowance.remaining_s <= left_s
-        assert allowance.armed is (allowance.obstacle is None)
-
-
 ACTIONS = st.one_of(
     st.sampled_from(["hold", "touch", "lost", "well", "surveying", *ENDING]),
     st.floats(0.0, 700.0),
@@ -242,18 +223,10 @@ def test_the_page_takes_no_message_of_another_node(topics, monkeypatch):
     assert events[-1] == RemoteArmed(True, 600.0, None)
 
 
-def test_the_window_notices_that_the_node_of_the_page_is_gone(topics, monkeypatch):
-    graph, events, links = Graph(), [], []
-    monkeypatch.setattr(topics.rospy, "Publisher", lambda *_, **__: None)
-    monkeypatch.setattr(topics.rospy, "Subscriber", graph.subscriber)
-    monkeypatch.setattr(
-        topics, "Periodic", lambda _s, look: links.append(look) or SimpleNamespace(stop=list)
-    )
-    topics.WebPageClient(events.append, Senders("/replay/", replay=True)).listen()
-    assert links == [], "it offers nothing while it shows a replay"
-    client = topics.WebPageClient(events.append, Senders("/"))
-    client.listen()
-    for graph.connected in (0, 1, 1, 0, 0, 1):
-        links[0]()
-    assert events == [WebPageGone()]
-    client.close()
+def test_a_page_whose_node_has_ended_is_no_longer_offered(window):
+    window.arming.take(WEB)
+    window.note(WELL)
+    assert window.arming.web == WEB
+    gone = NodeHealth("web", HealthLevel.STALE, verbatim("ended"), {})
+    window.note(replace(WELL, health=HealthReport((gone,))))
+    assert window.arming.web is None

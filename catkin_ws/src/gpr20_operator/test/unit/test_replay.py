@@ -1,7 +1,6 @@
 """A replay never looks like a robot, and never hides one."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -17,12 +16,11 @@ from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, SurveyData
 from gpr20_msgs.msg import Replay as ReplayMessage
-from gpr20_operator.high import control_client, ros_events
+from gpr20_operator.high import ros_events
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     ControlState,
-    PlayerLink,
     Progress,
     Replay,
     ReplayPhase,
@@ -46,23 +44,18 @@ SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
 def patched(monkeypatch):
     """Replace what needs a graph; return the clock of the clients."""
     clock = FakeClock()
-    monkeypatch.setattr(control_client, "Clock", lambda: clock)
-    # A thread that does something again and again: when the test says so.
-    monkeypatch.setattr(
-        control_client, "Periodic", lambda _s, act: SimpleNamespace(act=act, stop=list)
-    )
+    monkeypatch.setattr(ros_events, "Clock", lambda: clock)
     return monkeypatch, clock
 
 
 def listening(patched, replay=False, namespace="/"):
     """Return a client that listens, its graph, and the events that it passes on."""
-    monkeypatch, clock = patched
+    monkeypatch, _clock = patched
     graph, events = Graph(), []
     monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
-    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
-    client = ControlClient(events.append, Senders(namespace, replay, clock))
+    client = ControlClient(events.append, Senders(namespace, replay))
     client.listen()
-    client.set_watched(True)
+    client.follow_robot()
     return client, graph, events
 
 
@@ -98,7 +91,7 @@ STEPS = some.lists(
 def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
     with pytest.MonkeyPatch.context() as monkeypatch:
         clock = FakeClock()
-        monkeypatch.setattr(control_client, "Clock", lambda: clock)
+        monkeypatch.setattr(ros_events, "Clock", lambda: clock)
         _, graph, events = listening((monkeypatch, clock))
         _, graph_without, events_without = listening((monkeypatch, clock))
         model, model_without = SurveyModel(clock), SurveyModel(clock)
@@ -156,7 +149,7 @@ def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported(pat
     graph.send("/robot1/main_control", "/diagnostics", report("/robot1/sensors/soil"))
     assert [one.name for one in events] == ["main_control", "sensors/soil"]
     graph.send("/play_1", "/diagnostics", report("/robot1/main_control"))
-    assert events[2:] == [SenderIgnored("/play_1")]
+    assert len(events) == 2
 
 
 def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics(patched):
@@ -167,34 +160,11 @@ def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics(patche
             graph.send(sender, *message(kind, 1))
     assert events == []
     graph.send("/play_1", *message("state", 4))
-    assert [(one.survey_id, one.replay) for one in events] == [("survey 1", True)]
-
-
-def test_health_of_a_recording_is_that_of_its_robot_with_any_player(patched):
-    for namespace, recorded in (
-        ("/replay/", "/replay/main_control"),
-        ("/replay/", "main_control"),
-        ("/replay/robot1/", "/replay/robot1/main_control"),
-        ("/replay/robot1/", "robot1/main_control"),
-    ):
-        _, graph, events = listening(patched, replay=True, namespace=namespace)
-        graph.send("/play_1", "/replay/diagnostics", report(recorded))
-        graph.send("/play_1", "/replay/diagnostics", report("robot2/x_axis/axis_driver"))
-        found = [one.name for one in played(*events).snapshot().health.nodes]
-        assert found == ["main_control"], (namespace, recorded)
-
-
-def test_a_replay_has_ended_when_its_player_is_no_longer_connected(patched):
-    client, graph, events = listening(patched, replay=True)
-    client._player.act()
-    assert events == []
-    for graph.connected in (1, 1, 0, 1):
-        client._player.act()
-        assert events[-1] == PlayerLink(bool(graph.connected))
+    assert [one.survey_id for one in events] == ["survey 1"]
 
 
 def state(code, survey_id="id"):
-    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False, replay=True)
+    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False)
 
 
 def progress(survey_id="id"):
@@ -224,7 +194,6 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
     assert snapshot.replay.message and not snapshot.pending and not snapshot.simulated
     for code in SurveyState:
         model = played(MARK, state(code), progress())
-        assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"
         assert_harmless(model.snapshot())
         # The player of `rosbag play` takes no requests.
         assert not model.snapshot().replay.can_pause
@@ -236,26 +205,20 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
 
 def test_the_end_of_a_replay_names_the_end_of_the_survey():
     cut_off = "SURVEYING, and the recording does not contain the survey's end"
-    ends = (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED, rate=1.0))
-    for code, end, text in (
-        (SurveyState.SURVEYING, None, "SURVEYING"),
-        *((SurveyState.FINISHED, end, "FINISHED") for end in ends),
-        *((SurveyState.SURVEYING, end, cut_off) for end in ends),
+    ended = replace(MARK, phase=ReplayPhase.ENDED, rate=1.0)
+    for code, mark, title, text in (
+        (SurveyState.SURVEYING, MARK, "REPLAY", "SURVEYING"),
+        (SurveyState.SURVEYING, ended, "REPLAY ENDED", cut_off),
+        (SurveyState.FINISHED, ended, "REPLAY ENDED", "FINISHED"),
+        # The player of `rosbag play` does not report.
+        (SurveyState.FINISHED, MARK, "REPLAY ENDED", "FINISHED"),
     ):
-        model = played(MARK, state(code), *([end] if end else []))
-        view = model.snapshot().replay
-        assert_harmless(model.snapshot())
-        assert str(view.title) == ("REPLAY ENDED" if end else "REPLAY")
-        assert str(view.message) == f"{text}. {SURVEY}"
-        assert not (end and view.can_pause)
+        view = played(mark, state(code)).snapshot().replay
+        assert (str(view.title), str(view.message)) == (title, f"{text}. {SURVEY}")
+        assert not view.can_pause
 
 
-def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_again():
-    model = played(MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress())
-    view = model.snapshot().replay
-    assert view == replace(MARK, connected=False, state=SurveyState.FINISHED) and view.ended
-    model.handle(PlayerLink(True))
-    assert not model.snapshot().replay.ended
-    # Another survey shows nothing of the one before.
-    model.handle(progress("other"))
-    assert (model.snapshot().state, model.snapshot().replay) == (None, Replay())
+def test_another_survey_shows_nothing_of_the_one_before():
+    model = played(MARK, state(SurveyState.FINISHED), progress("other"))
+    assert model.snapshot().state is None
+    assert model.snapshot().replay == Replay("other")

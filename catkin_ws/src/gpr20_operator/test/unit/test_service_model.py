@@ -36,7 +36,7 @@ def requests():
 
 @pytest.fixture
 def model(clock, requests):
-    model = ServiceModel(requests, requests.set_watched, requests.examine, clock)
+    model = ServiceModel(requests, requests.examine, clock)
     model.refresh(at_rest())
     model.enter()
     return model
@@ -89,7 +89,7 @@ def test_service_ends_two_minutes_after_the_last_touch_or_motion(model, clock, r
 def test_service_ends_with_its_tab(model, requests):
     model.set_watched(True)
     model.set_watched(False)
-    assert requests.asked == [("watch", True), ("examine", False), ("watch", False)]
+    assert requests.asked == [("examine", False)]
     assert not model.entered
 
 
@@ -162,7 +162,7 @@ def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
     """Whatever is touched and heard in any order."""
     draw = random.Random(1)
     tools = ServiceTools()
-    model = ServiceModel(tools, tools.set_watched, tools.examine, clock)
+    model = ServiceModel(tools, tools.examine, clock)
     shown = at_rest()
     acts = [
         model.enter,

@@ -4,9 +4,7 @@ from dataclasses import replace
 import pytest
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     Answer,
@@ -20,13 +18,13 @@ from gpr20_operator.robot.events import (
     TargetPosition,
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
-from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 
 def state(code, survey_id="id", simulated=False):
-    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, simulated)
+    return ControlState(code, verbatim("as it is"), survey_id, simulated)
 
 
 PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
@@ -48,25 +46,6 @@ def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
     assert snapshot.control_silent_s is None
     assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
     assert allowed(snapshot) == []
-
-
-def test_what_is_not_followed_is_not_called_silent(model, clock):
-    def report():
-        model.handle(AxisReport(AxisId.X, 1.0, True, True))
-        model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
-
-    report()
-    model.set_followed(False)
-    report()
-    clock.advance(60.0)
-    shown = model.snapshot()
-    assert shown.health.trouble is None and shown.health.reported == ()
-    model.set_followed(True)
-    model.set_followed(True)
-    shown = model.snapshot()
-    assert (shown.axes, shown.health.trouble, shown.health.reported) == ((), None, ())
-    clock.advance(60.0)
-    assert "No report" in str(model.snapshot().health.trouble)
 
 
 def test_buttons_follow_what_main_control_says(model):
@@ -137,15 +116,6 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
     assert allowed(model.snapshot()) == ["start"]
 
 
-def test_parameters_are_those_of_the_survey_that_runs(model):
-    parameters = default_parameters()
-    model.handle(parameters)
-    model.handle(state(SurveyState.CONFIGURED))
-    assert model.snapshot().survey_parameters is None
-    model.handle(state(SurveyState.SURVEYING))
-    assert model.snapshot().survey_parameters is parameters
-
-
 def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
     model.handle(state(SurveyState.FINISHED, simulated=True))
     clock.advance(CONTROL_SILENCE_S)
@@ -163,7 +133,9 @@ def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, cloc
 def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
     model.handle(CurrentPosition(1.0, 2.0, 90.0))
     model.handle(TargetPosition(3.0, 4.0, 0.0))
-    model.handle(MeasuredHeight(0.3))
+    for height_m in (math.nan, math.inf, 0.3):
+        assert model.snapshot().height_m is None, "out of range"
+        model.handle(MeasuredHeight(height_m))
     clock.advance(STALE_S)
     snapshot = model.snapshot()
     assert snapshot.current == CurrentPosition(1.0, 2.0, 90.0)
@@ -172,16 +144,6 @@ def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
     clock.advance(0.1)
     snapshot = model.snapshot()
     assert (snapshot.current, snapshot.target, snapshot.height_m) == (None, None, None)
-
-
-def test_a_height_out_of_range_or_a_target_of_minus_one_is_none(model):
-    for height_m in (math.nan, math.inf, -math.inf):
-        model.handle(MeasuredHeight(height_m))
-        assert model.snapshot().height_m is None
-    model.handle(TargetPosition(-1.0, -1.0, -1.0))
-    assert model.snapshot().target is None
-    model.handle(TargetPosition(0.0, 0.0, -1.0))
-    assert model.snapshot().target is not None
 
 
 def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
@@ -235,39 +197,3 @@ def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_r
         for code in (SurveyState.CHECKING, *ENDED, SurveyState.CONFIGURED):
             model.handle(state(code, "next"))
             assert not model.snapshot().interrupted
-
-
-@pytest.fixture
-def outcome():
-    return RequestOutcome()
-
-
-def printed(outcome, *codes):
-    return [
-        outcome.failed_request(ControlState(code, verbatim("why"), "id", False)) for code in codes
-    ]
-
-
-def test_checks_that_fail_after_the_acceptance_are_told_once(outcome):
-    ends = (SurveyState.FAILED, SurveyState.PAUSED)
-    for request in (Request.START, Request.RESUME):
-        for end in ends:
-            for before in (*ends, SurveyState.CONFIGURED):
-                outcome.asked(request)
-                codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
-                assert printed(outcome, *codes) == [None, None, None, request, None], codes
-
-
-def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
-    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
-    # It came to measure, or was stopped.
-    outcome.asked(Request.START)
-    codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
-    assert printed(outcome, *codes) == [None] * 4
-    outcome.asked(Request.START)
-    assert printed(outcome, SurveyState.CHECKING) == [None]
-    outcome.asked(Request.STOP)
-    assert printed(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
-    outcome.asked(Request.START)
-    outcome.answered(Answer(Request.START, False, verbatim("no")))
-    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

@@ -107,7 +107,6 @@ class WholePage:
             requests=self.requests,
             services=self.surveys.services,
             robots=Robots("/", False, lambda _watched: None),
-            watch=lambda _watched: None,
             examine=lambda _ticket, **_wanted: None,
             make_bundle=lambda: self.acts.append("bundle") or b"zip",
             send=lambda _news: None,

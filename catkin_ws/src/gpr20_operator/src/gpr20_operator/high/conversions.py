@@ -1,4 +1,4 @@
-"""ROS messages from and to the records of this package."""
+"""ROS messages from and to the records of this package; equal names are taken as they are."""
 
 from __future__ import annotations
 
@@ -14,26 +14,12 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_doctor.high.node_reports import descriptions
 from gpr20_msgs.msg import Annotation as AnnotationMessage
-from gpr20_msgs.msg import (
-    ControlStatus,
-    Fault,
-    RobotConfiguration,
-    SurveyCoverage,
-    SurveyData,
-)
-from gpr20_msgs.msg import Replay as ReplayMessage
+from gpr20_msgs.msg import ControlStatus, Fault, RobotConfiguration, SurveyCoverage
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
-from gpr20_operator.robot.events import (
-    Configured,
-    ControlState,
-    Progress,
-    Replay,
-    ReplayPhase,
-    RobotDescribed,
-)
+from gpr20_operator.robot.events import Configured, ControlState, RobotDescribed
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation, Site
 from gpr20_survey.plan.markers import present_markers
@@ -50,17 +36,6 @@ from gpr20_survey.trace.trace_block import block_from
 LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 
 
-def replay(message: ReplayMessage) -> Replay:
-    """Convert `replay`."""
-    return Replay(
-        survey_id=message.survey_id,
-        started=message.started,
-        folder=message.folder,
-        phase=ReplayPhase(message.state),
-        rate=message.rate,
-    )
-
-
 def parameters_message(parameters: SurveyParameters) -> SurveyParametersMessage:
     return SurveyParametersMessage(**dataclasses.asdict(parameters))
 
@@ -71,38 +46,24 @@ def annotation_message(annotation: Annotation) -> AnnotationMessage:
 
 def parameters(message: SurveyParametersMessage) -> SurveyParameters:
     """Convert `survey_parameters`."""
-    values = {name: getattr(message, name) for name in message.__slots__}
-    values["polarizations_deg"] = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
-    return SurveyParameters(**values)
+    rotations_deg = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
+    return record_of(SurveyParameters, message, polarizations_deg=rotations_deg)
 
 
 def control_state(message: ControlStatus) -> ControlState:
     """Convert `control_status`."""
     code, end = SurveyState(message.code), SurveyState(message.end)
-    return ControlState(code, message_from(message), message.survey_id, message.simulated, end=end)
-
-
-def progress(message: SurveyData) -> Progress:
-    """Convert `control_survey_data`."""
-    return Progress(
-        survey_id=message.survey_id,
-        completion_percent=message.completion_percent,
-        total_points=message.total_points,
-        visited_points=message.visited_points,
-        remaining_s=message.remaining_time.to_sec(),
-    )
+    return ControlState(code, message_from(message), message.survey_id, message.simulated, end)
 
 
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
-    verdict = received(message.verdict, message.verdict_fault)
-    return CoverageRuns(
-        survey_id=message.survey_id,
-        planned=message.planned,
+    return record_of(
+        CoverageRuns,
+        message,
         starts=tuple(message.run_starts),
         states=tuple(bytearray(message.run_states)),
         failures=_reasons(message.failures, message.failure_faults),
-        verdict=verdict if message.verdict else None,
     )
 
 

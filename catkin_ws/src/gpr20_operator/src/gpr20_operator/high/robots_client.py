@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from functools import partial
 from typing import Any, Callable, Dict, FrozenSet
 
 import rosgraph
@@ -45,34 +46,26 @@ class RobotsClient(RosEvents):
         self.set_watched(False)
         super().close()
 
-    def _follow(self) -> None:
-        with self._following:
-            wanted = self._watched and not self._closed
-            self._listen_to(self._found if wanted else frozenset())
-
     def _ask_master(self) -> None:
         try:
             _publishers, _subscribers, services = rosgraph.Master(rospy.get_name()).getSystemState()
         except (rosgraph.MasterException, OSError):
             return  # the window says elsewhere that the master does not answer
-        found = robots_on_master(name for name, _providers in services)
-        self._emit(RobotsFound(found))
-        self._found = found
+        self._found = robots_on_master(name for name, _providers in services)
+        self._emit(RobotsFound(self._found))
         self._follow()
 
-    def _listen_to(self, namespaces: FrozenSet[str]) -> None:
-        for namespace in set(self._statuses) - namespaces:
-            self._statuses.pop(namespace).unregister()
-        for namespace in namespaces - set(self._statuses):
-            self._statuses[namespace] = rospy.Subscriber(
-                rosgraph.names.ns_join(namespace, "control_status"),
-                ControlStatus,
-                self._on_status,
-                callback_args=namespace,
-                queue_size=10,
-            )
+    def _follow(self) -> None:
+        with self._following:
+            wanted = self._found if self._watched and not self._closed else frozenset()
+            for namespace in set(self._statuses) - wanted:
+                self._statuses.pop(namespace).unregister()
+            for namespace in wanted - set(self._statuses):
+                topic = rosgraph.names.ns_join(namespace, "control_status")
+                received = partial(self._on_status, namespace)
+                self._statuses[namespace] = rospy.Subscriber(topic, ControlStatus, received)
 
-    def _on_status(self, message: ControlStatus, namespace: str) -> None:
+    def _on_status(self, namespace: str, message: ControlStatus) -> None:
         senders = Senders(f"{namespace.rstrip('/')}/")
         if senders.takes(connection_header(message)["callerid"]):
             self._emit(RobotReported(namespace, conversions.control_state(message)))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Optional
 
 import rosgraph
 import rospy
@@ -24,6 +25,9 @@ CONTROL_SILENT = Message("the main control does not answer; check that it is run
 STORAGE_SILENT = Message("the storage does not answer; check that it is running")
 # How often a warning about unusable messages is repeated.
 UNUSABLE_S = 60.0
+# Between two events about senders that do not count [s]: a recording has hundreds of messages a
+# second.
+IGNORED_PERIOD_S = 1.0
 
 
 class RequestError(Exception):
@@ -72,35 +76,6 @@ def in_background(work: Callable[[], None]) -> None:
     threading.Thread(target=logged, daemon=True).start()
 
 
-class WhileWatched:
-    """Subscriptions that exist while somebody looks: each message costs time.
-
-    Args:
-        subscribe: Makes them, in a thread of its own.
-    """
-
-    def __init__(self, subscribe: Callable[[], List[rospy.Subscriber]]) -> None:
-        self._subscribe = subscribe
-        self._subscribers: List[rospy.Subscriber] = []
-        self._wanted = False
-        self._following = threading.Lock()
-
-    def set_watched(self, watched: bool) -> None:
-        """Subscribe, or no longer, without waiting."""
-        if watched != self._wanted:
-            self._wanted = watched
-            # A subscription waits for the master, which may be away.
-            in_background(self._follow)
-
-    def _follow(self) -> None:
-        with self._following:
-            if self._wanted == bool(self._subscribers):
-                return
-            for subscriber in self._subscribers:
-                subscriber.unregister()
-            self._subscribers = self._subscribe() if self._wanted else []
-
-
 class RosEvents:
     """Base of the clients: subscriptions, and a listener that may be gone after `close`.
 
@@ -109,8 +84,9 @@ class RosEvents:
     """
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
-        self._listener = listener
-        self._senders = senders
+        self._listener, self._senders = listener, senders
+        self._clock = Clock()
+        self._ignored_s = -math.inf
         self._emitting = threading.Lock()
         self._closed = False
         self._subscribers: List[rospy.Subscriber] = []
@@ -124,13 +100,11 @@ class RosEvents:
         self._subscribers.clear()
 
     def _subscribe(
-        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
-    ) -> None:
-        """Emit an event for each message of a topic, until the client is closed."""
-        self._subscribers.append(self._subscriber(name, message_class, convert, queue_size))
-
-    def _subscriber(
-        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
+        self,
+        name: str,
+        message_class: Any,
+        convert: Callable[[Any], Any],
+        queue_size: Optional[int] = None,
     ) -> rospy.Subscriber:
         """Emit an event for each message of a topic, none where `convert` returns None.
 
@@ -138,7 +112,9 @@ class RosEvents:
         """
 
         def received(message: Any) -> None:
-            if not self._takes(message):
+            sender = connection_header(message)["callerid"]
+            if not self._senders.takes(sender):
+                self._note_ignored(sender)
                 return
             try:
                 event = convert(message)
@@ -149,20 +125,18 @@ class RosEvents:
             if event is not None:
                 self._emit(event)
 
-        return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
+        subscriber = rospy.Subscriber(name, message_class, received, queue_size=queue_size)
+        self._subscribers.append(subscriber)
+        return subscriber
 
-    def _takes(self, message: Any, is_usual: bool = False) -> bool:
-        """Return whether a message counts; else report its sender, unless that is usual."""
-        sender = connection_header(message)["callerid"]
-        if self._senders.takes(sender):
-            return True
-        if not is_usual:
-            report, log = self._senders.note_ignored(sender)
-            if log:
-                rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
-            if report:
-                self._emit(SenderIgnored(sender))
-        return False
+    def _note_ignored(self, sender: str) -> None:
+        now_s = self._clock.now_s()
+        if self._senders.replay or now_s - self._ignored_s < IGNORED_PERIOD_S:
+            return
+        if self._ignored_s == -math.inf:
+            rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
+        self._ignored_s = now_s
+        self._emit(SenderIgnored(sender))
 
     def _emit(self, event: Any) -> None:
         with self._emitting:
@@ -216,15 +190,16 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
     # In a thread, because a connection to an address that swallows packets takes minutes to fail.
     threading.Thread(target=join, daemon=True).start()
     begin_s = clock.now_s()
-    for event, limit_s in ((online, wait_s), (joined, JOIN_LIMIT_S)):
-        if not _happens(event, limit_s, is_cancelled, clock):
+    while not clock.wait_s(joined, POLL_S):
+        waited_s = clock.now_s() - begin_s
+        if is_cancelled():
             given_up.set()
-            if is_cancelled():
-                raise MasterUnavailableError(
-                    Message("stopped before contact with the robot; nothing was started"),
-                    fault=ASKED_FOR,
-                )
-            waited_s = clock.now_s() - begin_s
+            raise MasterUnavailableError(
+                Message("stopped before contact with the robot; nothing was started"),
+                fault=ASKED_FOR,
+            )
+        if waited_s > wait_s + (JOIN_LIMIT_S if online.is_set() else 0.0):
+            given_up.set()
             raise MasterUnavailableError(
                 Message(
                     "no ROS master answers at {address} within {waited_s:.0f} s; start `roslaunch "
@@ -233,14 +208,3 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
                     waited_s=waited_s,
                 )
             )
-
-
-def _happens(
-    event: threading.Event, limit_s: float, is_cancelled: Callable[[], bool], clock: Clock
-) -> bool:
-    """Wait for an event; return whether it came within the limit."""
-    deadline_s = clock.now_s() + limit_s
-    while not clock.wait_s(event, POLL_S):
-        if is_cancelled() or clock.now_s() > deadline_s:
-            return False
-    return True

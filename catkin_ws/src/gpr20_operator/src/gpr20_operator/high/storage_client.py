@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from functools import partial
 from typing import Any, Callable, List, Mapping, Optional, Tuple
 
@@ -33,9 +34,9 @@ from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
     RosEvents,
-    WhileWatched,
     accepted,
     call,
+    in_background,
 )
 from gpr20_operator.robot.events import Senders
 from gpr20_survey.errors import TraceRefusedError
@@ -64,25 +65,32 @@ class StorageClient(RosEvents):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._facts = ServiceClient("add_fact", AddFact)
-        self._traced = WhileWatched(self._trace_subscriptions)
+        # While somebody looks: each trace costs time, and the storage has those that were missed.
+        self._watched = False
+        self._following = threading.Lock()
+        self._traced: Optional[rospy.Subscriber] = None
 
     def listen(self) -> None:
         """Subscribe to plan and coverage."""
         self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
         self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
 
-    def close(self) -> None:
-        """Call the listener no more."""
-        self.set_watched(False)
-        super().close()
-
     def set_watched(self, watched: bool) -> None:
-        """Follow traces, or no longer: the storage has those that were missed."""
-        self._traced.set_watched(watched)
+        """Follow traces, or no longer."""
+        if watched != self._watched:
+            self._watched = watched
+            # A subscription waits for the master, which may be away.
+            in_background(self._follow)
 
-    def _trace_subscriptions(self) -> List[rospy.Subscriber]:
-        # As it was sent: the converter of traces reads these bytes.
-        return [self._subscriber("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)]
+    def _follow(self) -> None:
+        with self._following:
+            if self._watched and self._traced is None:
+                # As it was sent: the converter of traces reads these bytes.
+                self._traced = self._subscribe("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)
+            elif not self._watched and self._traced is not None:
+                self._subscribers.remove(self._traced)
+                self._traced.unregister()
+                self._traced = None
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""

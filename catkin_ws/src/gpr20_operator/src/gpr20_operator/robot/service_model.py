@@ -5,7 +5,6 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
-from functools import singledispatchmethod
 from typing import Any, Callable, Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
@@ -66,7 +65,6 @@ class ServiceModel:
 
     Args:
         requests: Calls the services of the robot.
-        watch: Follows endstops and clocks, or no longer.
         examine: Finds out about the window's computer, in the background, for a ticket.
         clock: Measures ages, and how long nothing was touched.
 
@@ -78,12 +76,11 @@ class ServiceModel:
     def __init__(
         self,
         requests: Requests,
-        watch: Callable[[bool], None],
         examine: Callable[..., None],
         clock: Clock,
     ) -> None:
         now_s = clock.now_s
-        self._watch, self._now_s = watch, now_s
+        self._now_s = now_s
         self._begun_s = now_s()
         self._snapshot: Optional[Snapshot] = None
         self.entered = False
@@ -103,18 +100,13 @@ class ServiceModel:
         self._described = RobotDescribed()
         self._machine: Optional[MachineFacts] = None
 
-    @singledispatchmethod
-    def on_event(self, _event: object) -> None:
+    def on_event(self, event: object) -> None:
         """Take an event; most are about something else."""
-
-    @on_event.register
-    def _(self, event: Endstop) -> None:
-        former = self._endstops.get(event.axis)
-        self._endstops[event.axis] = event.after(former, self._now_s())
-
-    @on_event.register
-    def _(self, event: RobotDescribed) -> None:
-        self._described = event
+        if isinstance(event, Endstop):
+            former = self._endstops.get(event.axis)
+            self._endstops[event.axis] = event.after(former, self._now_s())
+        elif isinstance(event, RobotDescribed):
+            self._described = event
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -229,7 +221,6 @@ class ServiceModel:
 
     def set_watched(self, watched: bool) -> None:
         """Note whether ROBOT is in front; service ends when it is not."""
-        self._watch(watched)
         self._endstops.clear()
         if watched:
             self._begun_s = self._now_s()

@@ -120,9 +120,7 @@ class UserInterface:
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 Imaging(self.requests, time.monotonic),
-                ServiceModel(
-                    *(self.requests, self.control.watch_endstops, self.requests.examine, Clock())
-                ),
+                ServiceModel(self.requests, self.requests.examine, Clock()),
                 profiles,
                 self.plans,
                 Robots(
@@ -142,7 +140,7 @@ class UserInterface:
         rospy.on_shutdown(self.signal.emit_shut_down)
         for client in self._clients:
             client.listen()
-        self.control.set_watched(True)
+        self.control.follow_robot()
         self.storage.set_watched(True)
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
