@@ -66,7 +66,7 @@ class Truth:
         self._model = SurveyModel(Clock())
         self._control = ControlClient(self._model.handle, Senders("/"))
         self._control.listen()
-        self._control.follow_robot()
+        self._control.set_watched(True)
         self.noted: List[Shown] = []
         threading.Thread(target=self._note, daemon=True).start()
 

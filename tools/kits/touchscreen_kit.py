@@ -36,7 +36,7 @@ class Touchscreen:
         self.arming = Arming(Clock(), self.web.send)
         for client in (self.control, self.web):
             client.listen()
-        self.control.follow_robot()
+        self.control.set_watched(True)
 
     def _take(self, event: object) -> None:
         self.model.handle(event)

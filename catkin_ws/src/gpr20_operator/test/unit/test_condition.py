@@ -24,10 +24,8 @@ from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
     NOT_NEEDED,
-    STALE_S,
     HealthLevel,
     HealthReport,
-    HealthTracker,
     NodeHealth,
     node_title,
 )
@@ -158,15 +156,6 @@ def known(draw):
     )
 
 
-@given(known())
-def test_motion_that_no_survey_explains_is_never_shown_as_rest_or_work(now):
-    shown, stray = condition_of(now), [one for one in now.moving if not is_of_survey(now, one)]
-    assert (str(shown.title) == "ROBOT MOVES") is bool(stray)
-    if stray:
-        assert shown.level in (L.ATTENTION, L.FAULT)
-        assert all(f"{one.axis.value} axis" in str(shown.message) for one in stray)
-
-
 def is_of_survey(now, axis):
     """Return whether a survey that is alive, and no other program, moves an axis."""
     if not now.control_alive or axis.silent or axis.owner == "/rqt":
@@ -175,8 +164,12 @@ def is_of_survey(now, axis):
 
 
 @given(known())
-def test_only_a_robot_that_works_is_green_and_only_one_that_rests_has_finished(now):
-    shown = condition_of(now)
+def test_motion_that_no_survey_explains_is_shown_and_green_is_only_what_works(now):
+    shown, stray = condition_of(now), [one for one in now.moving if not is_of_survey(now, one)]
+    assert (str(shown.title) == "ROBOT MOVES") is bool(stray)
+    if stray:
+        assert shown.level in (L.ATTENTION, L.FAULT)
+        assert all(f"{one.axis.value} axis" in str(shown.message) for one in stray)
     if shown.level is L.FAULT and now.code is not S.FAILED:
         assert shown.remedy is not None, str(shown.message)
     if left_of(now) is not None:
@@ -210,16 +203,3 @@ def test_a_part_that_a_survey_needs_is_named_within_five_seconds(silent, clock):
     shown = condition_of(model.snapshot())
     assert str(node_title(silent)) in str(shown.message)
     assert (shown.level, shown.message.fault_code) == (L.ATTENTION, PART_SILENT.code)
-
-
-def test_nodes_have_the_time_to_report_once_and_some_need_not(clock):
-    tracker = HealthTracker(clock)
-    tracker.note(NodeHealth("web", HealthLevel.OK, verbatim("fine"), {}))
-    assert tracker.report().trouble is None
-    clock.advance(STALE_S + 0.1)
-    report = tracker.report()
-    assert {one.name: one.level for one in report.nodes}["web"] is HealthLevel.STALE
-    assert str(node_title("web")) not in str(report.trouble)
-    assert str(node_title("vna_processing")) in str(report.trouble)
-    for name in NOT_NEEDED:
-        assert health(name, HealthLevel.ERROR).trouble is None

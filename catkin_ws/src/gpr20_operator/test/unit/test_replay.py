@@ -53,9 +53,10 @@ def listening(patched, replay=False, namespace="/"):
     monkeypatch, _clock = patched
     graph, events = Graph(), []
     monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
+    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
     client = ControlClient(events.append, Senders(namespace, replay))
     client.listen()
-    client.follow_robot()
+    client.set_watched(True)
     return client, graph, events
 
 

@@ -108,18 +108,6 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     assert found[Service.ANALYZER] == TESTED
 
 
-def test_a_test_that_failed_says_what_it_has_found_before(imaging, answers, events):
-    reason = {"success": False, **message_fields(verbatim("stuck"))}
-    for service in (Service.HEIGHT, Service.ANALYZER):
-        answers[service.value] = [{**ANSWERS[service], **reason}]
-        job = imaging.job(service)
-        job.ask()
-        deliver(events)
-        assert str(job.result.failure) == "stuck"
-        found = getattr(job.result, "voltage_v", None) or job.result.identity
-        assert found in (1.3, "Anritsu,MS2026C")
-
-
 @each_case("service", list(Service))
 def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
     imaging, answers, events, service

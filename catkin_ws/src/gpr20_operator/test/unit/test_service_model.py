@@ -10,11 +10,10 @@ from view_kit import snapshot, state_of
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
+from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import CurrentPosition, Replay, Request, ServiceActivity
+from gpr20_operator.robot.events import CurrentPosition, Replay, Request
 from gpr20_operator.robot.service_model import (
-    AXIS_LIMIT_S,
     IDLE_LIMIT_S,
     LAMP_S,
     AxisAction,
@@ -123,14 +122,6 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     assert lamp() is None
 
 
-def test_position_and_zero_of_each_axis(model, clock):
-    lost = AxisReport(AxisId.Y, 2.0, False, False, "", clock.now_s())
-    model.refresh(at_rest(axes=(lost,)))
-    assert [model.axis(one) for one in AxisId] == [None, lost, None]
-    clock.advance(AXIS_LIMIT_S + 0.1)
-    assert model.axis(AxisId.Y) is None
-
-
 def test_the_smallest_offset_of_a_clock_counts(model, clock):
     def found(*reports):
         survey = SurveyModel(clock)
@@ -146,16 +137,6 @@ def test_the_smallest_offset_of_a_clock_counts(model, clock):
     # Nothing is found wrong with the robot of a replay.
     model.refresh(replace(at_rest(), replay=Replay()))
     assert model.findings() == () and model.obstacle is not None
-
-
-def test_no_survey_can_be_started_while_something_is_in_service(clock):
-    survey = SurveyModel(clock)
-    survey.handle(state_of(SurveyState.CONFIGURED, survey_id=""))
-    assert survey.snapshot().can_start
-    survey.handle(ServiceActivity(Message("homing the {axis} axis", axis="x")))
-    assert not survey.snapshot().can_start
-    survey.handle(ServiceActivity(None))
-    assert survey.snapshot().can_start
 
 
 def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):

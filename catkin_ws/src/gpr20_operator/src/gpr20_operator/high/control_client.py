@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from functools import partial
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -83,23 +83,25 @@ class ControlClient(RosEvents):
         self._subscribe("service_status", msg.ServiceStatus, _activity)
         self._subscribe("robot_configuration", msg.RobotConfiguration, conversions.robot_described)
 
-    def follow_robot(self) -> None:
-        """Subscribe to motion, position, endstops, height and health of the robot, too."""
-        subscribe = self._subscribe
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        """Subscribe to motion, position, endstops, height and health of the robot."""
+        topics = [
+            ("control_current_coordinate", msg.Coordinates, _current, 1),
+            ("control_target_coordinate", msg.Coordinates, _target, 1),
+            ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),
+            ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
+        ]
         for axis in AxisId:
             topic = f"{axis.value}_axis/current_coord"
-            subscribe(topic, msg.CurrentCoordinate, partial(self._measured, axis), 1)
+            topics.append((topic, msg.CurrentCoordinate, partial(self._measured, axis), 1))
             if axis is not AxisId.Z:
-                subscribe(f"{axis.value}_axis/endstop", Bool, partial(_endstop, axis), 10)
-        subscribe("control_current_coordinate", msg.Coordinates, _current, 1)
-        subscribe("control_target_coordinate", msg.Coordinates, _target, 1)
-        subscribe("survey_parameters", msg.SurveyParameters, conversions.parameters)
-        subscribe("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1)
+                topics.append((f"{axis.value}_axis/endstop", Bool, partial(_endstop, axis), 10))
+        found = [self._subscriber(*one) for one in topics]
         # What a recording says of health was true then.
         if not self._senders.replay:
-            self._subscribers.append(
-                rospy.Subscriber("/diagnostics", DiagnosticArray, self._diagnosed, queue_size=20)
-            )
+            received = self._diagnosed
+            found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
+        return found
 
     def start_survey(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from functools import partial
 from typing import Any, Callable, Dict, FrozenSet
 
@@ -14,7 +13,7 @@ from gpr20_common.high.raw_message import connection_header
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high import conversions
-from gpr20_operator.high.ros_events import RosEvents, in_background
+from gpr20_operator.high.ros_events import RosEvents
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 
@@ -26,25 +25,12 @@ class RobotsClient(RosEvents):
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._watched = False
-        self._following = threading.Lock()
         self._found: FrozenSet[str] = frozenset()
         self._statuses: Dict[str, rospy.Subscriber] = {}
 
     def listen(self) -> None:
         """Begin to ask the master."""
         self._periodic = Periodic(PERIOD_S, self._ask_master)
-
-    def set_watched(self, watched: bool) -> None:
-        """Listen to the states of all robots, or stop to."""
-        self._watched = watched
-        # A subscription waits for the master, which may be away.
-        in_background(self._follow)
-
-    def close(self) -> None:
-        """Call the listener no more."""
-        self.set_watched(False)
-        super().close()
 
     def _ask_master(self) -> None:
         try:
@@ -57,7 +43,7 @@ class RobotsClient(RosEvents):
 
     def _follow(self) -> None:
         with self._following:
-            wanted = self._found if self._watched and not self._closed else frozenset()
+            wanted = self._found if self._watched else frozenset()
             for namespace in set(self._statuses) - wanted:
                 self._statuses.pop(namespace).unregister()
             for namespace in wanted - set(self._statuses):

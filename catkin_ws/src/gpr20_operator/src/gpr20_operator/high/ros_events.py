@@ -88,18 +88,44 @@ class RosEvents:
         self._clock = Clock()
         self._ignored_s = -math.inf
         self._emitting = threading.Lock()
-        self._closed = False
+        self._closed = self._watched = False
+        self._following = threading.Lock()
         self._subscribers: List[rospy.Subscriber] = []
+        # Those that exist while somebody looks: each message costs time.
+        self._watching: List[rospy.Subscriber] = []
 
     def close(self) -> None:
         """Call the listener no more, even if messages are in flight."""
         with self._emitting:
             self._closed = True
+        self.set_watched(False)
         for subscriber in self._subscribers:
             subscriber.unregister()
-        self._subscribers.clear()
 
-    def _subscribe(
+    def set_watched(self, watched: bool) -> None:
+        """Subscribe to what people see only while they look, or no longer; without waiting."""
+        if watched != self._watched:
+            self._watched = watched
+            # A subscription waits for the master, which may be away.
+            in_background(self._follow)
+
+    def _follow(self) -> None:
+        with self._following:
+            if self._watched == bool(self._watching):
+                return
+            for subscriber in self._watching:
+                subscriber.unregister()
+            self._watching = self._watched_topics() if self._watched else []
+
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        """Subscribe to what `set_watched` is about."""
+        return []
+
+    def _subscribe(self, *topic: Any) -> None:
+        """Follow a topic until the client is closed; see `_subscriber`."""
+        self._subscribers.append(self._subscriber(*topic))
+
+    def _subscriber(
         self,
         name: str,
         message_class: Any,
@@ -125,9 +151,7 @@ class RosEvents:
             if event is not None:
                 self._emit(event)
 
-        subscriber = rospy.Subscriber(name, message_class, received, queue_size=queue_size)
-        self._subscribers.append(subscriber)
-        return subscriber
+        return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
 
     def _note_ignored(self, sender: str) -> None:
         now_s = self._clock.now_s()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from functools import partial
 from typing import Any, Callable, List, Mapping, Optional, Tuple
 
@@ -36,7 +35,6 @@ from gpr20_operator.high.ros_events import (
     RosEvents,
     accepted,
     call,
-    in_background,
 )
 from gpr20_operator.robot.events import Senders
 from gpr20_survey.errors import TraceRefusedError
@@ -65,32 +63,16 @@ class StorageClient(RosEvents):
         self._survey = ServiceClient("read_survey", ReadSurvey)
         self._traces = ServiceClient("read_traces", ReadTraces)
         self._facts = ServiceClient("add_fact", AddFact)
-        # While somebody looks: each trace costs time, and the storage has those that were missed.
-        self._watched = False
-        self._following = threading.Lock()
-        self._traced: Optional[rospy.Subscriber] = None
 
     def listen(self) -> None:
         """Subscribe to plan and coverage."""
         self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
         self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
 
-    def set_watched(self, watched: bool) -> None:
-        """Follow traces, or no longer."""
-        if watched != self._watched:
-            self._watched = watched
-            # A subscription waits for the master, which may be away.
-            in_background(self._follow)
-
-    def _follow(self) -> None:
-        with self._following:
-            if self._watched and self._traced is None:
-                # As it was sent: the converter of traces reads these bytes.
-                self._traced = self._subscribe("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)
-            elif not self._watched and self._traced is not None:
-                self._subscribers.remove(self._traced)
-                self._traced.unregister()
-                self._traced = None
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        # As it was sent: the converter of traces reads these bytes. The storage has those that
+        # were missed.
+        return [self._subscriber("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)]
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""

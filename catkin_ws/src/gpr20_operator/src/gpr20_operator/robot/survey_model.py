@@ -63,7 +63,7 @@ class SurveyModel:
         # The last event of each kind, and when it came [s].
         self._latest: Dict[type, Tuple[Any, float]] = {}
         self._axes: Dict[AxisId, AxisReport] = {}
-        self._health = HealthTracker(clock)
+        self._health: Optional[HealthTracker] = HealthTracker(clock)
         self._pending: Set[Request] = set()
         self._started_id, self._started_s = "", -math.inf
         self._interrupted = False
@@ -71,6 +71,12 @@ class SurveyModel:
     def request_sent(self, request: Request) -> None:
         """Note that a request was sent to the main control and is not answered yet."""
         self._pending.add(request)
+
+    def set_followed(self, followed: bool) -> None:
+        """Note whether axes and health are followed from now on: what was known of them is old."""
+        if followed != (self._health is not None):
+            self._health = HealthTracker(self._clock) if followed else None
+            self._axes.clear()
 
     def handle(self, event: object) -> Optional[Refusal]:
         """Take an event; return the request that was refused or failed with it."""
@@ -81,7 +87,7 @@ class SurveyModel:
             if event.moving:
                 self._progressed_s = now_s
             self._axes[event.axis] = replace(event, received_s=now_s)
-        elif isinstance(event, NodeHealth):
+        elif isinstance(event, NodeHealth) and self._health is not None:
             self._health.note(event)
         elif isinstance(event, _KEPT):
             if isinstance(event, (ControlState, Progress)):
@@ -134,7 +140,7 @@ class SurveyModel:
             pending=frozenset(self._pending | self._beginning(state)),
             robot=described.robot if described else None,
             job_parameters=parameters if state and state.code in RUNNING | ENDED else None,
-            health=self._health.report(),
+            health=HealthReport() if self._health is None else self._health.report(),
             master_alive=master is None or master.alive,
             interrupted=self._interrupted,
             state_s=now_s - self._changed_s,

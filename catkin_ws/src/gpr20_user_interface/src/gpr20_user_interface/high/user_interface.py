@@ -140,7 +140,7 @@ class UserInterface:
         rospy.on_shutdown(self.signal.emit_shut_down)
         for client in self._clients:
             client.listen()
-        self.control.follow_robot()
+        self.control.set_watched(True)
         self.storage.set_watched(True)
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.

@@ -159,7 +159,6 @@ class WebNode:
             # Asking the master for the robots costs more than all the rest.
             if client is not self._robots:
                 client.listen()
-        self._control.follow_robot()
         self._events.begin()
         parameters = self._parameters
 
@@ -193,7 +192,9 @@ class WebNode:
         if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
-        self._storage.set_watched(watchers > 0)
+        self._model.set_followed(watchers > 0)
+        for client in (self._control, self._storage):
+            client.set_watched(watchers > 0)
         self._shell.refresh(self._model.snapshot())
         self._server.streams.fresh_s = now_s
         status = WebStatusReported(
