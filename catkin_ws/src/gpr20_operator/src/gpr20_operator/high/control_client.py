@@ -85,7 +85,7 @@ class ControlClient(RosEvents):
 
     def _watched_topics(self) -> List[rospy.Subscriber]:
         """Subscribe to motion, position, endstops, height and health of the robot."""
-        topics = [
+        topics: List[Any] = [
             ("control_current_coordinate", msg.Coordinates, _current, 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),

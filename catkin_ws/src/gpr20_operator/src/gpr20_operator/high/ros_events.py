@@ -15,6 +15,7 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.links import answers
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
@@ -181,8 +182,8 @@ class RosEvents:
 
 
 POLL_S = 0.2
-# To join a master that answers.
-JOIN_LIMIT_S = 15.0
+# A master that works answers sooner [s].
+MASTER_LIMIT_S = 2.0
 
 
 def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
@@ -197,38 +198,25 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
         clock: Measures the waiting.
 
     Raises:
-        MasterUnavailableError: No master answered in time, it died while it was joined, or it
-            was cancelled.
+        MasterUnavailableError: No master answered in time, or it was cancelled.
     """
     enable_line_buffering()
-    online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
-
-    def join() -> None:
-        while not given_up.is_set() and not rosgraph.is_master_online():
-            given_up.wait(POLL_S)
-        online.set()
-        if not given_up.is_set():
-            rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)
-            joined.set()
-
-    # In a thread, because a connection to an address that swallows packets takes minutes to fail.
-    threading.Thread(target=join, daemon=True).start()
-    begin_s = clock.now_s()
-    while not clock.wait_s(joined, POLL_S):
+    master, begin_s, never = rosgraph.get_master_uri(), clock.now_s(), threading.Event()
+    while not answers(master, name, MASTER_LIMIT_S):
         waited_s = clock.now_s() - begin_s
         if is_cancelled():
-            given_up.set()
             raise MasterUnavailableError(
                 Message("stopped before contact with the robot; nothing was started"),
                 fault=ASKED_FOR,
             )
-        if waited_s > wait_s + (JOIN_LIMIT_S if online.is_set() else 0.0):
-            given_up.set()
+        if waited_s > wait_s:
             raise MasterUnavailableError(
                 Message(
                     "no ROS master answers at {address} within {waited_s:.0f} s; start `roslaunch "
                     "gpr20 survey.launch`, or correct ROS_MASTER_URI",
-                    address=rosgraph.get_master_uri(),
+                    address=master,
                     waited_s=waited_s,
                 )
             )
+        clock.wait_s(never, POLL_S)
+    rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)
