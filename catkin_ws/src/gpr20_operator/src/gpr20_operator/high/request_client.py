@@ -66,7 +66,7 @@ class _Offer(NamedTuple):
 
 def _height_tested(response: Any) -> HeightTested:
     failure = None if response.success else message_from(response)
-    return HeightTested(response.height_m, response.spread_m, response.voltage_v, failure)
+    return record_of(HeightTested, response, failure=failure)
 
 
 def _said(response: Any) -> Message:
@@ -102,7 +102,10 @@ OFFERS: Dict[Service, _Offer] = {
     Service.FACT: _Offer(srv.AddFact, FACT_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
     # A test that failed says what it has found before.
-    Service.HEIGHT: _Offer(srv.GetHeight, HEIGHT_TIMEOUT_S, HEIGHT_SILENT, _height_tested),
+    Service.HEIGHT: _Offer(
+        *(srv.GetHeight, HEIGHT_TIMEOUT_S, HEIGHT_SILENT),
+        _height_tested,
+    ),
     Service.ANALYZER: _Offer(
         srv.TestAnalyzer, ANALYZER_TIMEOUT_S, CONTROL_SILENT, analyzer_test_of
     ),

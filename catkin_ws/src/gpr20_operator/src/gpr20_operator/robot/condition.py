@@ -7,7 +7,6 @@ still comes first. No dialog and no request changes the result.
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass
 from typing import Dict, Iterator, NamedTuple, Optional, Tuple
 
@@ -82,28 +81,27 @@ _SURVEY = ("", _CONTROL)
 REPORT_S = 0.5
 # The main control reports twice a second; after this time [s] its last word may be out of date.
 CONTROL_LATE_S = 2.5
-# Beside it, for the sweep of a slow analyzer: so many times the mean time of a trace.
-STILL_TRACES = 3.0
+# So long [s] a state lasts without a motion, a trace or a new state: a sweep of a slow analyzer
+# takes less. The main control says much earlier which part it waits for: this finds a main
+# control that waits for nothing.
+STILL_S = 60.0
 
 
 class _Usual(NamedTuple):
-    """How it goes in a state, who moves the axes for the survey, and how long nothing happens."""
+    """How it goes in a state, and who moves the axes for the survey."""
 
     level: JobLevel
     movers: Tuple[str, ...] = ()
-    # Without a motion, a trace or a new state. The main control says much earlier which part it
-    # waits for: this finds a main control that waits for nothing.
-    still_s: float = math.inf
 
 
 _USUAL: Dict[Optional[SurveyState], _Usual] = {
     # An axis that still slows down when a check begins.
-    SurveyState.CHECKING: _Usual(JobLevel.WORKING, (_CONTROL,), 20.0),
-    SurveyState.HOMING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
-    SurveyState.SURVEYING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
-    SurveyState.PAUSING: _Usual(JobLevel.PAUSED, _SURVEY, 10.0),
+    SurveyState.CHECKING: _Usual(JobLevel.WORKING, (_CONTROL,)),
+    SurveyState.HOMING: _Usual(JobLevel.WORKING, _SURVEY),
+    SurveyState.SURVEYING: _Usual(JobLevel.WORKING, _SURVEY),
+    SurveyState.PAUSING: _Usual(JobLevel.PAUSED, _SURVEY),
     SurveyState.PAUSED: _Usual(JobLevel.PAUSED),
-    SurveyState.STOPPING: _Usual(JobLevel.ATTENTION, _SURVEY, 15.0),
+    SurveyState.STOPPING: _Usual(JobLevel.ATTENTION, _SURVEY),
     SurveyState.FINISHED: _Usual(JobLevel.DONE),
     SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
@@ -244,7 +242,7 @@ def _doubts(snapshot: Snapshot) -> Iterator[Message]:
     said = None if snapshot.state is None else snapshot.state.message
     if said is not None and said.severity not in (None, Severity.NOTE):
         yield said
-    if snapshot.still_s > _usual(snapshot).still_s + STILL_TRACES * _trace_s(snapshot):
+    if _usual(snapshot).movers and snapshot.still_s > STILL_S:
         yield Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
             faults.STANDS_STILL
         )
@@ -255,20 +253,12 @@ def _doubts(snapshot: Snapshot) -> Iterator[Message]:
         ).with_fault(faults.REPLAY.as_warning())
 
 
-def _trace_s(snapshot: Snapshot) -> float:
-    """Return the mean time of a trace [s]; 0 if it is not known."""
-    progress = progress_of(snapshot)
-    if progress is None or progress.is_complete:
-        return 0.0
-    return progress.remaining_s / (progress.total_points - progress.visited_points)
-
-
 def left_of(snapshot: Snapshot) -> Optional[Message]:
     """Return how long the survey still takes; None while something holds it up."""
     progress, state = progress_of(snapshot), snapshot.state
     if progress is None or progress.is_complete or state is None or urgent(snapshot) is not None:
         return None
-    if _usual(snapshot).still_s == math.inf or state.code is SurveyState.STOPPING:
+    if not _usual(snapshot).movers or state.code is SurveyState.STOPPING:
         return None
     # A warning holds up nothing, unless it says what the survey waits for.
     waits = any(one.code in WAITS for one in state.message.faults)
