@@ -20,7 +20,7 @@ from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.files.settings_file import Newest
-from gpr20_operator.high import conversions, robot_stop, robots_client, ros_events
+from gpr20_operator.high import robot_stop, robots_client, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
@@ -42,16 +42,16 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
         verdict=TEXT,
         verdict_fault=SENT,
     )
-    runs = conversions.coverage_runs(coverage)
+    runs = storage_client.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
     response = ReadTracesResponse(
         survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
     )
-    read = conversions.traces_read(3, response)
+    read = storage_client.traces_read(3, response)
     assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
     summary = SurveySummary(problem=TEXT, problem_fault=SENT)
-    (failed,) = conversions.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
+    (failed,) = storage_client.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
     assert failed.verdict is None
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)

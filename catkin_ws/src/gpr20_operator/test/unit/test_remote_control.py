@@ -8,7 +8,6 @@ import pytest
 pytest.importorskip("rospy")
 
 from annotation_examples import annotations
-from case_kit import each_case
 from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
@@ -66,60 +65,41 @@ class Window:
     def note(self, shown, plan=PLAN):
         self.arming.note(shown, plan)
 
-    def pass_time(self, seconds, shown=WELL):
-        """Let time pass as the window's refreshes do."""
-        for _ in range(round(seconds / 0.2)):
-            self.clock.advance(0.2)
-            self.note(shown)
 
-
-@pytest.fixture
-def window():
-    return Window()
-
-
-def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second(window):
-    assert not window.arming.armed and window.sent == [RemoteArmed(False, 0.0, PLAN)]
+def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second():
+    window = Window()
+    assert window.sent == [RemoteArmed(False, 0.0, PLAN)]
     window.arming.arm(WELL)
     assert window.sent[-1] == RemoteArmed(True, REMOTE_LIMIT_S, PLAN)
-    window.sent.clear()
-    window.pass_time(REMOTE_LIMIT_S - 1.0)
-    assert window.arming.armed and all(one.armed for one in window.sent)
-    assert len(window.sent) == pytest.approx(REMOTE_LIMIT_S, rel=0.01)
-    window.pass_time(1.2)
-    assert not window.arming.armed
-    assert window.sent[-1] == RemoteArmed(False, 0.0, PLAN)
-    window.sent.clear()
-    window.pass_time(5.0)
-    assert window.sent == []
+    for seconds, times, armed in (
+        (REMOTE_LIMIT_S - 1.0, 599, True),
+        (1.2, 1, False),
+        (5.0, 0, False),
+    ):
+        window.sent.clear()
+        # As the window's refreshes do.
+        for _ in range(round(seconds / 0.2)):
+            window.clock.advance(0.2)
+            window.note(WELL)
+        assert window.arming.armed is armed and all(one.armed is armed for one in window.sent)
+        assert len(window.sent) == pytest.approx(times, rel=0.01)
     # Another plan is sent at once.
     plan = replace(PLAN, permittivity=9.0)
-    window.note(WELL, plan)
-    window.note(WELL, plan)
-    window.note(WELL, None)
+    for shown_plan in (plan, plan, None):
+        window.note(WELL, shown_plan)
     assert [one.plan for one in window.sent] == [plan, None]
 
 
-@each_case("reason", FORBIDDING)
-def test_a_hold_allows_nothing_where_something_forbids_it(clock, reason):
-    shown, page, arming = FORBIDDING[reason], RemoteAllowance(clock), Arming(clock)
-    arming.note(shown, PLAN)
-    arming.arm(shown)
-    assert not arming.armed
-    assert remote_question(WEB, remote_obstacle(shown)).hold is None
-    # The page says what forbids it, whatever the window has said before.
-    page.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
-    assert not page.armed, "of a robot that it knows nothing of"
-    page.note(WELL)
-    assert page.armed
-    page.note(shown)
-    assert not page.armed and page.obstacle == remote_obstacle(shown)
+def test_a_hold_is_not_offered_where_something_forbids_it():
+    for shown in FORBIDDING.values():
+        assert remote_question(WEB, remote_obstacle(shown)).hold is None
 
 
 def test_the_page_believes_only_what_is_fresh(clock):
     web = RemoteAllowance(clock)
-    web.note(WELL)
     web.on_event(RemoteArmed(True, REMOTE_LIMIT_S, PLAN))
+    assert not web.armed, "of a robot that it knows nothing of"
+    web.note(WELL)
     assert web.armed and web.obstacle is None and web.plan == PLAN
     clock.advance(SILENCE_S)
     assert web.armed and web.remaining_s == REMOTE_LIMIT_S - SILENCE_S
@@ -174,6 +154,7 @@ def test_the_page_never_allows_what_the_window_does_not(actions):
         over = window.clock.now_s() - held_s >= REMOTE_LIMIT_S
         assert window.arming.armed is not (ended or over)
         if page.armed:
+            assert remote_obstacle(shown) is None
             assert lost or window.arming.armed
             assert window.clock.now_s() - held_s <= REMOTE_LIMIT_S + SILENCE_S
 
@@ -197,7 +178,8 @@ def test_the_page_takes_no_message_of_another_node(monkeypatch):
     assert [one for one in events if isinstance(one, RemoteArmed)] == [RemoteArmed(True, 600.0)]
 
 
-def test_a_page_whose_node_has_ended_is_no_longer_offered(window):
+def test_a_page_whose_node_has_ended_is_no_longer_offered():
+    window = Window()
     window.arming.take(WEB)
     window.note(WELL)
     assert window.arming.web == WEB

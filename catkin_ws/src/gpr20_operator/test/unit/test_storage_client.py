@@ -27,7 +27,7 @@ from gpr20_operator.ground.additions import (
     MarkingFailed,
 )
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, SurveysListed
-from gpr20_operator.high import request_client, storage_client
+from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.events import Senders
@@ -70,7 +70,7 @@ def answer_all(services):
 @pytest.fixture
 def imaging(services, events):
     answer_all(services)
-    client = request_client.RequestClient(events.put, Senders("/"))
+    client = StorageClient(events.put, Senders("/"))
     yield Imaging(client, lambda: 0.0)
     client.close()
 
@@ -163,7 +163,7 @@ ASKED = {
 def test_answers_arrive_and_silence_and_refusals_are_failures_with_a_reason(
     imaging, services, events, what
 ):
-    client = storage_client.StorageClient(events.put, Senders("/"))
+    client = StorageClient(events.put, Senders("/"))
     answer_all(services)
 
     def asked():
