@@ -105,6 +105,13 @@ def test_the_band_says_what_the_robot_does(code, known, level, title, words):
     assert words in str(shown.message)
 
 
+def test_a_time_is_left_only_while_it_passes():
+    going = {"progress": Progress("id", 50.0, 10, 5, 60.0)}
+    for state, left in ((said(S.SURVEYING, verbatim("x")), True), (LATE, True), (None, False)):
+        state = state or said(S.SURVEYING, WAITING)
+        assert (left_of(snapshot(state=state, **going)) is not None) is left, state
+
+
 def test_hands_stay_clear_of_an_interrupted_robot_until_every_axis_says_that_it_rests():
     at_rest = tuple(dataclasses.replace(one, silent=False) for one in RESTING)
     silent = dataclasses.replace(at_rest[0], silent=True)

@@ -8,6 +8,7 @@ import pytest
 pytest.importorskip("rospy")
 
 from annotation_examples import annotations
+from case_kit import each_case
 from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
@@ -90,9 +91,14 @@ def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second():
     assert [one.plan for one in window.sent] == [plan, None]
 
 
-def test_a_hold_is_not_offered_where_something_forbids_it():
-    for shown in FORBIDDING.values():
-        assert remote_question(WEB, remote_obstacle(shown)).hold is None
+@each_case("reason", ENDING)
+def test_a_hold_is_not_offered_where_something_forbids_it_and_is_ended_by_that(reason):
+    window, shown = Window(), ENDING[reason]
+    window.arming.arm(WELL)
+    for now in (shown, WELL):
+        window.note(now)
+        assert not window.arming.armed
+    assert reason not in FORBIDDING or remote_question(WEB, remote_obstacle(shown)).hold is None
 
 
 def test_the_page_believes_only_what_is_fresh(clock):
