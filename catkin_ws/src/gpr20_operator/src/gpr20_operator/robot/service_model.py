@@ -23,8 +23,8 @@ from gpr20_survey.results.daily_check import Part
 
 # Service ends by itself when nothing was touched for this long [s].
 IDLE_LIMIT_S = 120.0
-# The states of axis and endstop are published 10 times a second; older ones [s] are not shown.
-AXIS_LIMIT_S = 1.0
+# The state of an endstop is published 10 times a second; an older one [s] is not shown.
+ENDSTOP_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
@@ -73,14 +73,8 @@ class ServiceModel:
         daily: A step of the daily check; the result is the verdict.
     """
 
-    def __init__(
-        self,
-        requests: Requests,
-        examine: Callable[..., None],
-        clock: Clock,
-    ) -> None:
-        now_s = clock.now_s
-        self._now_s = now_s
+    def __init__(self, requests: Requests, examine: Callable[..., None], clock: Clock) -> None:
+        self._now_s = now_s = clock.now_s
         self._begun_s = now_s()
         self._snapshot: Optional[Snapshot] = None
         self.entered = False
@@ -157,15 +151,13 @@ class ServiceModel:
 
     def axis(self, axis: AxisId) -> Optional[AxisReport]:
         """Return what an axis has just reported; None: not known now."""
-        shown, now_s = self._snapshot, self._now_s()
-        recent = () if shown is None else shown.axes
-        found = (one for one in recent if now_s - one.received_s <= AXIS_LIMIT_S)
-        return next((one for one in found if one.axis is axis), None)
+        reports = () if self._snapshot is None else self._snapshot.axes
+        return next((one for one in reports if one.axis is axis and not one.silent), None)
 
     def pressed(self, axis: AxisId) -> Optional[bool]:
         """Return whether an endstop is pressed, or was just now; None: not known now."""
         endstop, now_s = self._endstops.get(axis), self._now_s()
-        if endstop is None or now_s - endstop.heard_s > AXIS_LIMIT_S:
+        if endstop is None or now_s - endstop.heard_s > ENDSTOP_LIMIT_S:
             return None
         return endstop.pressed or now_s - endstop.pressed_s < LAMP_S
 
