@@ -224,7 +224,8 @@ class ServiceModel:
     def enter(self) -> None:
         """Begin the service, unless there is an obstacle."""
         self.entered = self.obstacle is None
-        self._forget_outcome()
+        if not self.moving.running:
+            self.moving.end()
         self.touch()
 
     def leave(self) -> None:
@@ -260,12 +261,8 @@ class ServiceModel:
         """Send a request, if the operator may; one at a time."""
         if self.entered and not self.busy:
             self.touch()
-            self._forget_outcome()
-            job.ask(**fields)
-
-    def _forget_outcome(self) -> None:
-        if not self.moving.running:
             self.moving.end()
+            job.ask(**fields)
 
     def _take_step(self, _verdict: Message) -> None:
         if self._part is None or self._part is PARTS[-1]:
