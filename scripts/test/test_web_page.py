@@ -296,7 +296,7 @@ def test_every_control_is_reached_by_tab_and_stop_by_the_keyboard(
             f"Tab reaches every control of {page} in its order",
         )
     press_by_keyboard(browser, "stop")
-    browser.wait_for_text("ada: STOP: refused by the main control. The axes were asked", "#top")
+    browser.wait_for_text("ada: STOP: no survey was stopped. The axes were asked", "#top")
 
 
 def test_a_page_of_another_origin_reads_nothing_and_does_nothing(site: Site) -> None:
@@ -417,7 +417,7 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     browser.keep_picture("web_login_stop_360")
     browser.resize(800)
     site.fill_in("vera")
-    browser.wait_for_text("vera: STOP: refused by the main control", ".said")
+    browser.wait_for_text("vera: STOP: no survey was stopped", ".said")
     assert browser.text("#stop-warning") == ""
     browser.driver.delete_all_cookies()
     browser.run("dispatchEvent(new PageTransitionEvent('pageshow', { persisted: true }))")

@@ -1,4 +1,4 @@
-"""The errors of the user interface."""
+"""The errors of the screens."""
 
 from __future__ import annotations
 
@@ -8,37 +8,31 @@ from gpr20_operator import faults
 from gpr20_survey.faults import DAMAGED
 
 
-class UserInterfaceError(Gpr20Error):
-    """The root of every error of this package."""
-
-    fault = NOT_RUNNING
-
-
-class MasterUnavailableError(UserInterfaceError, OSError):
+class MasterUnavailableError(Gpr20Error, OSError):
     """There is no ROS master to ask."""
 
     fault = NOT_RUNNING
 
 
-class DisplayUnavailableError(UserInterfaceError, OSError):
+class DisplayUnavailableError(Gpr20Error, OSError):
     """There is no display to show the window on."""
 
     fault = faults.NO_DISPLAY
 
 
-class ParametersRefusedError(UserInterfaceError, ValueError):
+class ParametersRefusedError(Gpr20Error, ValueError):
     """The parameters of the survey are not allowed; the message names each."""
 
     fault = NOT_ALLOWED
 
 
-class SurveyNotReadableError(UserInterfaceError, ValueError):
+class SurveyNotReadableError(Gpr20Error, ValueError):
     """A survey, or a part of it, cannot be shown; the message gives the reason."""
 
     fault = DAMAGED
 
 
-class SettingsError(UserInterfaceError, ValueError):
+class SettingsError(Gpr20Error, ValueError):
     """What the screen remembers cannot be read or written; the message gives the reason."""
 
     fault = faults.SETTINGS_LOST.as_warning()

@@ -101,9 +101,6 @@ class ServiceTools:
         self.asked = []
         self._tickets = {}
 
-    def set_watched(self, watched):
-        self.asked.append(("watch", watched))
-
     def examine(self, ticket, nodes, thorough):
         self._tickets["examine"] = ticket
         self.asked.append(("examine", thorough))

@@ -8,30 +8,24 @@ import pytest
 pytest.importorskip("rospy")
 
 import rosgraph
-from annotation_examples import annotations
 from fake_clock import FakeClock
 from fault_kit import raises_fault
-from hypothesis import given
 from topics_kit import LIMIT_S, Graph, taken
 
 from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import fault_of
-from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_msgs.msg import Annotation as AnnotationMessage
 from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
-from gpr20_msgs.srv import Command, ListSurveysResponse, ReadTracesResponse
+from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.files.settings_file import Newest
-from gpr20_operator.high import conversions, robot_stop, robots_client, ros_events
+from gpr20_operator.high import robot_stop, robots_client, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import from_fields
 
 REMEDY = Message("Free some space on the disk.")
 FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))
@@ -48,25 +42,19 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
         verdict=TEXT,
         verdict_fault=SENT,
     )
-    runs = conversions.coverage_runs(coverage)
+    runs = storage_client.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
     response = ReadTracesResponse(
         survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
     )
-    read = conversions.traces_read(3, response)
+    read = storage_client.traces_read(3, response)
     assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
     summary = SurveySummary(problem=TEXT, problem_fault=SENT)
-    (failed,) = conversions.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
+    (failed,) = storage_client.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
     assert failed.verdict is None
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)
-
-
-@given(annotations)
-def test_an_annotation_comes_out_of_a_ros_message_as_it_went_in(annotation):
-    data = serialized(conversions.annotation_message(annotation))
-    assert repr(from_fields(deserialized(AnnotationMessage, data))) == repr(annotation)
 
 
 @pytest.fixture
@@ -91,15 +79,10 @@ def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_sto
     services.hung.set()
     assert events.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
     assert services.asked.empty()
-
-
-def test_a_survey_is_started_after_an_earlier_stop(client, services, events):
-    client.stop()
-    services.hung.set()
+    # The next one is, with the plan that it has set, whatever another client has set meanwhile.
     client.start_survey(default_parameters())
     (answer,) = [one for one in taken(events, 2) if isinstance(one, Answer)]
     assert answer.success
-    # The plan that it has set, whatever another client has set meanwhile.
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
 
 
@@ -122,20 +105,6 @@ def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):
     assert (taken, len(fault_log)) == ([1, 3], 2)
 
 
-def test_a_request_that_fails_in_the_background_is_logged(fault_log):
-    threads = []
-
-    def work():
-        threads.append(threading.current_thread())
-        raise ZeroDivisionError("a fault of our own")
-
-    before = set(threading.enumerate())
-    ros_events.in_background(work)
-    for thread in set(threading.enumerate()) - before:
-        thread.join(LIMIT_S)
-    assert len(threads) == 1 and "a fault of our own" in "".join(fault_log)
-
-
 REFUSED = {"success": False}
 SILENT = ServiceUnavailableError(Message("no answer"))
 
@@ -148,25 +117,6 @@ def stop(services, events, monkeypatch):
     stop = robot_stop.RobotStop(events.put)
     yield stop
     stop.forget()
-
-
-def test_every_press_asks_every_axis_and_the_main_control_whatever_they_answer(
-    stop, services, events
-):
-    services.answers = {"x_axis/stop": [SILENT], "y_axis/stop": [REFUSED], "stop_survey": [REFUSED]}
-    for _press in range(2):
-        stop.press()
-        answers = taken(events, 4)
-        axes = {one.axis: one.answered for one in answers if isinstance(one, AxisStopAnswer)}
-        assert axes == {AxisId.X: False, AxisId.Y: False, AxisId.Z: True}
-        (control,) = [one for one in answers if isinstance(one, Answer)]
-        assert (control.request, control.success, control.contact) == (Request.STOP, False, True)
-
-
-def test_no_axis_waits_for_a_main_control_or_an_axis_that_hangs(stop, services, events):
-    services.answers = {name: [services.hung, {}] for name in ("stop_survey", "x_axis/stop")}
-    stop.press()
-    assert {one.axis for one in taken(events, 2)} == {AxisId.Y, AxisId.Z}
 
 
 def test_a_stop_that_an_axis_or_the_main_control_did_not_hear_is_repeated_until_it_does(
@@ -185,6 +135,23 @@ def test_a_stop_that_an_axis_or_the_main_control_did_not_hear_is_repeated_until_
     assert services.asked.empty()
 
 
+def test_every_press_asks_all_and_none_waits_for_one_that_hangs(stop, services, events):
+    services.answers = {
+        "x_axis/stop": [SILENT],
+        "y_axis/stop": [REFUSED],
+        "stop_survey": [services.hung, REFUSED],
+    }
+    for _press in range(2):
+        stop.press()
+        answers = [] if services.hung.is_set() else taken(events, 3)
+        services.hung.set()
+        answers += taken(events, 4 - len(answers))
+        axes = {one.axis: one.answered for one in answers if isinstance(one, AxisStopAnswer)}
+        assert axes == {AxisId.X: False, AxisId.Y: False, AxisId.Z: True}
+        (control,) = [one for one in answers if isinstance(one, Answer)]
+        assert (control.request, control.success, control.contact) == (Request.STOP, False, True)
+
+
 def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, services, events):
     services.answers = {"stop_survey": [SILENT, services.hung, SILENT]}
     stop.press()
@@ -192,7 +159,7 @@ def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, servi
     asked = [name for name, _fields in taken(services.asked, 5)]
     stop.forget()
     services.hung.set()
-    stop._stops[-1]._repeating.acquire(timeout=LIMIT_S)
+    stop._services[-1]._repeating.acquire(timeout=LIMIT_S)
     assert asked.count("stop_survey") == 2 and services.asked.empty()
 
 
@@ -208,7 +175,7 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
     known = SimpleNamespace(lookupService=look_up)
     monkeypatch.setattr(robot_stop.rosgraph, "Master", lambda _name: known)
     monkeypatch.setattr(ServiceClient, "_look_up", lambda *_given: "asked the master")
-    client = robot_stop.DirectServiceClient("stop_survey", Command)
+    client = robot_stop.StopService(None, print, threading.Event())
     assert client._look_up(0, 1.0) == "asked the master"
     answer = "rosrpc://robot:1"
     client.remember()
@@ -224,28 +191,17 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
     assert set(asked) == {"/stop_survey"}
 
 
-class WaitingClock(FakeClock):
-    """Lets other threads work while its time passes."""
-
-    def wait_s(self, event, timeout_s):
-        self.advance(timeout_s)
-        return event.wait(0.01)
-
-
-def test_a_graph_is_joined_within_the_limits_or_the_reason_is_said(monkeypatch):
-    hung = threading.Event()
+def test_a_graph_is_joined_within_the_limit_or_the_reason_is_said(monkeypatch):
+    joined, found = [], iter([False, True])
     monkeypatch.setattr(ros_events, "enable_line_buffering", lambda: None)
-    monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: True)
-    monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: None)
-    ros_events.join_graph("a_node", LIMIT_S, lambda: False, Clock())
-    monkeypatch.setattr(ros_events.rospy, "init_node", lambda *_, **__: hung.wait(LIMIT_S))
-    with raises_fault(NOT_RUNNING, error=MasterUnavailableError):
-        ros_events.join_graph("a_node", 5.0, lambda: False, WaitingClock())
-    hung.set()
-    monkeypatch.setattr(ros_events.rosgraph, "is_master_online", lambda: False)
+    monkeypatch.setattr(ros_events, "answers", lambda *_given: next(found, False))
+    monkeypatch.setattr(ros_events.rospy, "init_node", lambda name, **_given: joined.append(name))
+    ros_events.join_graph("a_node", 5.0, lambda: False, FakeClock())
+    assert joined == ["a_node"]
     for cancelled, fault in ((bool, NOT_RUNNING), (lambda: True, ASKED_FOR)):
         with raises_fault(fault, error=MasterUnavailableError):
-            ros_events.join_graph("a_node", 5.0, cancelled, WaitingClock())
+            ros_events.join_graph("a_node", 5.0, cancelled, FakeClock())
+    assert joined == ["a_node"]
 
 
 def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):
@@ -254,7 +210,7 @@ def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeyp
     ]
     state = SimpleNamespace(getSystemState=lambda: ([], [], [(name, []) for name in services]))
     monkeypatch.setattr(robots_client.rosgraph, "Master", lambda _name: state)
-    monkeypatch.setattr(robots_client, "in_background", lambda work: work())
+    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
     monkeypatch.setattr(robots_client, "Periodic", lambda _period_s, act: act())
     graph, events = Graph(), []
     monkeypatch.setattr(robots_client.rospy, "Subscriber", graph.subscriber)

@@ -1,7 +1,7 @@
 """A replay never looks like a robot, and never hides one."""
 
+import contextlib
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 
@@ -17,12 +17,11 @@ from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, SurveyData
 from gpr20_msgs.msg import Replay as ReplayMessage
-from gpr20_operator.high import control_client, ros_events
+from gpr20_operator.high import ros_events
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     ControlState,
-    PlayerLink,
     Progress,
     Replay,
     ReplayPhase,
@@ -42,28 +41,22 @@ MARK = Replay("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_5886059
 SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
 
 
-@pytest.fixture
-def patched(monkeypatch):
-    """Replace what needs a graph; return the clock of the clients."""
-    clock = FakeClock()
-    monkeypatch.setattr(control_client, "Clock", lambda: clock)
-    # A thread that does something again and again: when the test says so.
-    monkeypatch.setattr(
-        control_client, "Periodic", lambda _s, act: SimpleNamespace(act=act, stop=list)
-    )
-    return monkeypatch, clock
-
-
-def listening(patched, replay=False, namespace="/"):
-    """Return a client that listens, its graph, and the events that it passes on."""
-    monkeypatch, clock = patched
-    graph, events = Graph(), []
-    monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
-    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
-    client = ControlClient(events.append, Senders(namespace, replay, clock))
-    client.listen()
-    client.set_watched(True)
-    return client, graph, events
+@contextlib.contextmanager
+def listening(replay=False, namespace="/", count=1):
+    """Give clients that listen as (graph, events that it passes on), and their clock."""
+    with pytest.MonkeyPatch.context() as monkeypatch:
+        clock = FakeClock()
+        monkeypatch.setattr(ros_events, "Clock", lambda: clock)
+        monkeypatch.setattr(ros_events, "in_background", lambda work: work())
+        found = []
+        for _ in range(count):
+            graph, events = Graph(), []
+            monkeypatch.setattr(ros_events.rospy, "Subscriber", graph.subscriber)
+            client = ControlClient(events.append, Senders(namespace, replay))
+            client.listen()
+            client.set_watched(True)
+            found.append((graph, events))
+        yield (*found, clock)
 
 
 def report(name, level=DiagnosticStatus.OK):
@@ -96,11 +89,7 @@ STEPS = some.lists(
 
 @given(steps=STEPS)
 def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
-    with pytest.MonkeyPatch.context() as monkeypatch:
-        clock = FakeClock()
-        monkeypatch.setattr(control_client, "Clock", lambda: clock)
-        _, graph, events = listening((monkeypatch, clock))
-        _, graph_without, events_without = listening((monkeypatch, clock))
+    with listening(count=2) as ((graph, events), (graph_without, events_without), clock):
         model, model_without = SurveyModel(clock), SurveyModel(clock)
         heard = []
         for sender, kind, number, pause_s in steps:
@@ -116,85 +105,52 @@ def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
             shown, without = model.snapshot(), model_without.snapshot()
             assert shown.replay is None
             assert replace(shown, ignored_sender="") == without
-            # Reports on /diagnostics about other things are usual.
             recent = {by for at, by in heard if clock.now_s() - at <= 4.0}
             assert shown.ignored_sender in {"", *recent}
 
 
-def test_a_player_on_the_topics_of_a_robot_is_named_in_the_band_and_logged_once(patched, caplog):
-    _, graph, events = listening(patched)
-    clock, model = patched[1], SurveyModel(patched[1])
-    for _ in range(30):
-        graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
-        graph.send("/play_1", *message("state", int(SurveyState.PAUSED)))
-        clock.advance(0.1)
-    ignored = [one for one in events if isinstance(one, SenderIgnored)]
-    # Not one event for each message.
-    assert 2 <= len(ignored) <= 4 and set(ignored) == {SenderIgnored("/play_1")}
-    for event in events:
-        model.handle(event)
-    shown = model.snapshot()
-    condition = condition_of(shown)
-    assert condition.level is JobLevel.ATTENTION and str(condition.title) == "SURVEYING"
-    assert condition.message.fault_code == "window.replay"
-    assert shown.can_pause
-    clock.advance(3.5)
-    graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
-    model.handle(events[-1])
-    assert condition_of(model.snapshot()).message.fault_code != "window.replay"
-    logged = [one for one in caplog.records if "/play_1" in one.getMessage()]
-    assert len(logged) == 1
+def test_a_player_on_the_topics_of_a_robot_is_named_while_it_plays():
+    with listening() as ((graph, events), clock):
+        model = SurveyModel(clock)
+        for plays in (True, False):
+            for _ in range(50):
+                graph.send("/main_control", *message("state", int(SurveyState.SURVEYING)))
+                if plays:
+                    graph.send("/play_1", *message("state", int(SurveyState.PAUSED)))
+                clock.advance(0.1)
+            # Not one event for each message.
+            ignored = [one for one in events if isinstance(one, SenderIgnored)]
+            assert len(ignored) <= 6 and set(ignored) <= {SenderIgnored("/play_1")}
+            while events:
+                model.handle(events.pop(0))
+            shown = model.snapshot()
+            assert shown.ignored_sender == ("/play_1" if plays else "") and shown.can_pause
 
 
-def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported(patched):
-    _, graph, events = listening(patched, namespace="/robot1/")
-    graph.send("/user_interface", "/diagnostics", report("/user_interface"))
-    graph.send("/robot2/main_control", "/diagnostics", report("/robot2/main_control"))
-    graph.send("/robot1/user_interface", "/diagnostics", report("/robot1/user_interface"))
-    assert events == []
-    graph.send("/robot1/main_control", "/diagnostics", report("/robot1/main_control"))
-    graph.send("/robot1/main_control", "/diagnostics", report("/robot1/sensors/soil"))
-    assert [one.name for one in events] == ["main_control", "sensors/soil"]
-    graph.send("/play_1", "/diagnostics", report("/robot1/main_control"))
-    assert events[2:] == [SenderIgnored("/play_1")]
+def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported():
+    with listening(namespace="/robot1/") as ((graph, events), _clock):
+        for sender, node in (
+            *(("/user_interface",) * 2, ("/robot2/main_control",) * 2),
+            *(("/robot1/user_interface",) * 2, ("/play_1", "/robot1/main_control")),
+            ("/robot1/main_control", "/robot1/main_control"),
+            ("/robot1/main_control", "/robot1/sensors/soil"),
+        ):
+            graph.send(sender, "/diagnostics", report(node))
+        assert [one.name for one in events] == ["main_control", "sensors/soil"]
 
 
-def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics(patched):
-    _, graph, events = listening(patched, replay=True)
-    robot = [f"/{node}" for node in (*EXPECTED_NODES, "simulator")]
-    for sender in robot:
-        for kind in ("state", "progress", "place", "axis", "mark"):
-            graph.send(sender, *message(kind, 1))
-    assert events == []
-    graph.send("/play_1", *message("state", 4))
-    assert [(one.survey_id, one.replay) for one in events] == [("survey 1", True)]
-
-
-def test_health_of_a_recording_is_that_of_its_robot_with_any_player(patched):
-    for namespace, recorded in (
-        ("/replay/", "/replay/main_control"),
-        ("/replay/", "main_control"),
-        ("/replay/robot1/", "/replay/robot1/main_control"),
-        ("/replay/robot1/", "robot1/main_control"),
-    ):
-        _, graph, events = listening(patched, replay=True, namespace=namespace)
-        graph.send("/play_1", "/replay/diagnostics", report(recorded))
-        graph.send("/play_1", "/replay/diagnostics", report("robot2/x_axis/axis_driver"))
-        found = [one.name for one in played(*events).snapshot().health.nodes]
-        assert found == ["main_control"], (namespace, recorded)
-
-
-def test_a_replay_has_ended_when_its_player_is_no_longer_connected(patched):
-    client, graph, events = listening(patched, replay=True)
-    client._player.act()
-    assert events == []
-    for graph.connected in (1, 1, 0, 1):
-        client._player.act()
-        assert events[-1] == PlayerLink(bool(graph.connected))
+def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics():
+    with listening(replay=True) as ((graph, events), _clock):
+        for node in (*EXPECTED_NODES, "simulator"):
+            for kind in ("state", "progress", "place", "axis", "mark"):
+                graph.send(f"/{node}", *message(kind, 1))
+        assert events == []
+        graph.send("/play_1", *message("state", 4))
+        assert [one.survey_id for one in events] == ["survey 1"]
 
 
 def state(code, survey_id="id"):
-    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False, replay=True)
+    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False)
 
 
 def progress(survey_id="id"):
@@ -224,7 +180,6 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
     assert snapshot.replay.message and not snapshot.pending and not snapshot.simulated
     for code in SurveyState:
         model = played(MARK, state(code), progress())
-        assert str(model.snapshot().state.title) == f"REPLAY: {code.label}"
         assert_harmless(model.snapshot())
         # The player of `rosbag play` takes no requests.
         assert not model.snapshot().replay.can_pause
@@ -236,26 +191,20 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
 
 def test_the_end_of_a_replay_names_the_end_of_the_survey():
     cut_off = "SURVEYING, and the recording does not contain the survey's end"
-    ends = (PlayerLink(False), replace(MARK, phase=ReplayPhase.ENDED, rate=1.0))
-    for code, end, text in (
-        (SurveyState.SURVEYING, None, "SURVEYING"),
-        *((SurveyState.FINISHED, end, "FINISHED") for end in ends),
-        *((SurveyState.SURVEYING, end, cut_off) for end in ends),
+    ended = replace(MARK, phase=ReplayPhase.ENDED, rate=1.0)
+    for code, mark, title, text in (
+        (SurveyState.SURVEYING, MARK, "REPLAY", "SURVEYING"),
+        (SurveyState.SURVEYING, ended, "REPLAY ENDED", cut_off),
+        (SurveyState.FINISHED, ended, "REPLAY ENDED", "FINISHED"),
+        # The player of `rosbag play` does not report.
+        (SurveyState.FINISHED, MARK, "REPLAY ENDED", "FINISHED"),
     ):
-        model = played(MARK, state(code), *([end] if end else []))
-        view = model.snapshot().replay
-        assert_harmless(model.snapshot())
-        assert str(view.title) == ("REPLAY ENDED" if end else "REPLAY")
-        assert str(view.message) == f"{text}. {SURVEY}"
-        assert not (end and view.can_pause)
+        view = played(mark, state(code)).snapshot().replay
+        assert (str(view.title), str(view.message)) == (title, f"{text}. {SURVEY}")
+        assert not view.can_pause
 
 
-def test_a_message_in_flight_when_its_player_ended_does_not_begin_the_replay_again():
-    model = played(MARK, state(SurveyState.FINISHED), PlayerLink(False), MARK, progress())
-    view = model.snapshot().replay
-    assert view == replace(MARK, connected=False, state=SurveyState.FINISHED) and view.ended
-    model.handle(PlayerLink(True))
-    assert not model.snapshot().replay.ended
-    # Another survey shows nothing of the one before.
-    model.handle(progress("other"))
-    assert (model.snapshot().state, model.snapshot().replay) == (None, Replay())
+def test_another_survey_shows_nothing_of_the_one_before():
+    model = played(MARK, state(SurveyState.FINISHED), progress("other"))
+    assert model.snapshot().state is None
+    assert model.snapshot().replay == Replay("other")

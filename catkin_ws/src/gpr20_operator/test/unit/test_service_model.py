@@ -6,23 +6,20 @@ from dataclasses import replace
 import pytest
 from result_kit import ServiceTools
 from run_seed import draws
-from view_kit import snapshot, state_of
+from view_kit import snapshot
 
 from gpr20_common.message import Message
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
+from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import CurrentPosition, Replay, Request, ServiceActivity
+from gpr20_operator.robot.events import CurrentPosition, Replay, Request
 from gpr20_operator.robot.service_model import (
-    AXIS_LIMIT_S,
     IDLE_LIMIT_S,
     LAMP_S,
     AxisAction,
     ServiceModel,
 )
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import SurveyState
 
 
 def at_rest(code=SurveyState.FINISHED, **other):
@@ -36,7 +33,7 @@ def requests():
 
 @pytest.fixture
 def model(clock, requests):
-    model = ServiceModel(requests, requests.set_watched, requests.examine, clock)
+    model = ServiceModel(requests, requests.examine, clock)
     model.refresh(at_rest())
     model.enter()
     return model
@@ -44,25 +41,6 @@ def model(clock, requests):
 
 def jog(model, distance=10.0):
     model.move(AxisId.X, AxisAction.JOG, distance)
-
-
-def test_service_ends_and_does_not_begin_while_it_is_not_possible(model, requests):
-    for shown in (
-        *(at_rest(code) for code in sorted(RUNNING)),
-        *(at_rest(pending=frozenset([one])) for one in (Request.START, Request.RESUME)),
-        at_rest(alive=False),
-        at_rest(master_alive=False),
-    ):
-        model.enter()
-        assert model.entered
-        model.refresh(shown)
-        assert not model.entered
-        assert model.obstacle is not None
-        model.enter()
-        jog(model)
-        assert requests.asked == [], shown
-        model.refresh(at_rest())
-        assert not model.entered
 
 
 def test_service_ends_two_minutes_after_the_last_touch_or_motion(model, clock, requests):
@@ -83,13 +61,6 @@ def test_service_ends_two_minutes_after_the_last_touch_or_motion(model, clock, r
     assert model.entered
     clock.advance(2.0)
     model.refresh(at_rest())
-    assert not model.entered
-
-
-def test_service_ends_with_its_tab(model, requests):
-    model.set_watched(True)
-    model.set_watched(False)
-    assert requests.asked == [("watch", True), ("examine", False), ("watch", False)]
     assert not model.entered
 
 
@@ -123,63 +94,45 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     assert lamp() is None
 
 
-def test_position_and_zero_of_each_axis(model, clock):
-    lost = AxisReport(AxisId.Y, 2.0, False, False, "", clock.now_s())
-    model.refresh(at_rest(axes=(lost,)))
-    assert [model.axis(one) for one in AxisId] == [None, lost, None]
-    clock.advance(AXIS_LIMIT_S + 0.1)
-    assert model.axis(AxisId.Y) is None
-
-
-def test_the_smallest_offset_of_a_clock_counts(model, clock):
-    def found(*reports):
-        survey = SurveyModel(clock)
-        survey.handle(state_of(SurveyState.IDLE))
-        for name, offset_s in reports:
-            survey.handle(NodeHealth(name, HealthLevel.OK, Message("fine"), {}, offset_s))
-        model.refresh(survey.snapshot())
-        return any("differs" in str(one.text) for one in model.findings())
-
-    late = [("height_sensor", offset_s) for offset_s in (8.0, 0.2, 3.0)]
-    assert not found(*late)
-    assert found(*late, ("vna_acquisition", 8.0))
-    # Nothing is found wrong with the robot of a replay.
+def test_nothing_is_found_wrong_with_the_robot_of_a_replay(model):
+    assert model.findings()
     model.refresh(replace(at_rest(), replay=Replay()))
     assert model.findings() == () and model.obstacle is not None
 
 
-def test_no_survey_can_be_started_while_something_is_in_service(clock):
-    survey = SurveyModel(clock)
-    survey.handle(state_of(SurveyState.CONFIGURED, survey_id=""))
-    assert survey.snapshot().can_start
-    survey.handle(ServiceActivity(Message("homing the {axis} axis", axis="x")))
-    assert not survey.snapshot().can_start
-    survey.handle(ServiceActivity(None))
-    assert survey.snapshot().can_start
+OTHERS = {
+    "alive": (True, False),
+    "master_alive": (True, False),
+    "pending": (frozenset(), frozenset({Request.START}), frozenset({Request.RESUME})),
+    "service": (None, Message("testing the VNA")),
+}
 
 
-def test_no_sequence_asks_for_a_motion_beside_a_survey(clock):
+def test_nothing_is_asked_for_beside_a_survey_or_another_request(clock):
     """Whatever is touched and heard in any order."""
     draw = random.Random(1)
     tools = ServiceTools()
-    model = ServiceModel(tools, tools.set_watched, tools.examine, clock)
+    model = ServiceModel(tools, tools.examine, clock)
     shown = at_rest()
     acts = [
-        model.enter,
-        model.leave,
+        *(model.enter, model.leave, model.measure_height, model.test_analyzer, model.check_daily),
         lambda: jog(model),
-        model.measure_height,
-        model.test_analyzer,
-        model.check_daily,
+        lambda: model.set_watched(False),
         lambda: tools.done(Service.MOVE, Message("done")),
         lambda: clock.advance(draw.uniform(0.0, 2.0 * IDLE_LIMIT_S)),
     ]
     for _ in range(draws(2000)):
         before = len(tools.asked)
         if draw.random() < 0.2:
-            shown = at_rest(draw.choice(list(SurveyState)), alive=draw.random() < 0.9)
+            others = {name: draw.choice(values) for name, values in OTHERS.items()}
+            shown = at_rest(draw.choice(list(SurveyState)), **others)
         model.refresh(shown)
-        entered = model.entered
-        draw.choice(acts)()
+        possible = shown.control_alive and shown.master_alive and not shown.running
+        assert (model.obstacle is None) is (possible and not shown.pending)
+        assert model.obstacle is None or not model.entered
+        entered, busy = model.entered, model.busy
+        act = draw.choice(acts)
+        act()
         if len(tools.asked) > before:
-            assert entered and shown.control_alive and not shown.running
+            assert entered and possible and not shown.pending and not busy
+        assert act is not acts[6] or not model.entered, "it ends with its tab"

@@ -1,10 +1,14 @@
+"""What is known of a robot and may be pressed, whatever came in which order."""
+
 import math
 from dataclasses import replace
 
 import pytest
+from fake_clock import FakeClock
+from hypothesis import given
+from hypothesis import strategies as st
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import JobLevel, condition_of
@@ -20,16 +24,16 @@ from gpr20_operator.robot.events import (
     TargetPosition,
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
-from gpr20_operator.robot.survey_model import RequestOutcome, SurveyModel
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
-
-def state(code, survey_id="id", simulated=False):
-    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, simulated)
-
-
+S, R = SurveyState, Request
 PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
+
+
+def state(code, survey_id="id", **changes):
+    return ControlState(code, verbatim("as it is"), survey_id, False, **changes)
 
 
 @pytest.fixture
@@ -38,236 +42,123 @@ def model(clock):
 
 
 def allowed(snapshot):
-    names = ("start", "pause", "resume")
-    return [name for name in names if getattr(snapshot, f"can_{name}")]
+    return {one for one in set(R) - {R.STOP} if getattr(snapshot, f"can_{one.value}")}
 
 
-def test_nothing_is_claimed_or_allowed_before_main_control_speaks(model):
-    snapshot = model.snapshot()
-    assert not snapshot.control_alive
-    assert snapshot.control_silent_s is None
-    assert (snapshot.state, snapshot.progress, snapshot.current, snapshot.height_m) == (None,) * 4
-    assert allowed(snapshot) == []
+STEPS = st.one_of(
+    st.sampled_from(S), st.sampled_from(R), st.tuples(st.sampled_from(R)), st.floats(0.0, 9.0)
+)
 
 
-def test_what_is_not_followed_is_not_called_silent(model, clock):
-    def report():
-        model.handle(AxisReport(AxisId.X, 1.0, True, True))
-        model.handle(NodeHealth("vna_acquisition", HealthLevel.ERROR, verbatim("no answer"), {}))
+@given(st.lists(STEPS, max_size=20))
+def test_what_may_be_pressed_follows_the_state_its_age_and_what_is_being_asked_for(steps):
+    clock = FakeClock()
+    model, code, heard_s, asked = SurveyModel(clock), None, -math.inf, set()
+    for step in steps:
+        if isinstance(step, S):
+            code, heard_s = step, clock.now_s()
+            model.handle(state(step))
+        elif isinstance(step, R):
+            asked.add(step)
+            model.request_sent(step)
+        elif isinstance(step, float):
+            clock.advance(step)
+        else:
+            asked -= {*step}
+            refusal = model.handle(Answer(*step, False, verbatim("no")))
+            # StopConfirmation says what became of a STOP.
+            assert (refusal is None) == (step[0] is R.STOP)
+        shown, can = model.snapshot(), set()
+        if clock.now_s() - heard_s <= CONTROL_SILENCE_S:
+            can |= {R.START} if code not in RUNNING and R.START not in asked else set()
+            can |= {R.PAUSE} if code is S.SURVEYING and not asked else set()
+            can |= {R.RESUME} if code is S.PAUSED and not asked else set()
+        assert allowed(shown) == can
+        assert shown.fields_locked == (code in RUNNING or R.START in asked)
+        assert shown.code is code, "the last word stays"
 
-    report()
-    model.set_followed(False)
-    report()
-    clock.advance(60.0)
-    shown = model.snapshot()
-    assert shown.health.trouble is None and shown.health.reported == ()
-    model.set_followed(True)
-    model.set_followed(True)
-    shown = model.snapshot()
-    assert (shown.axes, shown.health.trouble, shown.health.reported) == ((), None, ())
-    clock.advance(60.0)
-    assert "No report" in str(model.snapshot().health.trouble)
 
-
-def test_buttons_follow_what_main_control_says(model):
-    extra = {SurveyState.PAUSED: ["resume"], SurveyState.SURVEYING: ["pause"]}
-    for code in SurveyState:
-        model.handle(state(code))
-        expected = [] if code in RUNNING else ["start"]
-        snapshot = model.snapshot()
-        assert allowed(snapshot) == expected + extra.get(code, []), code
-        assert snapshot.fields_locked == (code in RUNNING)
-        # One that ends is not interrupted.
-        model.handle(state(SurveyState.FINISHED))
+def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
+    for survey, seen in (("new", True), ("another", False)):
+        model.handle(state(S.CONFIGURED, ""))
+        model.request_sent(R.START)
+        model.handle(Answer(R.START, True, verbatim("started"), survey))
+        assert not allowed(model.snapshot())
+        if seen:
+            model.handle(state(S.FAILED, survey))
+        else:
+            # One that never shows locks it for a while only.
+            clock.advance(CONTROL_SILENCE_S + 0.1)
+            model.handle(state(S.IDLE, ""))
+        assert allowed(model.snapshot()) == {R.START}
 
 
 def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_looked(model):
     job = JobScreen()
-    model.handle(state(SurveyState.SURVEYING))
+    model.handle(state(S.SURVEYING))
     model.handle(replace(PROGRESS, completion_percent=100.0))
-    for end, level in ((SurveyState.FINISHED, JobLevel.DONE), (SurveyState.FAILED, JobLevel.FAULT)):
-        model.handle(replace(state(SurveyState.CONFIGURED), end=end))
+    for end, level in ((S.FINISHED, JobLevel.DONE), (S.FAILED, JobLevel.FAULT)):
+        model.handle(state(S.CONFIGURED, end=end))
         snapshot = model.snapshot()
-        assert not snapshot.interrupted and allowed(snapshot) == ["start"]
+        assert not snapshot.interrupted and allowed(snapshot) == {R.START}
         condition = condition_of(snapshot)
         assert (condition.level, str(condition.title)) == (level, f"{end.name} 100 %")
         job.note(snapshot)
         assert job.visible
-    # The next one begins.
-    model.handle(state(SurveyState.CHECKING, "next"))
-    assert str(condition_of(model.snapshot()).title) == "CHECKING"
 
 
-def test_what_is_being_asked_for_is_asked_once(model):
-    for code, request in (
-        (SurveyState.CONFIGURED, Request.START),
-        (SurveyState.SURVEYING, Request.PAUSE),
-        (SurveyState.PAUSED, Request.RESUME),
-    ):
-        model.handle(state(code))
-        before = allowed(model.snapshot())
-        model.request_sent(request)
-        assert allowed(model.snapshot()) == []
-        model.handle(Answer(request, False, verbatim("no")))
-        assert allowed(model.snapshot()) == before == [request.name.lower()]
-
-
-def test_stop_that_was_asked_for_is_not_taken_for_done(model):
-    model.handle(state(SurveyState.SURVEYING))
-    model.request_sent(Request.STOP)
-    assert allowed(model.snapshot()) == []
-    model.handle(Answer(Request.STOP, True, verbatim("stopping")))
-    snapshot = model.snapshot()
-    assert snapshot.running and snapshot.fields_locked
-    assert not snapshot.can_start
-
-
-def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
-    model.handle(state(SurveyState.CONFIGURED, ""))
-    model.request_sent(Request.START)
-    model.handle(Answer(Request.START, True, verbatim("started"), "new"))
-    assert allowed(model.snapshot()) == []
-    model.handle(state(SurveyState.FAILED, "new"))
-    assert allowed(model.snapshot()) == ["start"]
-    # One that never shows locks it for a while only.
-    model.request_sent(Request.START)
-    model.handle(Answer(Request.START, True, verbatim("started"), "another"))
-    clock.advance(CONTROL_SILENCE_S + 0.1)
-    model.handle(state(SurveyState.IDLE, ""))
-    assert allowed(model.snapshot()) == ["start"]
-
-
-def test_parameters_are_those_of_the_survey_that_runs(model):
-    parameters = default_parameters()
-    model.handle(parameters)
-    model.handle(state(SurveyState.CONFIGURED))
-    assert model.snapshot().survey_parameters is None
-    model.handle(state(SurveyState.SURVEYING))
-    assert model.snapshot().survey_parameters is parameters
-
-
-def test_silent_main_control_keeps_its_last_word_but_allows_no_start(model, clock):
-    model.handle(state(SurveyState.FINISHED, simulated=True))
-    clock.advance(CONTROL_SILENCE_S)
-    assert model.snapshot().control_alive
-    clock.advance(0.1)
-    snapshot = model.snapshot()
-    assert not snapshot.control_alive
-    assert snapshot.control_silent_s == pytest.approx(CONTROL_SILENCE_S + 0.1)
-    assert snapshot.state.code is SurveyState.FINISHED and snapshot.simulated
-    assert allowed(snapshot) == []
-    model.handle(PROGRESS)
-    assert allowed(model.snapshot()) == ["start"]
-
-
-def test_coordinates_and_height_that_are_old_are_not_shown_as_now(model, clock):
-    model.handle(CurrentPosition(1.0, 2.0, 90.0))
-    model.handle(TargetPosition(3.0, 4.0, 0.0))
-    model.handle(MeasuredHeight(0.3))
-    clock.advance(STALE_S)
-    snapshot = model.snapshot()
-    assert snapshot.current == CurrentPosition(1.0, 2.0, 90.0)
-    assert snapshot.target == TargetPosition(3.0, 4.0, 0.0)
-    assert snapshot.height_m == 0.3
-    clock.advance(0.1)
-    snapshot = model.snapshot()
-    assert (snapshot.current, snapshot.target, snapshot.height_m) == (None, None, None)
-
-
-def test_a_height_out_of_range_or_a_target_of_minus_one_is_none(model):
-    for height_m in (math.nan, math.inf, -math.inf):
+def test_what_is_old_is_not_shown_as_now(model, clock):
+    place, target = CurrentPosition(1.0, 2.0, 90.0), TargetPosition(3.0, 4.0, 0.0)
+    for event in (place, target, AxisReport(AxisId.X, 1.0, True, True)):
+        model.handle(event)
+    for height_m in (math.nan, math.inf, 0.3):
+        assert model.snapshot().height_m is None, "out of range"
         model.handle(MeasuredHeight(height_m))
-        assert model.snapshot().height_m is None
-    model.handle(TargetPosition(-1.0, -1.0, -1.0))
-    assert model.snapshot().target is None
-    model.handle(TargetPosition(0.0, 0.0, -1.0))
-    assert model.snapshot().target is not None
+    for pause_s, known in ((STALE_S, True), (0.1, False)):
+        clock.advance(pause_s)
+        shown = model.snapshot()
+        found = (shown.current, shown.target, shown.height_m)
+        assert found == ((place, target, 0.3) if known else (None,) * 3)
+        # An axis that fell silent while it moved counts as moving.
+        assert shown.moving and shown.axes[0].silent is not known
 
 
-def test_limits_of_the_axes_stay_known_while_the_master_is_away(model):
-    model.handle(state(SurveyState.IDLE))
+def test_plan_and_limits_stay_known_while_the_master_is_away(model):
+    model.handle(default_parameters())
+    model.handle(state(S.CONFIGURED))
+    assert model.snapshot().survey_parameters is None
+    model.handle(state(S.SURVEYING))
     described = RobotDescribed(object())
     model.handle(described)
-    assert model.snapshot().master_alive
-    model.handle(MasterAnswered(False))
-    assert model.snapshot().robot is described.robot
-    assert not model.snapshot().master_alive
-    model.handle(MasterAnswered(True))
-    assert model.snapshot().master_alive
-    model.handle(RobotDescribed(None, verbatim("no axes")))
-    assert model.snapshot().robot is None
-
-
-def test_an_axis_is_as_old_as_its_last_report(model, clock):
-    model.handle(AxisReport(AxisId.X, 1.0, True, True))
-    (axis,) = model.snapshot().axes
-    assert (axis.received_s, axis.silent) == (clock.now_s(), False)
-    clock.advance(STALE_S + 0.1)
-    (axis,) = model.snapshot().axes
-    assert axis.silent and axis.moving
+    for alive in (False, True):
+        model.handle(MasterAnswered(alive))
+        shown = model.snapshot()
+        assert (shown.master_alive, shown.robot) == (alive, described.robot)
+        assert shown.survey_parameters == default_parameters()
 
 
 def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
     moves = AxisReport(AxisId.X, 1.0, True, True)
-    rests = AxisReport(AxisId.X, 1.0, True, False)
     for event, progress in (
-        *((state(SurveyState.CHECKING), True), (state(SurveyState.CHECKING), False)),
-        *((state(SurveyState.SURVEYING), True), (PROGRESS, True), (PROGRESS, False)),
-        *((moves, True), (moves, True), (rests, False), (CurrentPosition(1.0, 2.0, 3.0), False)),
+        *((state(S.CHECKING), True), (state(S.CHECKING), False)),
+        *((state(S.SURVEYING), True), (PROGRESS, True), (PROGRESS, False)),
+        *((moves, True), (moves, True), (replace(moves, moving=False), False)),
         (replace(PROGRESS, visited_points=PROGRESS.visited_points + 1), True),
     ):
         clock.advance(4.0)
         model.handle(event)
         assert (model.snapshot().still_s == 0.0) is progress, event
-    clock.advance(4.0)
-    assert model.snapshot().still_s == 4.0
 
 
-def test_survey_that_vanishes_with_its_main_control_is_told_until_the_next_one_runs(clock):
+def test_survey_that_vanishes_with_its_main_control_is_said_until_the_next_one_runs(clock):
     for code in RUNNING:
         model = SurveyModel(clock)
         model.handle(state(code))
         assert not model.snapshot().interrupted
         # main_control begins in IDLE and knows nothing of what was.
-        for begun in (SurveyState.IDLE, SurveyState.CONFIGURED):
+        for begun in (S.IDLE, S.CONFIGURED):
             model.handle(state(begun, ""))
             assert model.snapshot().interrupted, code
-        for code in (SurveyState.CHECKING, *ENDED, SurveyState.CONFIGURED):
-            model.handle(state(code, "next"))
+        for after in (S.CHECKING, *ENDED, S.CONFIGURED):
+            model.handle(state(after, "next"))
             assert not model.snapshot().interrupted
-
-
-@pytest.fixture
-def outcome():
-    return RequestOutcome()
-
-
-def printed(outcome, *codes):
-    return [
-        outcome.failed_request(ControlState(code, verbatim("why"), "id", False)) for code in codes
-    ]
-
-
-def test_checks_that_fail_after_the_acceptance_are_told_once(outcome):
-    ends = (SurveyState.FAILED, SurveyState.PAUSED)
-    for request in (Request.START, Request.RESUME):
-        for end in ends:
-            for before in (*ends, SurveyState.CONFIGURED):
-                outcome.asked(request)
-                codes = (before, SurveyState.CHECKING, SurveyState.HOMING, end, end)
-                assert printed(outcome, *codes) == [None, None, None, request, None], codes
-
-
-def test_what_was_refused_or_asked_by_others_is_not_told_again(outcome):
-    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]
-    # It came to measure, or was stopped.
-    outcome.asked(Request.START)
-    codes = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FAILED)
-    assert printed(outcome, *codes) == [None] * 4
-    outcome.asked(Request.START)
-    assert printed(outcome, SurveyState.CHECKING) == [None]
-    outcome.asked(Request.STOP)
-    assert printed(outcome, SurveyState.STOPPING, SurveyState.FAILED) == [None, None]
-    outcome.asked(Request.START)
-    outcome.answered(Answer(Request.START, False, verbatim("no")))
-    assert printed(outcome, SurveyState.CHECKING, SurveyState.FAILED) == [None, None]

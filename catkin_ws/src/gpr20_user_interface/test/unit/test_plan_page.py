@@ -114,7 +114,7 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
     theirs = replace(default_parameters(), x_points=17, vna_address="10.1.2.3")
     open_field(idle, "x_start_mm")
     click(idle.profiles.save)
-    show(idle, snapshot(SurveyState.SURVEYING, survey_parameters=theirs))
+    show(idle, snapshot(SurveyState.SURVEYING, job_parameters=theirs))
     for sheet in (idle.values, idle.profiles, idle.profiles.pad):
         assert not sheet.isVisible()
     assert tile(idle, Tile.SPACING)[1] == "17 x 11 points"

@@ -7,12 +7,13 @@ from PyQt5.QtTest import QTest
 from view_kit import snapshot
 from window_helpers import show, start, wishes
 
+from gpr20_common.message import verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     Arming,
     RemotePlan,
-    WebPageGone,
     WebStatusReported,
 )
 from gpr20_survey.plan.annotation import Annotation
@@ -63,8 +64,8 @@ def test_the_sheet_says_where_the_page_is_and_who_is_there(field):
     assert texts == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
     # Without a page there is nothing to hold.
     assert field.sheet.hold.isVisible()
-    field.window.on_event(WebPageGone())
-    field.say(SurveyState.CONFIGURED)
+    gone = HealthReport((NodeHealth("web", HealthLevel.STALE, verbatim("ended"), {}),))
+    field.say(SurveyState.CONFIGURED, health=gone)
     assert not field.sheet.hold.isVisible() and "web:=true" in field.sheet.doubt.text()
     field.window.on_event(WEB)
     field.say(SurveyState.CONFIGURED, alive=False)

@@ -74,11 +74,13 @@ def test_one_press_of_start_is_one_request_and_what_fails_is_said_once(parts):
     window.on_event(state(SurveyState.CHECKING))
     assert not window.notice.isVisible()
     window.on_event(failed)
+    window.refresh()
     assert window.notice.isVisible()
-    assert window.notice.title.text() == "The survey was not started."
+    assert window.notice.title.text() == "The survey has FAILED."
     assert "The disk is full" in window.notice.reason.toPlainText()
     click(window.notice.close_button)
     window.on_event(failed)
+    window.refresh()
     assert not window.notice.isVisible()
 
 

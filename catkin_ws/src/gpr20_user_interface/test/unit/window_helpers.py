@@ -97,7 +97,7 @@ def opened_window(
             survey or Survey(),
             TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
-            ServiceModel(tools, tools.set_watched, tools.examine, clock),
+            ServiceModel(tools, tools.examine, clock),
             kept,
             PlanMemory(
                 SettingsFile(profiles / "window" / "plan.yaml") if profiles else not_kept,

@@ -16,6 +16,7 @@ from web_kit import ManualClock, Noted
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
@@ -98,6 +99,15 @@ class Desk:
 
     def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
         self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
+        self.commands.refresh(self.model.snapshot())
+
+    def rest(self) -> None:
+        """Every axis answers STOP, and reports later that it rests."""
+        for axis in AxisId:
+            self.commands.on_event(AxisStopAnswer(axis, True))
+        self.time.time_s += 1.0
+        for axis in AxisId:
+            self.model.handle(AxisReport(axis, 0.0, True, False))
         self.commands.refresh(self.model.snapshot())
 
     def allow(self, plan: Optional[RemotePlan] = PLAN) -> None:
@@ -234,6 +244,7 @@ def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> No
             desk.ask("resume", survey=SURVEY)
         desk.commands.on_event(answer)
     desk.be(SurveyState.STOPPED, ON_REQUEST)
+    desk.rest()
     desk.allow()
     with pytest.raises(NotNowError, match="STOP was pressed since"):
         desk.start(pressed_ms=pressed_ms)
@@ -257,6 +268,7 @@ def test_stop_that_is_sent_again_says_whether_it_is_confirmed_and_is_noted_once(
     # Who is asked repeats it until it is answered: many more calls would wait for what hangs.
     assert desk.control.asked == ["stop"]
     desk.be(SurveyState.STOPPED, ON_REQUEST)
+    desk.rest()
     assert desk.shown["stop_open"] is False
     assert desk.ask("stop", press=press) == {"confirmed": True}
     # Should somebody use one mark for two presses: no STOP is ignored.

@@ -13,7 +13,7 @@ from view_kit import SURVEY
 from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Fault, verbatim
-from gpr20_operator.high import request_client
+from gpr20_operator.high import storage_client
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import Senders
 from gpr20_survey.folder.log_record import Kind
@@ -39,13 +39,13 @@ def answers(monkeypatch):
 
         return SimpleNamespace(call=call)
 
-    monkeypatch.setattr(request_client, "ServiceClient", client)
+    monkeypatch.setattr(storage_client, "ServiceClient", client)
     return answers
 
 
 @pytest.fixture
 def services(answers):
-    return RosSurveyServices(request_client.RequestClient(lambda _event: None, Senders("/")))
+    return RosSurveyServices(storage_client.StorageClient(lambda _event: None, Senders("/")))
 
 
 def test_a_refusal_keeps_its_sentence_its_fault_and_its_remedy(services, answers):

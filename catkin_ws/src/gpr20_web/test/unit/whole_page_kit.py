@@ -30,13 +30,15 @@ from web_kit import (
 )
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Call, Person, Role
@@ -107,7 +109,6 @@ class WholePage:
             requests=self.requests,
             services=self.surveys.services,
             robots=Robots("/", False, lambda _watched: None),
-            watch=lambda _watched: None,
             examine=lambda _ticket, **_wanted: None,
             make_bundle=lambda: self.acts.append("bundle") or b"zip",
             send=lambda _news: None,
@@ -135,10 +136,14 @@ class WholePage:
             # Nothing is asked for any more, and the last survey has ended.
             events = [
                 *(Answer(one, False, Message("no")) for one in Request),
+                *(AxisStopAnswer(axis, True) for axis in AxisId),
+                *(AxisReport(axis, 0.0, True, False) for axis in AxisId),
                 *(state_of(one, survey=SURVEY) for one in (SurveyState.STOPPED, code)),
                 RemoteArmed(armed, 600.0, PLAN),
             ]
             for event in events:
+                # A report proves that an axis rests a moment after the answers to STOP.
+                self.clock.time_s += 0.3 if isinstance(event, AxisReport) else 0.0
                 self.model.handle(event)
                 self.shell.on_event(event)
                 self.shell.refresh(self.model.snapshot())

@@ -1,10 +1,9 @@
-"""The main control's topics and services as events of this package."""
+"""The main control and the axes: their topics as events, and requests without waiting."""
 
 from __future__ import annotations
 
 import math
 import threading
-from dataclasses import replace
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
@@ -14,42 +13,25 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
-from gpr20_common.high.answers import message_from
-from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.answers import message_from, record_of
+from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.high.node_reports import axis_report, height_m, node_healths
-from gpr20_doctor.mid.node_health import EXPECTED_NODES
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
-from gpr20_msgs.msg import (
-    ControlStatus,
-    Coordinates,
-    CurrentCoordinate,
-    Replay,
-    RobotConfiguration,
-    ServiceStatus,
-    SurveyData,
-)
-from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
-from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
+from gpr20_msgs import msg, srv
 from gpr20_operator.high import conversions
 from gpr20_operator.high.robot_stop import RobotStop
-from gpr20_operator.high.ros_events import (
-    CONTROL_SILENT,
-    RosEvents,
-    WhileWatched,
-    in_background,
-    no_answer,
-)
+from gpr20_operator.high.ros_events import CONTROL_SILENT, RosEvents, in_background, no_answer
 from gpr20_operator.robot.events import (
     Accepted,
     Answer,
-    ControlState,
     CurrentPosition,
     MasterAnswered,
     MeasuredHeight,
-    PlayerLink,
+    Progress,
+    Replay,
+    ReplayPhase,
     Request,
     Senders,
     ServiceActivity,
@@ -67,64 +49,59 @@ AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
-# Between two looks whether a player is connected [s].
-PLAYER_PERIOD_S = 1.0
 WITHDRAWN = Message("the survey was not started: STOP was pressed, or the permission ended")
 
 
 class ControlClient(RosEvents):
-    """Passes everything about the main control to a listener; asks it without waiting."""
+    """See `SurveyControl`; passes everything about the main control and the axes to a listener."""
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._set_parameters = ServiceClient("set_survey_parameters", SetSurveyParameters)
-        self._start = ServiceClient("start_survey", StartSurvey)
+        self._set_parameters = ServiceClient("set_survey_parameters", srv.SetSurveyParameters)
+        self._start = ServiceClient("start_survey", srv.StartSurvey)
         self._stop = RobotStop(self._emit)
         # A start that was asked for with another number is not asked for any further.
         self._withdrawals = 0
-        self._pause = ServiceClient("pause_survey", Command)
-        self._resume = ServiceClient("resume_survey", ResumeSurvey)
-        self._pause_replay = ServiceClient("pause", Command)
-        self._continue_replay = ServiceClient("continue", Command)
-        self._player: Optional[Periodic] = None
-        self._player_seen = False
+        self._pause = ServiceClient("pause_survey", srv.Command)
+        self._resume = ServiceClient("resume_survey", srv.ResumeSurvey)
+        self._pause_replay = ServiceClient("pause", srv.Command)
+        self._continue_replay = ServiceClient("continue", srv.Command)
         self._checking_master = threading.Lock()
-        self._clock = Clock()
         # The last report of each axis that was passed on: whether it moved, and when [s].
         self._reports: Dict[AxisId, Tuple[bool, float]] = {}
-        self._robot = WhileWatched(self._robot_subscriptions)
-        self._endstops = WhileWatched(self._endstop_subscriptions)
 
     def close(self) -> None:
         """Call the listener no more, and repeat no request."""
         self._stop.forget()
-        self.set_watched(False)
-        self.watch_endstops(False)
-        if self._player is not None:
-            self._player.stop()
         super().close()
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey, and to what is done for maintenance."""
-        self._subscribe("control_status", ControlStatus, self._state, None)
-        self._subscribe("replay", Replay, conversions.replay, None)
-        if self._senders.replay:
-            # The recording of an imported survey has no status.
-            topics = tuple(self._subscribers)
-            self._player = Periodic(PLAYER_PERIOD_S, lambda: self._check_player(topics))
-        self._subscribe("control_survey_data", SurveyData, conversions.progress, None)
-        self._subscribe("service_status", ServiceStatus, _activity, None)
-        self._subscribe(
-            "robot_configuration", RobotConfiguration, conversions.robot_described, None
-        )
+        self._subscribe("control_status", msg.ControlStatus, conversions.control_state)
+        self._subscribe("replay", msg.Replay, _replay)
+        self._subscribe("control_survey_data", msg.SurveyData, _progress)
+        self._subscribe("service_status", msg.ServiceStatus, _activity)
+        self._subscribe("robot_configuration", msg.RobotConfiguration, conversions.robot_described)
 
-    def set_watched(self, watched: bool) -> None:
-        """Follow motion, position, height and health of the robot, or no longer."""
-        self._robot.set_watched(watched)
-
-    def watch_endstops(self, watched: bool) -> None:
-        """Follow the endstops, or no longer: each message costs time."""
-        self._endstops.set_watched(watched)
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        """Subscribe to motion, position, endstops, height and health of the robot."""
+        topics: List[Any] = [
+            ("control_current_coordinate", msg.Coordinates, _current, 1),
+            ("control_target_coordinate", msg.Coordinates, _target, 1),
+            ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),
+            ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
+        ]
+        for axis in AxisId:
+            topic = f"{axis.value}_axis/current_coord"
+            topics.append((topic, msg.CurrentCoordinate, partial(self._measured, axis), 1))
+            if axis is not AxisId.Z:
+                topics.append((f"{axis.value}_axis/endstop", Bool, partial(_endstop, axis), 10))
+        found = [self._subscriber(*one) for one in topics]
+        # What a recording says of health was true then.
+        if not self._senders.replay:
+            received = self._diagnosed
+            found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
+        return found
 
     def start_survey(
         self,
@@ -133,14 +110,7 @@ class ControlClient(RosEvents):
         refines: str = "",
         permittivity: float = 0.0,
     ) -> None:
-        """Ask to accept the parameters and to start; the answer is an event.
-
-        Args:
-            parameters: What to measure.
-            annotation: What people add to the survey; empty fields become the robot's defaults.
-            refines: Id of the survey that this one measures more finely; empty: none.
-            permittivity: Relative permittivity of the ground; 0: not known.
-        """
+        """See `SurveyControl`; empty fields of the annotation become the robot's defaults."""
         added = {
             "annotation": conversions.annotation_message(annotation),
             "refines": refines,
@@ -156,23 +126,17 @@ class ControlClient(RosEvents):
         self._stop.press()
 
     def withdraw_start(self) -> None:
-        """Keep a survey from starting whose parameters have not been accepted yet."""
+        """See `SurveyControl`."""
         self._withdrawals += 1
 
     def pause_survey(self) -> None:
-        """Ask to pause the survey; the answer is an event."""
+        """See `SurveyControl`."""
         self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
 
     def resume_survey(
         self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
     ) -> None:
-        """Ask to resume the paused survey or the one named; the answer is an event.
-
-        Args:
-            survey_id: Id or folder; empty: the paused survey.
-            accept_analyzer: Identity of another analyzer that the operator accepts.
-            accept_zeros: Whether the operator accepts zeros of the axes that nothing proves.
-        """
+        """See `SurveyControl`."""
         self._stop.forget()
         fields = {"accept_analyzer": accept_analyzer, "accept_zeros": accept_zeros}
         self._ask(
@@ -181,7 +145,7 @@ class ControlClient(RosEvents):
         )
 
     def set_replay_paused(self, paused: bool) -> None:
-        """Ask the replay to pause or to continue; its next mark shows whether it did."""
+        """See `SurveyControl`; its next mark shows whether it did."""
         service = self._pause_replay if paused else self._continue_replay
 
         def ask() -> None:
@@ -193,58 +157,13 @@ class ControlClient(RosEvents):
         in_background(ask)
 
     def check_master(self) -> None:
-        """Check that the master answers; the answer is an event."""
+        """See `SurveyControl`."""
         # A master that hangs must not collect one thread per call.
         if self._checking_master.acquire(blocking=False):
             in_background(self._check_master)
 
-    def _robot_subscriptions(self) -> List[rospy.Subscriber]:
-        subscriber = self._subscriber
-        return [
-            *(
-                subscriber(
-                    f"{axis.value}_axis/current_coord",
-                    *(CurrentCoordinate, partial(self._measured, axis), 1),
-                )
-                for axis in AxisId
-            ),
-            subscriber("control_current_coordinate", Coordinates, _position(CurrentPosition), 1),
-            subscriber("control_target_coordinate", Coordinates, _position(TargetPosition), 1),
-            subscriber("survey_parameters", SurveyParametersMessage, conversions.parameters, None),
-            subscriber("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
-            self._diagnostics_subscriber(),
-        ]
-
-    def _endstop_subscriptions(self) -> List[rospy.Subscriber]:
-        def endstop(axis: AxisId) -> rospy.Subscriber:
-            topic = f"{axis.value}_axis/endstop"
-            return self._subscriber(topic, Bool, lambda one: Endstop(axis, one.data), 10)
-
-        return [endstop(axis) for axis in (AxisId.X, AxisId.Y)]
-
-    def _diagnostics_subscriber(self) -> rospy.Subscriber:
-        """Emit each report of a node of this robot on `/diagnostics`."""
-        # Players put a prefix before the topics; behind it, a robot may have had a namespace.
-        namespace = self._senders.namespace
-        prefix, _, recorded = namespace.strip("/").partition("/")
-        below = f"/{prefix}" if prefix and self._senders.replay else ""
-
-        def received(message: DiagnosticArray) -> None:
-            found = node_healths(message, namespace)
-            if self._senders.replay and not found:
-                # `rosbag play --prefix` changes the names of topics, not those in the messages.
-                found = node_healths(message, recorded)
-            for health in found:
-                # Every node of the graph publishes there about itself: only who speaks for a node
-                # of this robot is no such node.
-                if self._takes(message, is_usual=health.name not in EXPECTED_NODES):
-                    self._emit(health)
-
-        return rospy.Subscriber(f"{below}/diagnostics", DiagnosticArray, received, queue_size=20)
-
     def _check_master(self) -> None:
         try:
-            rosgraph.Master(rospy.get_name()).getPid()
             self._stop.remember()
             self._emit(MasterAnswered(True))
         except (rosgraph.MasterException, OSError):
@@ -283,7 +202,7 @@ class ControlClient(RosEvents):
 
         in_background(work)
 
-    def _measured(self, axis: AxisId, message: CurrentCoordinate) -> Optional[AxisReport]:
+    def _measured(self, axis: AxisId, message: msg.CurrentCoordinate) -> Optional[AxisReport]:
         now_s = self._clock.now_s()
         moved, reported_s = self._reports.get(axis, (False, -math.inf))
         # A motion that begins is passed on at once, however short it is.
@@ -293,19 +212,34 @@ class ControlClient(RosEvents):
         self._reports[axis] = message.moving, now_s
         return axis_report(axis, message)
 
-    def _state(self, message: ControlStatus) -> ControlState:
-        return replace(conversions.control_state(message), replay=self._senders.replay)
-
-    def _check_player(self, topics: Tuple[rospy.Subscriber, ...]) -> None:
-        connected = any(one.get_num_connections() for one in topics)
-        self._player_seen = self._player_seen or connected
-        if self._player_seen:
-            self._emit(PlayerLink(connected))
+    def _diagnosed(self, message: DiagnosticArray) -> None:
+        # Every node of the graph publishes there about itself: others are no surprise.
+        if self._senders.takes(connection_header(message)["callerid"]):
+            for health in node_healths(message, self._senders.namespace):
+                self._emit(health)
 
 
-def _position(kind: Any) -> Callable[[Coordinates], Any]:
-    return lambda one: kind(one.x_mm, one.y_mm, one.z_deg)
+def _replay(message: msg.Replay) -> Replay:
+    return record_of(Replay, message, phase=ReplayPhase(message.state), state=None)
 
 
-def _activity(message: ServiceStatus) -> ServiceActivity:
+def _progress(message: msg.SurveyData) -> Progress:
+    return record_of(Progress, message, remaining_s=message.remaining_time.to_sec())
+
+
+def _activity(message: msg.ServiceStatus) -> ServiceActivity:
     return ServiceActivity(message_from(message) if message.busy else None)
+
+
+def _endstop(axis: AxisId, message: Bool) -> Endstop:
+    return Endstop(axis, message.data)
+
+
+def _current(message: msg.Coordinates) -> CurrentPosition:
+    return CurrentPosition(message.x_mm, message.y_mm, message.z_deg)
+
+
+def _target(message: msg.Coordinates) -> Optional[TargetPosition]:
+    place = TargetPosition(message.x_mm, message.y_mm, message.z_deg)
+    # All three are -1 while no survey runs.
+    return None if place == TargetPosition(-1.0, -1.0, -1.0) else place

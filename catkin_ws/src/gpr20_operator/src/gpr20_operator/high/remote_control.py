@@ -6,22 +6,16 @@ from typing import Any, Callable, Optional
 
 import rospy
 
-from gpr20_common.high.periodic import Periodic
+from gpr20_common.high.answers import record_of
 from gpr20_doctor.mid.node_health import WEB
 from gpr20_msgs.msg import RemoteControl, WebStatus
 from gpr20_operator.high import conversions
 from gpr20_operator.high.ros_events import RosEvents
 from gpr20_operator.robot.events import Senders
-from gpr20_operator.robot.remote_control import (
-    RemoteArmed,
-    RemotePlan,
-    WebPageGone,
-    WebStatusReported,
-)
+from gpr20_operator.robot.remote_control import RemoteArmed, RemotePlan, WebStatusReported
 from gpr20_survey.plan.annotation import from_fields
 
 WINDOW = "user_interface"
-LINK_PERIOD_S = 1.0
 
 
 class RemoteControlClient(RosEvents):
@@ -36,7 +30,7 @@ class RemoteControlClient(RosEvents):
         super().__init__(listener, Senders(namespace, nodes=(WINDOW,)))
 
     def listen(self) -> None:
-        self._subscribe("remote_control", RemoteControl, remote_armed, None)
+        self._subscribe("remote_control", RemoteControl, remote_armed)
 
 
 class WebPageClient(RosEvents):
@@ -50,65 +44,42 @@ class WebPageClient(RosEvents):
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, Senders(senders.namespace, senders.replay, nodes=(WEB,)))
         self._remote: Optional[rospy.Publisher] = None
-        self._link: Optional[Periodic] = None
-        self._linked = False
 
     def listen(self) -> None:
-        if self._senders.replay:
-            return
-        self._remote = rospy.Publisher("remote_control", RemoteControl, queue_size=10, latch=True)
-        self._subscribe("web_status", WebStatus, web_status, None)
-        (topic,) = self._subscribers
-        self._link = Periodic(LINK_PERIOD_S, lambda: self._check_link(topic))
-
-    def close(self) -> None:
-        """Call the listener no more."""
-        if self._link is not None:
-            self._link.stop()
-        super().close()
+        if not self._senders.replay:
+            self._remote = rospy.Publisher(
+                "remote_control", RemoteControl, queue_size=10, latch=True
+            )
+            self._subscribe("web_status", WebStatus, lambda one: record_of(WebStatusReported, one))
 
     def send(self, event: RemoteArmed) -> None:
         """Publish what is allowed; not when this node ends, which allows nothing any more."""
         if self._remote is not None and not rospy.is_shutdown():
             self._remote.publish(remote_message(event))
 
-    def _check_link(self, topic: rospy.Subscriber) -> None:
-        linked = topic.get_num_connections() > 0
-        if self._linked and not linked:
-            self._emit(WebPageGone())
-        self._linked = linked
-
 
 def remote_message(event: RemoteArmed) -> RemoteControl:
     """Return the message of an event."""
-    message = RemoteControl(
+    remaining, plan = rospy.Duration.from_sec(event.remaining_s), event.plan
+    if plan is None:
+        return RemoteControl(armed=event.armed, remaining=remaining)
+    return RemoteControl(
         armed=event.armed,
-        remaining=rospy.Duration.from_sec(event.remaining_s),
-        has_plan=event.plan is not None,
+        remaining=remaining,
+        has_plan=True,
+        parameters=conversions.parameters_message(plan.parameters),
+        annotation=conversions.annotation_message(plan.annotation),
+        refines=plan.refines,
+        permittivity=plan.permittivity,
     )
-    if event.plan is not None:
-        message.parameters = conversions.parameters_message(event.plan.parameters)
-        message.annotation = conversions.annotation_message(event.plan.annotation)
-        message.refines, message.permittivity = event.plan.refines, event.plan.permittivity
-    return message
 
 
 def remote_armed(message: RemoteControl) -> RemoteArmed:
     """Convert `remote_control`."""
-    plan = None
-    if message.has_plan:
-        plan = RemotePlan(
-            conversions.parameters(message.parameters),
-            from_fields(message.annotation),
-            message.refines,
-            message.permittivity,
-        )
-    return RemoteArmed(message.armed, message.remaining.to_sec(), plan)
-
-
-def web_status(message: WebStatus) -> WebStatusReported:
-    """Convert `web_status`."""
-    return WebStatusReported(
-        *(message.address, message.port, message.fingerprint, message.watchers),
-        message.controller,
-    )
+    remaining_s = message.remaining.to_sec()
+    if not message.has_plan:
+        return RemoteArmed(message.armed, remaining_s)
+    parameters = conversions.parameters(message.parameters)
+    annotation = from_fields(message.annotation)
+    plan = RemotePlan(parameters, annotation, message.refines, message.permittivity)
+    return RemoteArmed(message.armed, remaining_s, plan)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import threading
-from functools import partial
-from typing import Any, Callable, Optional
+from typing import Any, Callable, List, Optional
 
 import rosgraph
 import rospy
@@ -23,10 +22,24 @@ STOP_RETRY_S = 2.0
 STOP_RETRIES_S = 900.0
 
 
-class DirectServiceClient(ServiceClient):
-    """Remembers the address of a service: STOP must work while the master is away."""
+class StopService(ServiceClient):
+    """One that is asked to stop, and again until it answers or `obsolete` is set.
 
-    _address = ""
+    It remembers the address of the service: STOP must work while the master is away.
+
+    Args:
+        axis: Whose service it is; None: that of the main control.
+        emit: Takes what came of the first attempt, and a later answer.
+        obsolete: Set: no attempt is repeated.
+    """
+
+    def __init__(
+        self, axis: Optional[AxisId], emit: Callable[[Any], None], obsolete: threading.Event
+    ) -> None:
+        super().__init__("stop_survey" if axis is None else f"{axis.value}_axis/stop", Command)
+        self._axis, self._emit, self._obsolete = axis, emit, obsolete
+        self._address = ""
+        self._repeating, self._clock = threading.Lock(), Clock()
 
     def remember(self) -> None:
         """Ask the master for the address; a service that is not there has its last one.
@@ -42,32 +55,8 @@ class DirectServiceClient(ServiceClient):
             # There is no such service now.
             return
 
-    def _look_up(self, attempt: int, limit_s: float) -> str:
-        # After a failure the master is asked: the service may have another address now.
-        if attempt == 0 and self._address:
-            return self._address
-        return super()._look_up(attempt, limit_s)
-
-
-class _Stop:
-    """One that is asked to stop, and again until it answers or that is `obsolete`.
-
-    Of the first attempt and of a later answer `event` makes what is emitted: of the response, or
-    of None and why there is none.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        emit: Callable[[Any], None],
-        event: Callable[[Any, Optional[Exception]], Any],
-        obsolete: threading.Event,
-    ) -> None:
-        self.service = DirectServiceClient(name, Command)
-        self._emit, self._event, self._obsolete = emit, event, obsolete
-        self._repeating, self._clock = threading.Lock(), Clock()
-
     def ask(self) -> None:
+        """Ask it to stop, and again until it answers."""
         if self._attempt() or not self._repeating.acquire(blocking=False):
             return  # one thread that repeats it is enough, however often STOP is pressed
         try:
@@ -80,14 +69,25 @@ class _Stop:
 
     def _attempt(self, again: bool = False) -> bool:
         try:
-            response = self.service.call(STOP_TIMEOUT_S)
+            response = self.call(STOP_TIMEOUT_S)
         except ServiceUnavailableError as error:
             rospy.logwarn_throttle(10.0, f"STOP is not answered: {error}")
             if not again:
-                self._emit(self._event(None, error))
+                silent = no_answer(CONTROL_SILENT, error)
+                self._say(False, Answer(Request.STOP, False, silent, contact=False))
             return False
-        self._emit(self._event(response, None))
+        answer = Answer(Request.STOP, response.success, message_from(response))
+        self._say(response.success, answer)
         return True
+
+    def _say(self, answered: bool, answer: Answer) -> None:
+        self._emit(answer if self._axis is None else AxisStopAnswer(self._axis, answered))
+
+    def _look_up(self, attempt: int, limit_s: float) -> str:
+        # After a failure the master is asked: the service may have another address now.
+        if attempt == 0 and self._address:
+            return self._address
+        return super()._look_up(attempt, limit_s)
 
 
 class RobotStop:
@@ -101,32 +101,21 @@ class RobotStop:
 
     def __init__(self, emit: Callable[[Any], None]) -> None:
         self._obsolete = threading.Event()
-        axes = [(f"{axis.value}_axis/stop", partial(_axis_answer, axis)) for axis in AxisId]
         # The axes first: the main control may be what hangs.
-        self._stops = [_Stop(name, emit, event, self._obsolete) for name, event in axes]
-        self._stops.append(_Stop("stop_survey", emit, _control_answer, self._obsolete))
+        asked: List[Optional[AxisId]] = [*AxisId, None]
+        self._services = [StopService(axis, emit, self._obsolete) for axis in asked]
 
     def remember(self) -> None:
-        """Ask the master where to stop the robot; raises as `DirectServiceClient.remember`."""
-        for one in self._stops:
-            one.service.remember()
+        """Ask the master where to stop the robot; raises as `StopService.remember`."""
+        for one in self._services:
+            one.remember()
 
     def press(self) -> None:
         """Ask all of them, each again until it answers; the answers are events."""
         self._obsolete.clear()
-        for one in self._stops:
+        for one in self._services:
             in_background(one.ask)
 
     def forget(self) -> None:
         """Repeat no request: the operator has started something since, or the window closes."""
         self._obsolete.set()
-
-
-def _axis_answer(axis: AxisId, response: Any, _error: Optional[Exception]) -> AxisStopAnswer:
-    return AxisStopAnswer(axis, response is not None and bool(response.success))
-
-
-def _control_answer(response: Any, error: Optional[Exception]) -> Answer:
-    if error is not None:
-        return Answer(Request.STOP, False, no_answer(CONTROL_SILENT, error), contact=False)
-    return Answer(Request.STOP, response.success, message_from(response))

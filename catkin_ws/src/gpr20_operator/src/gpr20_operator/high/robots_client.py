@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import threading
+from functools import partial
 from typing import Any, Callable, Dict, FrozenSet
 
 import rosgraph
@@ -13,7 +13,7 @@ from gpr20_common.high.raw_message import connection_header
 from gpr20_doctor.low.masters import robots_on_master
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.high import conversions
-from gpr20_operator.high.ros_events import RosEvents, in_background
+from gpr20_operator.high.ros_events import RosEvents
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
 
@@ -25,8 +25,6 @@ class RobotsClient(RosEvents):
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._watched = False
-        self._following = threading.Lock()
         self._found: FrozenSet[str] = frozenset()
         self._statuses: Dict[str, rospy.Subscriber] = {}
 
@@ -34,45 +32,26 @@ class RobotsClient(RosEvents):
         """Begin to ask the master."""
         self._periodic = Periodic(PERIOD_S, self._ask_master)
 
-    def set_watched(self, watched: bool) -> None:
-        """Listen to the states of all robots, or stop to."""
-        self._watched = watched
-        # A subscription waits for the master, which may be away.
-        in_background(self._follow)
-
-    def close(self) -> None:
-        """Call the listener no more."""
-        self.set_watched(False)
-        super().close()
-
-    def _follow(self) -> None:
-        with self._following:
-            wanted = self._watched and not self._closed
-            self._listen_to(self._found if wanted else frozenset())
-
     def _ask_master(self) -> None:
         try:
             _publishers, _subscribers, services = rosgraph.Master(rospy.get_name()).getSystemState()
         except (rosgraph.MasterException, OSError):
             return  # the window says elsewhere that the master does not answer
-        found = robots_on_master(name for name, _providers in services)
-        self._emit(RobotsFound(found))
-        self._found = found
+        self._found = robots_on_master(name for name, _providers in services)
+        self._emit(RobotsFound(self._found))
         self._follow()
 
-    def _listen_to(self, namespaces: FrozenSet[str]) -> None:
-        for namespace in set(self._statuses) - namespaces:
-            self._statuses.pop(namespace).unregister()
-        for namespace in namespaces - set(self._statuses):
-            self._statuses[namespace] = rospy.Subscriber(
-                rosgraph.names.ns_join(namespace, "control_status"),
-                ControlStatus,
-                self._on_status,
-                callback_args=namespace,
-                queue_size=10,
-            )
+    def _follow(self) -> None:
+        with self._following:
+            wanted = self._found if self._watched else frozenset()
+            for namespace in set(self._statuses) - wanted:
+                self._statuses.pop(namespace).unregister()
+            for namespace in wanted - set(self._statuses):
+                topic = rosgraph.names.ns_join(namespace, "control_status")
+                received = partial(self._on_status, namespace)
+                self._statuses[namespace] = rospy.Subscriber(topic, ControlStatus, received)
 
-    def _on_status(self, message: ControlStatus, namespace: str) -> None:
+    def _on_status(self, namespace: str, message: ControlStatus) -> None:
         senders = Senders(f"{namespace.rstrip('/')}/")
         if senders.takes(connection_header(message)["callerid"]):
             self._emit(RobotReported(namespace, conversions.control_state(message)))

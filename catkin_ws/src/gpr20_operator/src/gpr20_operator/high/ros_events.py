@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from typing import Any, Callable, List
+from typing import Any, Callable, List, Optional
 
 import rosgraph
 import rospy
@@ -14,6 +15,7 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
+from gpr20_common.low.links import answers
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
@@ -24,6 +26,9 @@ CONTROL_SILENT = Message("the main control does not answer; check that it is run
 STORAGE_SILENT = Message("the storage does not answer; check that it is running")
 # How often a warning about unusable messages is repeated.
 UNUSABLE_S = 60.0
+# Between two events about senders that do not count [s]: a recording has hundreds of messages a
+# second.
+IGNORED_PERIOD_S = 1.0
 
 
 class RequestError(Exception):
@@ -72,35 +77,6 @@ def in_background(work: Callable[[], None]) -> None:
     threading.Thread(target=logged, daemon=True).start()
 
 
-class WhileWatched:
-    """Subscriptions that exist while somebody looks: each message costs time.
-
-    Args:
-        subscribe: Makes them, in a thread of its own.
-    """
-
-    def __init__(self, subscribe: Callable[[], List[rospy.Subscriber]]) -> None:
-        self._subscribe = subscribe
-        self._subscribers: List[rospy.Subscriber] = []
-        self._wanted = False
-        self._following = threading.Lock()
-
-    def set_watched(self, watched: bool) -> None:
-        """Subscribe, or no longer, without waiting."""
-        if watched != self._wanted:
-            self._wanted = watched
-            # A subscription waits for the master, which may be away.
-            in_background(self._follow)
-
-    def _follow(self) -> None:
-        with self._following:
-            if self._wanted == bool(self._subscribers):
-                return
-            for subscriber in self._subscribers:
-                subscriber.unregister()
-            self._subscribers = self._subscribe() if self._wanted else []
-
-
 class RosEvents:
     """Base of the clients: subscriptions, and a listener that may be gone after `close`.
 
@@ -109,28 +85,53 @@ class RosEvents:
     """
 
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
-        self._listener = listener
-        self._senders = senders
+        self._listener, self._senders = listener, senders
+        self._clock = Clock()
+        self._ignored_s = -math.inf
         self._emitting = threading.Lock()
-        self._closed = False
+        self._closed = self._watched = False
+        self._following = threading.Lock()
         self._subscribers: List[rospy.Subscriber] = []
+        # Those that exist while somebody looks: each message costs time.
+        self._watching: List[rospy.Subscriber] = []
 
     def close(self) -> None:
         """Call the listener no more, even if messages are in flight."""
         with self._emitting:
             self._closed = True
+        self.set_watched(False)
         for subscriber in self._subscribers:
             subscriber.unregister()
-        self._subscribers.clear()
 
-    def _subscribe(
-        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
-    ) -> None:
-        """Emit an event for each message of a topic, until the client is closed."""
-        self._subscribers.append(self._subscriber(name, message_class, convert, queue_size))
+    def set_watched(self, watched: bool) -> None:
+        """Subscribe to what people see only while they look, or no longer; without waiting."""
+        if watched != self._watched:
+            self._watched = watched
+            # A subscription waits for the master, which may be away.
+            in_background(self._follow)
+
+    def _follow(self) -> None:
+        with self._following:
+            if self._watched == bool(self._watching):
+                return
+            for subscriber in self._watching:
+                subscriber.unregister()
+            self._watching = self._watched_topics() if self._watched else []
+
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        """Subscribe to what `set_watched` is about."""
+        return []
+
+    def _subscribe(self, *topic: Any) -> None:
+        """Follow a topic until the client is closed; see `_subscriber`."""
+        self._subscribers.append(self._subscriber(*topic))
 
     def _subscriber(
-        self, name: str, message_class: Any, convert: Callable[[Any], Any], queue_size: Any
+        self,
+        name: str,
+        message_class: Any,
+        convert: Callable[[Any], Any],
+        queue_size: Optional[int] = None,
     ) -> rospy.Subscriber:
         """Emit an event for each message of a topic, none where `convert` returns None.
 
@@ -138,7 +139,9 @@ class RosEvents:
         """
 
         def received(message: Any) -> None:
-            if not self._takes(message):
+            sender = connection_header(message)["callerid"]
+            if not self._senders.takes(sender):
+                self._note_ignored(sender)
                 return
             try:
                 event = convert(message)
@@ -151,18 +154,14 @@ class RosEvents:
 
         return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
 
-    def _takes(self, message: Any, is_usual: bool = False) -> bool:
-        """Return whether a message counts; else report its sender, unless that is usual."""
-        sender = connection_header(message)["callerid"]
-        if self._senders.takes(sender):
-            return True
-        if not is_usual:
-            report, log = self._senders.note_ignored(sender)
-            if log:
-                rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
-            if report:
-                self._emit(SenderIgnored(sender))
-        return False
+    def _note_ignored(self, sender: str) -> None:
+        now_s = self._clock.now_s()
+        if self._senders.replay or now_s - self._ignored_s < IGNORED_PERIOD_S:
+            return
+        if self._ignored_s == -math.inf:
+            rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
+        self._ignored_s = now_s
+        self._emit(SenderIgnored(sender))
 
     def _emit(self, event: Any) -> None:
         with self._emitting:
@@ -183,8 +182,8 @@ class RosEvents:
 
 
 POLL_S = 0.2
-# To join a master that answers.
-JOIN_LIMIT_S = 15.0
+# A master that works answers sooner [s].
+MASTER_LIMIT_S = 2.0
 
 
 def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock: Clock) -> None:
@@ -199,48 +198,25 @@ def join_graph(name: str, wait_s: float, is_cancelled: Callable[[], bool], clock
         clock: Measures the waiting.
 
     Raises:
-        MasterUnavailableError: No master answered in time, it died while it was joined, or it
-            was cancelled.
+        MasterUnavailableError: No master answered in time, or it was cancelled.
     """
     enable_line_buffering()
-    online, joined, given_up = threading.Event(), threading.Event(), threading.Event()
-
-    def join() -> None:
-        while not given_up.is_set() and not rosgraph.is_master_online():
-            given_up.wait(POLL_S)
-        online.set()
-        if not given_up.is_set():
-            rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)
-            joined.set()
-
-    # In a thread, because a connection to an address that swallows packets takes minutes to fail.
-    threading.Thread(target=join, daemon=True).start()
-    begin_s = clock.now_s()
-    for event, limit_s in ((online, wait_s), (joined, JOIN_LIMIT_S)):
-        if not _happens(event, limit_s, is_cancelled, clock):
-            given_up.set()
-            if is_cancelled():
-                raise MasterUnavailableError(
-                    Message("stopped before contact with the robot; nothing was started"),
-                    fault=ASKED_FOR,
-                )
-            waited_s = clock.now_s() - begin_s
+    master, begin_s, never = rosgraph.get_master_uri(), clock.now_s(), threading.Event()
+    while not answers(master, name, MASTER_LIMIT_S):
+        waited_s = clock.now_s() - begin_s
+        if is_cancelled():
+            raise MasterUnavailableError(
+                Message("stopped before contact with the robot; nothing was started"),
+                fault=ASKED_FOR,
+            )
+        if waited_s > wait_s:
             raise MasterUnavailableError(
                 Message(
                     "no ROS master answers at {address} within {waited_s:.0f} s; start `roslaunch "
                     "gpr20 survey.launch`, or correct ROS_MASTER_URI",
-                    address=rosgraph.get_master_uri(),
+                    address=master,
                     waited_s=waited_s,
                 )
             )
-
-
-def _happens(
-    event: threading.Event, limit_s: float, is_cancelled: Callable[[], bool], clock: Clock
-) -> bool:
-    """Wait for an event; return whether it came within the limit."""
-    deadline_s = clock.now_s() + limit_s
-    while not clock.wait_s(event, POLL_S):
-        if is_cancelled() or clock.now_s() > deadline_s:
-            return False
-    return True
+        clock.wait_s(never, POLL_S)
+    rospy.init_node(name, anonymous=True, disable_rostime=True, disable_signals=True)

@@ -1,17 +1,25 @@
-"""The storage's topics and services, and plan and coverage of a survey, as events."""
+"""The storage and what works beside it: its topics as events, and requests without waiting."""
 
 from __future__ import annotations
 
+import itertools
+import json
+import os
 from functools import partial
-from typing import Any, Callable, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
 
 import rospy
 from std_msgs.msg import String
 
+from gpr20_common.high.answers import fault_of, message_from, received, record_of
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.high.service_client import ServiceClient
-from gpr20_msgs.msg import SurveyCoverage
-from gpr20_msgs.srv import AddFact, ListSurveys, ReadSurvey, ReadTraces
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
+from gpr20_common.message import Message
+from gpr20_doctor.high.node_reports import analyzer_test_of
+from gpr20_doctor.mid.findings import examine
+from gpr20_doctor.mid.machine import Machine, MachineReport
+from gpr20_msgs import srv
+from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.additions import (
     AdditionsFailed,
@@ -20,75 +28,193 @@ from gpr20_operator.ground.additions import (
     MarkingFailed,
     RelatedSurvey,
 )
+from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.trace_events import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
-    TraceEvent,
+    SurveysListed,
+    TracesRead,
 )
-from gpr20_operator.high import conversions
 from gpr20_operator.high.ros_events import (
+    CONTROL_SILENT,
     STORAGE_SILENT,
     RequestError,
     RosEvents,
-    WhileWatched,
     accepted,
     call,
+    in_background,
 )
+from gpr20_operator.jobs.job import Delivery, Service, Ticket
+from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
 from gpr20_operator.robot.events import Senders
+from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.recorded_plan import refines_of
+from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.hiding_map import hiding_from
+from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.volume import Volume
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import block_from
 
-READ_TIMEOUT_S = 20.0
+IMAGING_SILENT = Message(
+    "the imaging node does not answer; check that it is running on the computer of the storage"
+)
+HEIGHT_SILENT = Message("the height sensor does not answer; check that it is running")
+# Longer than the node's own limits; other requests may come first.
+LONG_TIMEOUT_S = 4 * 3600.0
+SHORT_TIMEOUT_S = 20.0
 # Another request, such as closing a large survey, may come first.
-CHANGE_TIMEOUT_S = 60.0
+FACT_TIMEOUT_S = 60.0
+# At the lowest speed an axis of 800 mm takes 800 s to its endstop. The motion can be stopped
+# meanwhile, and goes to its end whether this client waits or not.
+MOVE_TIMEOUT_S = 1200.0
+HEIGHT_TIMEOUT_S = 10.0
+# Several requests to the VNA, of which each has its own limit in the main control.
+ANALYZER_TIMEOUT_S = 300.0
 # A finer survey follows the one that it refines: it is searched for among the newest ones, too.
 SURVEYS_PER_PAGE = 50
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
 
 
-class StorageClient(RosEvents):
-    """Passes everything about traces to a listener; asks the storage without waiting."""
+class _Offer(NamedTuple):
+    """A service: its class, its time limit [s], who offers it, and what its answer becomes."""
 
-    def __init__(self, listener: Callable[[TraceEvent], None], senders: Senders) -> None:
+    kind: Any
+    timeout_s: float
+    silent: Message
+    convert: Callable[[Any], Any]
+
+
+def _height_tested(response: Any) -> HeightTested:
+    failure = None if response.success else message_from(response)
+    return record_of(HeightTested, response, failure=failure)
+
+
+def _said(response: Any) -> Message:
+    return message_from(accepted(response))
+
+
+OFFERS: Dict[Service, _Offer] = {
+    Service.FOCUS: _Offer(
+        *(srv.FocusSurvey, LONG_TIMEOUT_S, IMAGING_SILENT), lambda one: image_from(accepted(one))
+    ),
+    Service.HIDE: _Offer(
+        *(srv.MapHidden, LONG_TIMEOUT_S, IMAGING_SILENT),
+        lambda one: hiding_from(accepted(one).hiding_json),
+    ),
+    Service.EXPORT: _Offer(
+        *(srv.ExportSurvey, LONG_TIMEOUT_S, IMAGING_SILENT),
+        lambda one: Exported(tuple(accepted(one).files), one.content),
+    ),
+    Service.STICKS: _Offer(
+        *(srv.ListVolumes, SHORT_TIMEOUT_S, IMAGING_SILENT),
+        lambda one: Sticks(
+            accepted(one).computer, tuple(record_of(Volume, each) for each in one.volumes)
+        ),
+    ),
+    Service.READ: _Offer(
+        *(srv.ReadSurvey, SHORT_TIMEOUT_S, STORAGE_SILENT),
+        lambda one: StoredSurvey(accepted(one).metadata_json, len(one.stored_indices)),
+    ),
+    Service.LIST: _Offer(
+        *(srv.ListSurveys, SHORT_TIMEOUT_S, STORAGE_SILENT),
+        lambda one: surveys_listed("", accepted(one)),
+    ),
+    Service.FACT: _Offer(srv.AddFact, FACT_TIMEOUT_S, STORAGE_SILENT, _said),
+    Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
+    # A test that failed says what it has found before.
+    Service.HEIGHT: _Offer(srv.GetHeight, HEIGHT_TIMEOUT_S, HEIGHT_SILENT, _height_tested),
+    Service.ANALYZER: _Offer(
+        srv.TestAnalyzer, ANALYZER_TIMEOUT_S, CONTROL_SILENT, analyzer_test_of
+    ),
+    Service.DAILY: _Offer(srv.DailyCheck, ANALYZER_TIMEOUT_S, CONTROL_SILENT, _said),
+}
+
+
+class StorageClient(RosEvents):
+    """Passes everything about traces to a listener, and what comes of jobs; see `Requests`."""
+
+    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
-        self._list = ServiceClient("list_surveys", ListSurveys)
-        self._survey = ServiceClient("read_survey", ReadSurvey)
-        self._traces = ServiceClient("read_traces", ReadTraces)
-        self._facts = ServiceClient("add_fact", AddFact)
-        self._traced = WhileWatched(self._trace_subscriptions)
+        self._clients = {one: ServiceClient(one.value, offer.kind) for one, offer in OFFERS.items()}
+        self._traces = ServiceClient("read_traces", srv.ReadTraces)
+        self._cancel = ServiceClient("cancel_imaging", srv.CancelImaging)
+        # The export alone reports its progress.
+        self._exporting: Optional[Ticket[Any]] = None
 
     def listen(self) -> None:
-        """Subscribe to plan and coverage."""
+        """Subscribe to plan, coverage and the progress of jobs."""
         self._subscribe("survey_metadata", String, lambda one: SurveyDescribed(one.data), 1)
-        self._subscribe("survey_coverage", SurveyCoverage, conversions.coverage_runs, 1)
+        self._subscribe("survey_coverage", SurveyCoverage, coverage_runs, 1)
+        self._subscribe("imaging_progress", ImagingProgress, self._on_progress, 20)
 
-    def close(self) -> None:
-        """Call the listener no more."""
-        self.set_watched(False)
-        super().close()
-
-    def set_watched(self, watched: bool) -> None:
-        """Follow traces, or no longer: the storage has those that were missed."""
-        self._traced.set_watched(watched)
-
-    def _trace_subscriptions(self) -> List[rospy.Subscriber]:
-        # As it was sent: the converter of traces reads these bytes.
+    def _watched_topics(self) -> List[rospy.Subscriber]:
+        # As it was sent: the converter of traces reads these bytes. The storage has those that
+        # were missed.
         return [self._subscriber("trace", rospy.AnyMsg, _trace, TRACE_QUEUE)]
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service in the background, and let the ticket take the answer."""
+        if service.can_be_cancelled:
+            fields["request_id"] = ticket.request_id
+        if service is Service.EXPORT:
+            self._exporting = ticket
+
+        def answer() -> Delivery:
+            return Delivery(partial(ticket.done, self.wait_for(service, **fields)))
+
+        self._emit_answer(answer, lambda reason: Delivery(partial(ticket.fail, reason)))
+
+    def wait_for(self, service: Service, **fields: Any) -> Any:
+        """Call a service in this thread, and return what its answer becomes.
+
+        Raises:
+            RequestError: Its node does not answer, or refuses.
+            Gpr20Error: The answer is not as it should be.
+        """
+        if service is Service.FACT:
+            fields = fact_fields(**fields)
+        return OFFERS[service].convert(self._call(service, **fields))
+
+    def examine(
+        self,
+        ticket: Ticket[MachineReport],
+        nodes: Mapping[str, NodeDescription],
+        thorough: bool,
+    ) -> None:
+        """Look at this computer in the background."""
+
+        def look() -> None:
+            machine = Machine.here(os.environ, nodes=nodes, thorough=thorough)
+            self._emit(Delivery(partial(ticket.done, examine(machine))))
+
+        in_background(look)
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request of a job."""
+
+        def work() -> None:
+            try:
+                self._cancel.call(SHORT_TIMEOUT_S, request_id=request_id)
+            except ServiceUnavailableError as error:
+                # The job takes no answer any more; without a node there is nothing to end.
+                rospy.loginfo("not cancelled: %s", error)
+
+        in_background(work)
 
     def list_surveys(self, before: str) -> None:
         """Ask for the surveys older than a folder; empty: for the newest."""
-        self._emit_answer(
-            lambda: conversions.surveys_listed(before, self._listed(before)), ReadingFailed
-        )
+        self._emit_answer(lambda: surveys_listed(before, self._listed(before)), ReadingFailed)
 
     def read_survey(self, folder: str) -> None:
         """Ask for the plan of a past survey."""
@@ -101,10 +227,11 @@ class StorageClient(RosEvents):
 
     def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
         """Ask for stored traces of a survey, by its id and their places in the plan."""
+        fields = {"survey": survey, "indices": indices}
 
-        def ask() -> TraceEvent:
-            answer = _answer(self._traces, READ_TIMEOUT_S, survey=survey, indices=indices)
-            return conversions.traces_read(indices[0], answer)
+        def ask() -> TracesRead:
+            answer = accepted(call(self._traces, STORAGE_SILENT, SHORT_TIMEOUT_S, **fields))
+            return traces_read(indices[0], answer)
 
         self._emit_answer(ask, ReadingFailed)
 
@@ -112,7 +239,8 @@ class StorageClient(RosEvents):
         """Ask for markers and related surveys of a survey, by its id."""
 
         def ask() -> AdditionsRead:
-            description = self._description(survey)
+            text = self._read(survey).metadata_json
+            description = parse_object(text, "metadata_json", MAX_FILE_BYTES)
             markers = present_markers(description)
             return AdditionsRead(survey, markers, tuple(self._related(survey, description)))
 
@@ -129,8 +257,9 @@ class StorageClient(RosEvents):
 
     def _change_markers(self, survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
         def ask() -> MarkersStored:
-            fields = conversions.fact_fields(survey, kind, values)
-            return conversions.markers_stored(_answer(self._facts, CHANGE_TIMEOUT_S, **fields))
+            answer = accepted(self._call(Service.FACT, **fact_fields(survey, kind, values)))
+            markers = present_markers({"markers": json.loads(answer.markers_json)})
+            return MarkersStored(answer.survey_id, markers)
 
         self._emit_answer(ask, partial(MarkingFailed, survey, values["marker_id"]))
 
@@ -156,13 +285,63 @@ class StorageClient(RosEvents):
         return [RelatedSurvey(survey, folder, is_finer, area)]
 
     def _listed(self, before: str) -> Any:
-        return _answer(self._list, READ_TIMEOUT_S, before=before, max_surveys=SURVEYS_PER_PAGE)
+        return accepted(self._call(Service.LIST, before=before, max_surveys=SURVEYS_PER_PAGE))
 
     def _read(self, survey: str) -> Any:
-        return _answer(self._survey, READ_TIMEOUT_S, survey=survey)
+        return accepted(self._call(Service.READ, survey=survey))
 
-    def _description(self, survey: str) -> Any:
-        return parse_object(self._read(survey).metadata_json, "metadata_json", MAX_FILE_BYTES)
+    def _call(self, service: Service, **fields: Any) -> Any:
+        offer = OFFERS[service]
+        return call(self._clients[service], offer.silent, offer.timeout_s, **fields)
+
+    def _on_progress(self, message: ImagingProgress) -> Optional[Delivery]:
+        ticket = self._exporting
+        if ticket is None or message.request_id != ticket.request_id:
+            return None
+        return Delivery(partial(ticket.progress, message_from(message)))
+
+
+def fact_fields(survey: str, kind: Kind, values: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return what `add_fact` is sent of a fact."""
+    values_json = json.dumps(values, allow_nan=False)
+    return {"survey": survey, "kind": kind.value, "values_json": values_json}
+
+
+def surveys_listed(before: str, response: Any) -> SurveysListed:
+    """Convert the answer of `list_surveys`."""
+    surveys = tuple(record_of(SurveySummary, one) for one in response.surveys)
+    return SurveysListed(before, surveys, response.more)
+
+
+def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
+    """Convert `survey_coverage`."""
+    return record_of(
+        CoverageRuns,
+        message,
+        starts=tuple(message.run_starts),
+        states=tuple(bytearray(message.run_states)),
+        failures=_reasons(message.failures, message.failure_faults),
+    )
+
+
+def traces_read(first_index: int, response: Any) -> TracesRead:
+    """Convert the answer of `read_traces`.
+
+    Raises:
+        TraceRefusedError: A trace is not as it should be.
+    """
+    unreadable = _reasons(response.unreadable, response.unreadable_faults)
+    return TracesRead(first_index, block_from(response), unreadable)
+
+
+def _reasons(texts: Sequence[str], faults_of: Sequence[Fault]) -> Dict[int, Message]:
+    """Return the reasons of traces by their index, from lines "index: reason"."""
+    found = {}
+    for line, fault in itertools.zip_longest(texts, faults_of[: len(texts)]):
+        index, _separator, text = line.partition(": ")
+        if index.isdigit():
+            found[int(index)] = received(text, fault or fault_of(None))
+    return found
 
 
 def _trace(message: rospy.AnyMsg) -> Optional[Trace]:
@@ -171,7 +350,3 @@ def _trace(message: rospy.AnyMsg) -> Optional[Trace]:
     except TraceRefusedError as error:
         rospy.logwarn("not shown: %s", error)
         return None
-
-
-def _answer(client: ServiceClient, timeout_s: float, **fields: Any) -> Any:
-    return accepted(call(client, STORAGE_SILENT, timeout_s, **fields))

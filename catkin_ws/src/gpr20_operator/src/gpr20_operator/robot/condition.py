@@ -7,9 +7,8 @@ still comes first. No dialog and no request changes the result.
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass
-from typing import Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Dict, Iterator, NamedTuple, Optional, Tuple
 
 from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST, PART_SILENT
 from gpr20_common.message import Message, Severity, in_a_row
@@ -82,28 +81,27 @@ _SURVEY = ("", _CONTROL)
 REPORT_S = 0.5
 # The main control reports twice a second; after this time [s] its last word may be out of date.
 CONTROL_LATE_S = 2.5
-# Beside it, for the sweep of a slow analyzer: so many times the mean time of a trace.
-STILL_TRACES = 3.0
+# So long [s] a state lasts without a motion, a trace or a new state: a sweep of a slow analyzer
+# takes less. The main control says much earlier which part it waits for: this finds a main
+# control that waits for nothing.
+STILL_S = 60.0
 
 
 class _Usual(NamedTuple):
-    """How it goes in a state, who moves the axes for the survey, and how long nothing happens."""
+    """How it goes in a state, and who moves the axes for the survey."""
 
     level: JobLevel
     movers: Tuple[str, ...] = ()
-    # Without a motion, a trace or a new state. The main control says much earlier which part it
-    # waits for: this finds a main control that waits for nothing.
-    still_s: float = math.inf
 
 
 _USUAL: Dict[Optional[SurveyState], _Usual] = {
     # An axis that still slows down when a check begins.
-    SurveyState.CHECKING: _Usual(JobLevel.WORKING, (_CONTROL,), 20.0),
-    SurveyState.HOMING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
-    SurveyState.SURVEYING: _Usual(JobLevel.WORKING, _SURVEY, 10.0),
-    SurveyState.PAUSING: _Usual(JobLevel.PAUSED, _SURVEY, 10.0),
+    SurveyState.CHECKING: _Usual(JobLevel.WORKING, (_CONTROL,)),
+    SurveyState.HOMING: _Usual(JobLevel.WORKING, _SURVEY),
+    SurveyState.SURVEYING: _Usual(JobLevel.WORKING, _SURVEY),
+    SurveyState.PAUSING: _Usual(JobLevel.PAUSED, _SURVEY),
     SurveyState.PAUSED: _Usual(JobLevel.PAUSED),
-    SurveyState.STOPPING: _Usual(JobLevel.ATTENTION, _SURVEY, 15.0),
+    SurveyState.STOPPING: _Usual(JobLevel.ATTENTION, _SURVEY),
     SurveyState.FINISHED: _Usual(JobLevel.DONE),
     SurveyState.FAILED: _Usual(JobLevel.FAULT),
 }
@@ -223,89 +221,47 @@ def _of_state(snapshot: Snapshot) -> Condition:
     if snapshot.service is not None:
         message = Message("In progress: {activity}", activity=snapshot.service)
         return Condition(JobLevel.ATTENTION, Message("SERVICE"), message)
-    doubts = (doubt(snapshot) for doubt in _DOUBTS)
-    doubtful = next((one for one in doubts if one is not None), None)
-    if doubtful is None:
+    doubt = next(_doubts(snapshot), None)
+    if doubt is None:
         return Condition(level, title, message)
-    return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, doubtful)
+    return Condition(level if level in _KEPT else JobLevel.ATTENTION, title, doubt)
 
 
-def _stop_asked(snapshot: Snapshot) -> Optional[Message]:
-    """Return that a STOP is not answered yet; its answer usually comes within 0.1 s."""
-    if Request.STOP not in snapshot.pending or snapshot.code is SurveyState.STOPPING:
-        return None
-    return Message("STOP was pressed: the axes stop. The main control has not answered yet.")
-
-
-def _late(snapshot: Snapshot) -> Optional[Message]:
-    if snapshot.control_silent_s is None or snapshot.control_silent_s <= CONTROL_LATE_S:
-        return None
-    return Message(
-        "No message from the main control for {seconds} s.", seconds=int(snapshot.control_silent_s)
-    ).with_fault(TAKES_LONG)
-
-
-def _part(snapshot: Snapshot) -> Optional[Message]:
-    return snapshot.health.trouble
-
-
-def _warning(snapshot: Snapshot) -> Optional[Message]:
-    """Return what the state warns of, or waits for; a note is neither."""
-    message = None if snapshot.state is None else snapshot.state.message
-    if message is None or message.severity in (None, Severity.NOTE):
-        return None
-    return message
-
-
-def _stands_still(snapshot: Snapshot) -> Optional[Message]:
-    if snapshot.still_s <= _usual(snapshot).still_s + STILL_TRACES * _trace_s(snapshot):
-        return None
-    return Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
-        faults.STANDS_STILL
-    )
-
-
-def _ignored_sender(snapshot: Snapshot) -> Optional[Message]:
-    if not snapshot.ignored_sender:
-        return None
-    return Message(
-        "A recording plays on this robot's topics. It is not shown.",
-        details=snapshot.ignored_sender,
-    ).with_fault(faults.REPLAY.as_warning())
-
-
-def _trace_s(snapshot: Snapshot) -> float:
-    """Return the mean time of a trace [s]; 0 if it is not known."""
-    progress = progress_of(snapshot)
-    if progress is None or progress.is_complete:
-        return 0.0
-    return progress.remaining_s / (progress.total_points - progress.visited_points)
-
-
-# What makes a state doubtful, the most important first.
-_DOUBTS: Tuple[Callable[[Snapshot], Optional[Message]], ...] = (
-    _stop_asked,
-    _late,
-    _part,
-    _warning,
-    _stands_still,
-    _ignored_sender,
-)
+def _doubts(snapshot: Snapshot) -> Iterator[Message]:
+    """Yield what makes a state doubtful, the most important first."""
+    if Request.STOP in snapshot.pending and snapshot.code is not SurveyState.STOPPING:
+        # Its answer usually comes within 0.1 s.
+        yield Message("STOP was pressed: the axes stop. The main control has not answered yet.")
+    silent_s = snapshot.control_silent_s
+    if silent_s is not None and silent_s > CONTROL_LATE_S:
+        yield Message(
+            "No message from the main control for {seconds} s.", seconds=int(silent_s)
+        ).with_fault(TAKES_LONG)
+    if snapshot.health.trouble is not None:
+        yield snapshot.health.trouble
+    said = None if snapshot.state is None else snapshot.state.message
+    if said is not None and said.severity not in (None, Severity.NOTE):
+        yield said
+    if _usual(snapshot).movers and snapshot.still_s > STILL_S:
+        yield Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
+            faults.STANDS_STILL
+        )
+    if snapshot.ignored_sender:
+        yield Message(
+            "A recording plays on this robot's topics. It is not shown.",
+            details=snapshot.ignored_sender,
+        ).with_fault(faults.REPLAY.as_warning())
 
 
 def left_of(snapshot: Snapshot) -> Optional[Message]:
     """Return how long the survey still takes; None while something holds it up."""
-    progress = progress_of(snapshot)
-    if progress is None or progress.is_complete or not _time_passes(snapshot):
+    progress, state = progress_of(snapshot), snapshot.state
+    if progress is None or progress.is_complete or state is None or urgent(snapshot) is not None:
+        return None
+    if not _usual(snapshot).movers or state.code is SurveyState.STOPPING:
+        return None
+    # A warning holds up nothing, unless it says what the survey waits for.
+    waits = any(one.code in WAITS for one in state.message.faults)
+    if any(waits or one is not state.message for one in _doubts(snapshot)):
         return None
     return time_left(progress.remaining_s)
-
-
-def _time_passes(snapshot: Snapshot) -> bool:
-    if _usual(snapshot).still_s == math.inf or snapshot.code is SurveyState.STOPPING:
-        return False
-    warning = _warning(snapshot)
-    if warning is not None and any(one.code in WAITS for one in warning.faults):
-        return False
-    doubts = (_stop_asked, _late, _part, _stands_still, _ignored_sender)
-    return urgent(snapshot) is None and not any(doubt(snapshot) for doubt in doubts)

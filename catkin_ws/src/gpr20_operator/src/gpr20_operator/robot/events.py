@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import enum
-import math
 from dataclasses import dataclass, field
-from typing import Dict, Iterator, Mapping, Optional, Sequence, Tuple
+from typing import Iterator, Mapping, Optional, Sequence
 
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
 from gpr20_survey.axes.axis_id import AxisId
@@ -40,8 +38,6 @@ class ControlState:
     message: Message
     survey_id: str
     simulated: bool
-    # Whether this is the recorded status of a replay.
-    replay: bool = False
     # How the survey ended, until the next one begins; IDLE: it has not.
     end: SurveyState = SurveyState.IDLE
 
@@ -52,9 +48,8 @@ class ControlState:
 
     @property
     def title(self) -> Message:
-        """What is shown, in a word; that of a replay says so."""
-        label = self.shown.label
-        return Message("REPLAY: {state}", state=label) if self.replay else label
+        """What is shown, in a word."""
+        return self.shown.label
 
     @property
     def reason(self) -> Message:
@@ -73,19 +68,6 @@ class ControlState:
             asked = any(one.severity is Severity.NOTE for one in self.message.faults)
             return failed or not asked
         return self.code is SurveyState.FAILED or (failed and self.code is SurveyState.STOPPED)
-
-    @property
-    def axis_may_move(self) -> bool:
-        """Whether an axis may still move although the survey has ended."""
-        if self.code is not SurveyState.STOPPED:
-            return self.message.may_move or self.is_fault
-        # A text without a fault, or a code that came without the rest, does not say that all is
-        # at rest.
-        cause = self.message.cause
-        known = cause is not None and not (
-            cause.severity is Severity.FAULT and cause.remedy is None
-        )
-        return self.message.may_move or not known
 
 
 def _failed(message: Message) -> Iterator[Message]:
@@ -127,12 +109,7 @@ class CurrentPosition(Position):
 
 
 class TargetPosition(Position):
-    """Where the three axes move to; all three are -1 while no survey runs."""
-
-    @property
-    def is_none(self) -> bool:
-        """Whether there is no target."""
-        return self.x_mm == self.y_mm == self.z_deg == -1.0
+    """Where the three axes move to."""
 
 
 @dataclass(frozen=True)
@@ -252,20 +229,12 @@ class ReplayPhase(enum.IntEnum):
 
 
 @dataclass(frozen=True)
-class PlayerLink:
-    """Event: whether a player of recordings is connected; once a second."""
-
-    connected: bool
-
-
-@dataclass(frozen=True)
 class Replay:
     """The last message of `replay`, and what is known besides; texts are empty if not known.
 
     Attributes:
         started: Start of the survey, ISO 8601, UTC.
         rate: How many times faster than it was recorded; 0: its player does not report it.
-        connected: Whether its player is; None: none has been yet.
         state: The last state of the recorded survey; None before the first.
     """
 
@@ -274,7 +243,6 @@ class Replay:
     folder: str = ""
     phase: ReplayPhase = ReplayPhase.PLAYING
     rate: float = 0.0
-    connected: Optional[bool] = True
     state: Optional[SurveyState] = None
 
     @property
@@ -288,13 +256,13 @@ class Replay:
 
     @property
     def ended(self) -> bool:
-        """Whether nothing more will come."""
-        return self.connected is False or self.phase is ReplayPhase.ENDED
+        """Whether nothing more will come: of a player that does not report, by the survey."""
+        return self.phase is ReplayPhase.ENDED or (self.rate == 0.0 and self.state in ENDED)
 
     @property
     def paused(self) -> bool:
         """Whether it is paused and can continue."""
-        return not self.ended and self.phase is ReplayPhase.PAUSED
+        return self.phase is ReplayPhase.PAUSED
 
     @property
     def can_pause(self) -> bool:
@@ -311,10 +279,8 @@ class Replay:
     @property
     def message(self) -> Message:
         """The survey, and its state or how it ended."""
-        if self.connected is None:
-            return Message("Waiting for a recording.")
         if self.state is None:
-            return self.survey
+            return self.survey if self.survey_id else Message("Waiting for a recording.")
         if self.ended and self.state not in ENDED:
             return Message(
                 "{state}, and the recording does not contain the survey's end. {survey}",
@@ -324,10 +290,6 @@ class Replay:
         return Message("{state}. {survey}", state=self.state.label, survey=self.survey)
 
 
-# Between two events about the same sender [s]: a recording has hundreds of messages a second.
-NEWS_PERIOD_S = 1.0
-
-
 @dataclass(frozen=True)
 class SenderIgnored:
     """Event: a node that is none of the robot's speaks for it; nothing of that is shown."""
@@ -335,41 +297,26 @@ class SenderIgnored:
     sender: str
 
 
+@dataclass(frozen=True)
 class Senders:
-    """Decides by the name of its sender whether a message counts. Any thread may ask.
+    """Decides by the name of its sender whether a message counts.
 
     The launch files fix the names of a robot's nodes, and of two nodes with one name the master
     ends the older. So whatever a recording contains, the name alone separates its player from a
     robot on the same topics.
 
-    Args:
+    Attributes:
         namespace: Of the client, with slashes at both ends or alone.
         replay: Whether the client shows a replay: then nothing of a robot counts.
-        clock: Measures the time between two events about a sender.
         nodes: The nodes of a robot that count.
     """
 
-    def __init__(
-        self,
-        namespace: str,
-        replay: bool = False,
-        clock: Clock = Clock(),  # noqa: B008 (it has no state)
-        nodes: Sequence[str] = (*EXPECTED_NODES, *OPTIONAL_NODES),
-    ) -> None:
-        self.namespace = namespace
-        self.replay = replay
-        self._clock = clock
-        self._robot = frozenset(f"{namespace}{node}" for node in nodes)
-        self._noted_s: Dict[str, float] = {}
+    namespace: str
+    replay: bool = False
+    nodes: Sequence[str] = (*EXPECTED_NODES, *OPTIONAL_NODES)
 
     def takes(self, sender: str) -> bool:
         """Return whether the messages of a node count."""
-        return (sender in self._robot) is not self.replay
-
-    def note_ignored(self, sender: str) -> Tuple[bool, bool]:
-        """Note a message that does not count; return whether to report it, and to log it."""
-        now_s, noted_s = self._clock.now_s(), self._noted_s.get(sender, -math.inf)
-        due = not self.replay and now_s - noted_s >= NEWS_PERIOD_S
-        if due:
-            self._noted_s[sender] = now_s
-        return due, due and noted_s == -math.inf
+        begin = self.namespace
+        own = sender.startswith(begin) and sender[len(begin) :] in self.nodes
+        return own is not self.replay

@@ -86,19 +86,14 @@ def stop_notice(answer: Answer, known: Message) -> Notice:
 
 def fault_notice(state: ControlState) -> Notice:
     """Return the card of a fault that paused or ended a survey."""
-    reason = state.reason
-    paused, can_continue = state.code is SurveyState.PAUSED, state.message.can_continue
-    then: Optional[Message] = _RESUME_NEXT if paused else _START_NEXT
-    if not can_continue:
-        then = _STOP_NEXT if paused else None
-    return Notice(
-        _FAULTS[state.code],
-        reason,
-        remedy(reason),
-        then,
-        _details(reason),
-        resumable=paused and can_continue,
-    )
+    reason, paused = state.reason, state.code is SurveyState.PAUSED
+    resumable, then = paused and state.message.can_continue, None
+    if state.message.can_continue:
+        then = _RESUME_NEXT if paused else _START_NEXT
+    elif paused:
+        then = _STOP_NEXT
+    details = _details(reason)
+    return Notice(_FAULTS[state.code], reason, remedy(reason), then, details, resumable)
 
 
 def remedy(reason: Message) -> Message:
@@ -176,12 +171,8 @@ def node_notice(node: NodeHealth) -> Notice:
         first = remedy(node.message) if failed else first_step(node.message)
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
-    return Notice(title, node_text(node), first, details=details)
-
-
-def node_text(node: NodeHealth) -> Message:
-    """Return what is known about the health of a node in one sentence."""
-    return NO_REPORT if node.level is HealthLevel.STALE else node.message
+    text = NO_REPORT if node.level is HealthLevel.STALE else node.message
+    return Notice(title, text, first, details=details)
 
 
 def _details(message: Message) -> Tuple[str, ...]:

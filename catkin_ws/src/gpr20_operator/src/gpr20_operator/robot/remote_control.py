@@ -8,6 +8,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_doctor.mid.node_health import WEB, HealthLevel
 from gpr20_operator.robot.condition import urgent
 from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.snapshot import Snapshot
@@ -24,7 +25,6 @@ NOT_ALLOWED = Message(
     "Nobody at the robot allows it now: hold the button in Settings, REMOTE CONTROL, there"
 )
 NO_REPORT = Message("the touchscreen of the robot does not report that it is still allowed")
-TIME_IS_OVER = Message("the time is over: it must be allowed at the robot again")
 FAULT_CAME = Message("a fault came since it was allowed: it must be allowed at the robot again")
 WAITING = Message("Waiting for the robot.")
 NO_ROBOT = Message("a replay is shown, and no robot")
@@ -77,11 +77,6 @@ class WebStatusReported:
         return f"https://{host}:{self.port}"
 
 
-@dataclass(frozen=True)
-class WebPageGone:
-    """Event: the node of the web page has left the graph."""
-
-
 def remote_obstacle(snapshot: Snapshot) -> Optional[Message]:
     """Return why the robot can be allowed to nobody elsewhere now; None: it can."""
     if snapshot.replay is not None:
@@ -105,8 +100,7 @@ class _FaultWatch:
         self.found = False
 
     def begin(self, snapshot: Optional[Snapshot]) -> None:
-        self._seen = None if snapshot is None else snapshot.state
-        self.found = False
+        self._seen, self.found = None if snapshot is None else snapshot.state, False
 
     def note(self, snapshot: Snapshot) -> None:
         state = snapshot.state
@@ -150,8 +144,6 @@ class Arming:
         """Follow what the web page says."""
         if isinstance(event, WebStatusReported):
             self.web = event
-        elif isinstance(event, WebPageGone):
-            self.web = None
 
     def arm(self, snapshot: Snapshot) -> None:
         """Note that the button was held; nothing is allowed where something forbids it."""
@@ -168,6 +160,8 @@ class Arming:
     def note(self, snapshot: Snapshot, plan: Optional[RemotePlan]) -> None:
         """Take what is known of the robot now, and the plan that the window shows."""
         self._plan = plan
+        if any(one.name == WEB and one.level is HealthLevel.STALE for one in snapshot.health.nodes):
+            self.web = None  # its node has ended; the next one reports itself
         self._faults.note(snapshot)
         if self._faults.found or remote_obstacle(snapshot) is not None:
             self._until_s = -math.inf
@@ -188,20 +182,17 @@ class RemoteAllowance:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._last = RemoteArmed(False)
-        self._came_s = self._since_s = -math.inf
+        self._came_s = -math.inf
         self._faults = _FaultWatch()
         self._snapshot: Optional[Snapshot] = None
 
     def on_event(self, event: object) -> None:
         """Take a message of the window."""
-        if not isinstance(event, RemoteArmed):
-            return
-        now_s = self._clock.now_s()
-        if event.armed and not self._last.armed:
-            # Only the end of it, which the window reports, can make room for another hold.
-            self._since_s = now_s
-            self._faults.begin(self._snapshot)
-        self._last, self._came_s = event, now_s
+        if isinstance(event, RemoteArmed):
+            if event.armed and not self._last.armed:
+                # Only the end of it, which the window reports, can make room for another hold.
+                self._faults.begin(self._snapshot)
+            self._last, self._came_s = event, self._clock.now_s()
 
     def note(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
@@ -216,7 +207,7 @@ class RemoteAllowance:
     @property
     def remaining_s(self) -> float:
         """How long they are still allowed [s]; 0: they are not."""
-        return self._left_s() if self.armed else 0.0
+        return self._left_s if self.armed else 0.0
 
     @property
     def plan(self) -> Optional[RemotePlan]:
@@ -226,18 +217,14 @@ class RemoteAllowance:
     @property
     def obstacle(self) -> Optional[Message]:
         """Why START and RESUME are not allowed now; None: they are."""
-        if not self._last.armed:
-            return NOT_ALLOWED
-        if self._faults.found:
+        if self._last.armed and self._faults.found:
             return FAULT_CAME
-        if self._clock.now_s() - self._came_s > SILENCE_S:
+        if self._last.armed and self._clock.now_s() - self._came_s > SILENCE_S:
             return NO_REPORT
-        if not self._left_s() > 0.0:
-            return TIME_IS_OVER
+        if not self._last.armed or not self._left_s > 0.0:
+            return NOT_ALLOWED
         return WAITING if self._snapshot is None else remote_obstacle(self._snapshot)
 
+    @property
     def _left_s(self) -> float:
-        now_s = self._clock.now_s()
-        said_s = self._last.remaining_s - (now_s - self._came_s)
-        # Whatever it says, one hold allows no more.
-        return min(said_s, self._since_s + REMOTE_LIMIT_S + SILENCE_S - now_s)
+        return min(self._last.remaining_s, REMOTE_LIMIT_S) - (self._clock.now_s() - self._came_s)

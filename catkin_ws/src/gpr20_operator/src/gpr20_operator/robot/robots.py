@@ -1,9 +1,8 @@
-"""The robots that share a ROS master, of which the window shows one."""
+"""The robots that share a ROS master, of which a screen shows one."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import singledispatchmethod
 from typing import Callable, Dict, FrozenSet, Optional, Tuple
 
 from gpr20_common.message import Message
@@ -32,7 +31,7 @@ class RobotReported:
 
 @dataclass(frozen=True)
 class ListedRobot:
-    """A robot that the window can show.
+    """A robot that a screen can show.
 
     Attributes:
         namespace: Its namespace, with a slash in front.
@@ -56,16 +55,12 @@ class ListedRobot:
     @property
     def activity(self) -> Message:
         """What it does, in a word."""
-        if self.state is None:
-            return Message("no report yet")
-        return self.state.title
+        return Message("no report yet") if self.state is None else self.state.title
 
     @property
     def condition(self) -> Optional[Condition]:
         """How it goes, by its state alone, which is heard now; None: it has not said so yet."""
-        if self.state is None:
-            return None
-        return condition_of(Snapshot(True, 0.0, self.state))
+        return None if self.state is None else condition_of(Snapshot(True, 0.0, self.state))
 
 
 @dataclass
@@ -73,7 +68,7 @@ class Robots:
     """The robots that were found, and what they do.
 
     Args:
-        own: Namespace of the robot that the window shows.
+        own: Namespace of the robot that the screen shows.
         watch: Begins or ends to listen to what each robot does.
         show: Shows the robot of a namespace in place of this one.
     """
@@ -88,22 +83,22 @@ class Robots:
     def __post_init__(self) -> None:
         self.own = "/" + self.own.strip("/")
 
-    @singledispatchmethod
-    def take(self, _event: object) -> None:
+    def take(self, event: object) -> None:
         """Take an event; most are about something else."""
-
-    @take.register
-    def _(self, event: RobotsFound) -> None:
-        self._found = event.namespaces
-
-    @take.register
-    def _(self, event: RobotReported) -> None:
-        self._states[event.namespace] = event.state
+        if isinstance(event, RobotsFound):
+            self._found = event.namespaces
+        elif isinstance(event, RobotReported):
+            self._states[event.namespace] = event.state
 
     @property
     def shown(self) -> ListedRobot:
-        """The robot that the window shows."""
-        return ListedRobot(self.own, self._states.get(self.own), True)
+        """The robot that the screen shows."""
+        return self._robot(self.own)
+
+    @property
+    def listed(self) -> Tuple[ListedRobot, ...]:
+        """All robots in the order of their names."""
+        return tuple(map(self._robot, sorted(self._found)))
 
     @property
     def are_several(self) -> bool:
@@ -115,14 +110,10 @@ class Robots:
         """Whether there is another robot to show."""
         return self.may_choose and self.are_several
 
-    @property
-    def listed(self) -> Tuple[ListedRobot, ...]:
-        """All robots in the order of their names."""
-        return tuple(
-            ListedRobot(one, self._states.get(one), one == self.own) for one in sorted(self._found)
-        )
-
     def must_choose(self, control_seen: bool, open_s: float) -> bool:
         """Return whether there is no robot in the window's namespace, but another one."""
         missing = self.own not in self._found and not control_seen and open_s > STARTING_S
         return self.can_choose and missing
+
+    def _robot(self, namespace: str) -> ListedRobot:
+        return ListedRobot(namespace, self._states.get(namespace), namespace == self.own)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from functools import singledispatchmethod
 from typing import Any, Callable, Dict, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
@@ -23,8 +22,8 @@ from gpr20_survey.results.daily_check import Part
 
 # Service ends by itself when nothing was touched for this long [s].
 IDLE_LIMIT_S = 120.0
-# The states of axis and endstop are published 10 times a second; older ones [s] are not shown.
-AXIS_LIMIT_S = 1.0
+# The state of an endstop is published 10 times a second; an older one [s] is not shown.
+ENDSTOP_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
@@ -65,7 +64,6 @@ class ServiceModel:
 
     Args:
         requests: Calls the services of the robot.
-        watch: Follows endstops and clocks, or no longer.
         examine: Finds out about the window's computer, in the background, for a ticket.
         clock: Measures ages, and how long nothing was touched.
 
@@ -74,15 +72,8 @@ class ServiceModel:
         daily: A step of the daily check; the result is the verdict.
     """
 
-    def __init__(
-        self,
-        requests: Requests,
-        watch: Callable[[bool], None],
-        examine: Callable[..., None],
-        clock: Clock,
-    ) -> None:
-        now_s = clock.now_s
-        self._watch, self._now_s = watch, now_s
+    def __init__(self, requests: Requests, examine: Callable[..., None], clock: Clock) -> None:
+        self._now_s = now_s = clock.now_s
         self._begun_s = now_s()
         self._snapshot: Optional[Snapshot] = None
         self.entered = False
@@ -102,18 +93,13 @@ class ServiceModel:
         self._described = RobotDescribed()
         self._machine: Optional[MachineReport] = None
 
-    @singledispatchmethod
-    def on_event(self, _event: object) -> None:
+    def on_event(self, event: object) -> None:
         """Take an event; most are about something else."""
-
-    @on_event.register
-    def _(self, event: Endstop) -> None:
-        former = self._endstops.get(event.axis)
-        self._endstops[event.axis] = event.after(former, self._now_s())
-
-    @on_event.register
-    def _(self, event: RobotDescribed) -> None:
-        self._described = event
+        if isinstance(event, Endstop):
+            former = self._endstops.get(event.axis)
+            self._endstops[event.axis] = event.after(former, self._now_s())
+        elif isinstance(event, RobotDescribed):
+            self._described = event
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -164,15 +150,13 @@ class ServiceModel:
 
     def axis(self, axis: AxisId) -> Optional[AxisReport]:
         """Return what an axis has just reported; None: not known now."""
-        shown, now_s = self._snapshot, self._now_s()
-        recent = () if shown is None else shown.axes
-        found = (one for one in recent if now_s - one.received_s <= AXIS_LIMIT_S)
-        return next((one for one in found if one.axis is axis), None)
+        reports = () if self._snapshot is None else self._snapshot.axes
+        return next((one for one in reports if one.axis is axis and not one.silent), None)
 
     def pressed(self, axis: AxisId) -> Optional[bool]:
         """Return whether an endstop is pressed, or was just now; None: not known now."""
         endstop, now_s = self._endstops.get(axis), self._now_s()
-        if endstop is None or now_s - endstop.heard_s > AXIS_LIMIT_S:
+        if endstop is None or now_s - endstop.heard_s > ENDSTOP_LIMIT_S:
             return None
         return endstop.pressed or now_s - endstop.pressed_s < LAMP_S
 
@@ -225,7 +209,6 @@ class ServiceModel:
 
     def set_watched(self, watched: bool) -> None:
         """Note whether ROBOT is in front; service ends when it is not."""
-        self._watch(watched)
         self._endstops.clear()
         if watched:
             self._begun_s = self._now_s()
@@ -237,7 +220,8 @@ class ServiceModel:
     def enter(self) -> None:
         """Begin the service, unless there is an obstacle."""
         self.entered = self.obstacle is None
-        self._forget_outcome()
+        if not self.moving.running:
+            self.moving.end()
         self.touch()
 
     def leave(self) -> None:
@@ -273,12 +257,8 @@ class ServiceModel:
         """Send a request, if the operator may; one at a time."""
         if self.entered and not self.busy:
             self.touch()
-            self._forget_outcome()
-            job.ask(**fields)
-
-    def _forget_outcome(self) -> None:
-        if not self.moving.running:
             self.moving.end()
+            job.ask(**fields)
 
     def _take_step(self, _verdict: Message) -> None:
         if self._part is None or self._part is PARTS[-1]:

@@ -42,9 +42,7 @@ class Snapshot:
     height_m: Optional[float] = None
     pending: FrozenSet[Request] = frozenset()
     robot: Optional[Configured] = None
-    # The parameters of the survey that runs, also of one that another client started.
-    survey_parameters: Optional[SurveyParameters] = None
-    # Those of the survey that runs or ran last.
+    # The parameters of the survey that runs or ran last, whoever started it.
     job_parameters: Optional[SurveyParameters] = None
     health: HealthReport = field(default_factory=HealthReport)
     master_alive: bool = True
@@ -73,6 +71,11 @@ class Snapshot:
     def running(self) -> bool:
         """Whether, by the last status, a survey exists that has not ended."""
         return self.code is not None and self.code.running
+
+    @property
+    def survey_parameters(self) -> Optional[SurveyParameters]:
+        """The parameters of the survey that runs."""
+        return self.job_parameters if self.running else None
 
     @property
     def running_survey(self) -> str:
@@ -144,19 +147,10 @@ def line_of(snapshot: Snapshot) -> Optional[Message]:
     parameters, target = snapshot.job_parameters, snapshot.target
     if parameters is None or target is None or not snapshot.running:
         return None
-    return Message(
-        "line {number} of {count}",
-        number=_line_number(parameters, target.y_mm),
-        count=parameters.y_points,
-    )
-
-
-def _line_number(parameters: SurveyParameters, y_mm: float) -> int:
     span_mm = parameters.y_stop_mm - parameters.y_start_mm
-    if span_mm == 0.0:
-        return 1
-    part = (y_mm - parameters.y_start_mm) / span_mm
-    return min(max(round(part * (parameters.y_points - 1)), 0), parameters.y_points - 1) + 1
+    part = 0.0 if span_mm == 0.0 else (target.y_mm - parameters.y_start_mm) / span_mm
+    line = min(max(round(part * (parameters.y_points - 1)), 0), parameters.y_points - 1)
+    return Message("line {number} of {count}", number=line + 1, count=parameters.y_points)
 
 
 def area_of(parameters: SurveyParameters) -> Message:

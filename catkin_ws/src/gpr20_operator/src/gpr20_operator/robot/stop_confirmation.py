@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import singledispatchmethod
 from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock
@@ -11,9 +10,8 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import Notice, stop_notice
-from gpr20_operator.robot.snapshot import STALE_S, Snapshot
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 # An axis that works answers sooner [s].
 ANSWER_S = 0.2
@@ -45,9 +43,6 @@ class StopConfirmation:
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._pressed_s: Optional[float] = None
-        self._state_at_press: Optional[SurveyState] = None
-        # Whether an axis was silent before the press: nobody need wait to say so.
-        self._silent = False
         self._axes: Dict[AxisId, bool] = {}
         self._control: Optional[Answer] = None
         self._answered_s = 0.0
@@ -58,28 +53,20 @@ class StopConfirmation:
         """Whether a STOP is not confirmed yet."""
         return self._pressed_s is not None
 
-    def press(self, snapshot: Snapshot) -> None:
+    def press(self) -> None:
         """Note that STOP was pressed."""
-        now_s = self._pressed_s = self._clock.now_s()
-        self._state_at_press = None if snapshot.state is None else snapshot.state.code
-        heard = [one.axis for one in snapshot.axes if now_s - one.received_s <= STALE_S]
-        self._silent = len(heard) < len(AxisId)
+        self._pressed_s = self._clock.now_s()
         self._axes, self._control, self.outcome = {}, None, None
 
-    @singledispatchmethod
-    def on_event(self, _event: object) -> None:
-        """Take an event; most are about something else."""
-
-    @on_event.register
-    def _(self, event: AxisStopAnswer) -> None:
-        self._axes[event.axis] = event.answered
-        self._answered_s = self._clock.now_s()
-
-    @on_event.register
-    def _(self, event: Answer) -> None:
-        if event.request is Request.STOP:
+    def on_event(self, event: object) -> None:
+        """Take an answer; other events are about something else."""
+        if isinstance(event, AxisStopAnswer):
+            self._axes[event.axis] = event.answered
+        elif isinstance(event, Answer) and event.request is Request.STOP:
             self._control = event
-            self._answered_s = self._clock.now_s()
+        else:
+            return
+        self._answered_s = self._clock.now_s()
 
     def close(self) -> None:
         """Note that the operator has read the warning, or that it is over."""
@@ -90,51 +77,33 @@ class StopConfirmation:
         if self._pressed_s is None:
             return None
         reports = {one.axis: one for one in snapshot.axes}
-        if self._is_said_by_control(snapshot) or self._is_over(reports):
+        known = in_a_row(
+            [*(self._state_of(axis, reports.get(axis)) for axis in AxisId), self._of_control()]
+        )
+        control = self._control
+        # A main control that was slow may have begun another move before it answered.
+        over = len(self._axes) == len(AxisId) and all(
+            _rests(reports.get(axis), self._answered_s + EFFECT_S) for axis in AxisId
+        )
+        if control is not None and over:
             self.close()
+            if not control.success:
+                self.outcome = stop_notice(control, known)
             return None
-        if not any(self._is_late(axis, reports.get(axis)) for axis in AxisId):
+        if not any(self._is_late(axis, reports.get(axis), self._pressed_s) for axis in AxisId):
             return None
-        return StopWarning(Message("SWITCH OFF THE MOTORS' POWER"), self._known(reports))
+        return StopWarning(Message("SWITCH OFF THE MOTORS' POWER"), known)
 
-    def _is_late(self, axis: AxisId, report: Optional[AxisReport]) -> bool:
+    def _is_late(self, axis: AxisId, report: Optional[AxisReport], pressed_s: float) -> bool:
         """Return whether an axis should have said by now that it rests."""
-        assert self._pressed_s is not None
-        if self._rests(report, self._pressed_s):
+        if _rests(report, pressed_s):
             return False
         limit_s = REST_S if self._axes.get(axis) else ANSWER_S
-        return self._silent or self._clock.now_s() - self._pressed_s >= limit_s
+        # Nobody need wait to say that it was silent before the press.
+        silent = report is None or report.silent
+        return silent or self._clock.now_s() - pressed_s >= limit_s
 
-    def _is_over(self, reports: Dict[AxisId, AxisReport]) -> bool:
-        """Return whether all have answered, and no axis has moved after that."""
-        control = self._control
-        if control is None or len(self._axes) < len(AxisId):
-            return False
-        # A main control that was slow may have begun another move before it answered.
-        since_s = self._answered_s + EFFECT_S
-        if not all(self._rests(reports.get(axis), since_s) for axis in AxisId):
-            return False
-        if not control.success:
-            self.outcome = stop_notice(control, self._known(reports))
-        return True
-
-    def _is_said_by_control(self, snapshot: Snapshot) -> bool:
-        """Return whether the main control has seen every axis rest."""
-        state = snapshot.state
-        if state is None or not snapshot.control_alive or state.code is self._state_at_press:
-            return False
-        reported = any(one.moving for one in snapshot.axes)
-        return state.code in ENDED and not state.axis_may_move and not reported
-
-    @staticmethod
-    def _rests(report: Optional[AxisReport], since_s: float) -> bool:
-        return report is not None and not report.moving and report.received_s > since_s
-
-    def _known(self, reports: Dict[AxisId, AxisReport]) -> Message:
-        axes = [self._state_of(axis, reports.get(axis)) for axis in AxisId]
-        return in_a_row([*axes, self._state_of_control()])
-
-    def _state_of_control(self) -> Message:
+    def _of_control(self) -> Message:
         if self._control is None:
             return Message("main control: no answer yet")
         if not self._control.contact:
@@ -142,7 +111,7 @@ class StopConfirmation:
         return Message("main control: {answer}", answer=self._control.message)
 
     def _state_of(self, axis: AxisId, report: Optional[AxisReport]) -> Message:
-        if self._pressed_s is not None and self._rests(report, self._pressed_s):
+        if self._pressed_s is not None and _rests(report, self._pressed_s):
             return Message("{axis} axis: at rest", axis=axis.value)
         answered = self._axes.get(axis)
         if answered is False:
@@ -152,3 +121,7 @@ class StopConfirmation:
         if answered:
             return Message("{axis} axis: stopping", axis=axis.value)
         return Message("{axis} axis: no answer yet", axis=axis.value)
+
+
+def _rests(report: Optional[AxisReport], since_s: float) -> bool:
+    return report is not None and not report.moving and report.received_s > since_s

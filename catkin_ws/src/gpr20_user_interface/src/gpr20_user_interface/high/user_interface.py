@@ -27,7 +27,6 @@ from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import WebPageClient
-from gpr20_operator.high.request_client import RequestClient
 from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
@@ -111,18 +110,15 @@ class UserInterface:
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.requests = RequestClient(self.signal.emit_event, senders)
         self.robots = RobotsClient(self.signal.emit_event, senders)
         self.web = WebPageClient(self.signal.emit_event, senders)
-        self._clients = (self.control, self.storage, self.requests, self.robots, self.web)
+        self._clients = (self.control, self.storage, self.robots, self.web)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-                Imaging(self.requests, time.monotonic),
-                ServiceModel(
-                    *(self.requests, self.control.watch_endstops, self.requests.examine, Clock())
-                ),
+                Imaging(self.storage, time.monotonic),
+                ServiceModel(self.storage, self.storage.examine, Clock()),
                 profiles,
                 self.plans,
                 Robots(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gpr20_operator.high.request_client import RequestClient
 from gpr20_operator.high.ros_events import RequestError
+from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Service
 from gpr20_web.errors import NotNowError
 
@@ -13,7 +13,7 @@ from gpr20_web.errors import NotNowError
 class RosSurveyServices:
     """See `SurveyServices`."""
 
-    def __init__(self, requests: RequestClient) -> None:
+    def __init__(self, requests: StorageClient) -> None:
         self._requests = requests
 
     def ask(self, service: Service, **fields: Any) -> Any:

@@ -24,16 +24,14 @@ from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
 from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.conversions import fact_fields
 from gpr20_operator.high.remote_control import RemoteControlClient
-from gpr20_operator.high.request_client import FACT_TIMEOUT_S, RequestClient
 from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import (
     STORAGE_SILENT,
     RequestError,
     call,
 )
-from gpr20_operator.high.storage_client import StorageClient
+from gpr20_operator.high.storage_client import FACT_TIMEOUT_S, StorageClient, fact_fields
 from gpr20_operator.jobs.job import Delivery
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
@@ -130,10 +128,9 @@ class WebNode:
         put, senders = self._events.put, Senders(rospy.get_namespace())
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
-        self._requests = RequestClient(put, senders)
         self._robots = RobotsClient(put, senders)
         remote = RemoteControlClient(put, rospy.get_namespace())
-        self._clients = (self._control, self._storage, self._requests, self._robots, remote)
+        self._clients = (self._control, self._storage, self._robots, remote)
 
     def _surroundings(self, data: Path) -> Surroundings:
         namespace = rospy.get_namespace()
@@ -145,11 +142,10 @@ class WebNode:
             logins=self._logins,
             commands=self._commands,
             source=self._storage,
-            requests=self._requests,
-            services=RosSurveyServices(self._requests),
+            requests=self._storage,
+            services=RosSurveyServices(self._storage),
             robots=Robots(namespace, False, self._follow_robots),
-            watch=self._control.watch_endstops,
-            examine=self._requests.examine,
+            examine=self._storage.examine,
             make_bundle=partial(make_bundle, namespace),
             send=self._notifier.send,
             warn=self._warn,

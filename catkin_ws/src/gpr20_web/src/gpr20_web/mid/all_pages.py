@@ -32,7 +32,6 @@ class Surroundings:
     Attributes:
         name: Of the robot, where there are several; else empty.
         data: Folder of the surveys.
-        watch: As for `ServiceModel`.
         examine: As for `ServiceModel`.
         make_bundle: Makes the bundle for remote help, and waits.
         send: Takes notices for those who have no page open.
@@ -49,7 +48,6 @@ class Surroundings:
     requests: Requests
     services: SurveyServices
     robots: Robots
-    watch: Callable[[bool], None]
     examine: Callable[..., Any]
     make_bundle: Callable[[], bytes]
     send: Callable[[News], None]
@@ -68,7 +66,7 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
         "radar": RadarPage(),
         "surveys": SurveysPage(given.services, given.data),
         "robots": RobotsPage(given.robots, clock),
-        "service": ServicePage(given.watch, given.examine, given.make_bundle, clock),
+        "service": ServicePage(given.examine, given.make_bundle, clock),
         "notices": Watch(clock, given.send, ground.picture),
         "login": LoginPage(given.accounts, given.logins, clock),
     }

@@ -194,8 +194,7 @@ class Commands(WebPage):
             self._robot.shown.request_sent(Request.STOP)
             self._robot.control.stop()
         if is_new:
-            if self._snapshot is not None:
-                self._stop.press(self._snapshot)
+            self._stop.press()
             self._note(call, Request.STOP, press)
         return {"confirmed": not self._is_stop_open}
 

@@ -36,7 +36,6 @@ class ServicePage(WebPage):
     """Findings and health while somebody looks, and the bundle for remote help.
 
     Args:
-        watch: As for `ServiceModel`; it does not wait.
         examine: As for `ServiceModel`.
         make: Makes the bundle and waits; its errors are those of the project.
     """
@@ -56,12 +55,11 @@ class ServicePage(WebPage):
 
     def __init__(
         self,
-        watch: Callable[[bool], None],
         examine: Callable[..., None],
         make: Callable[[], bytes],
         clock: Clock,
     ) -> None:
-        self._model = ServiceModel(NoRequests(), watch, examine, clock)
+        self._model = ServiceModel(NoRequests(), examine, clock)
         self._interest = Interest(self._model.set_watched, clock)
         self._make = make
         self._snapshot: Optional[Snapshot] = None

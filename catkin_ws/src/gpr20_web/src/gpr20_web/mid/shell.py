@@ -42,7 +42,7 @@ WORDS: Mapping[str, Message] = {
         command="{command}",
     ),
     "shell.stop_refused": Message(
-        "{command}: refused by the main control. The axes were asked to stop all the same",
+        "{command}: no survey was stopped. The axes were asked to stop all the same",
         command="{command}",
     ),
     "shell.over": Message("You are no longer logged in: log in again."),

@@ -167,7 +167,7 @@ class Alerts(Page):
     def _on_stop(self) -> None:
         # First: nothing that is shown may delay it.
         self._survey.stop()
-        self._stop.press(self._survey.snapshot)
+        self._stop.press()
         # Not with the next refresh, which may come later.
         self._answer_due.start()
 

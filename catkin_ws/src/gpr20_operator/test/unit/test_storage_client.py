@@ -27,7 +27,7 @@ from gpr20_operator.ground.additions import (
     MarkingFailed,
 )
 from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, SurveysListed
-from gpr20_operator.high import request_client, storage_client
+from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.events import Senders
@@ -62,16 +62,15 @@ STORED = {"survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
 STORED.update(metadata_json="{}")
 
 
-@pytest.fixture(autouse=True)
-def answers(services):
+def answer_all(services):
     services.usual = STORED
-    services.answers.update({one.value: [found] for one, found in ANSWERS.items()})
-    return services.answers
+    services.answers = {one.value: [found] for one, found in ANSWERS.items()}
 
 
 @pytest.fixture
 def imaging(services, events):
-    client = request_client.RequestClient(events.put, Senders("/"))
+    answer_all(services)
+    client = StorageClient(events.put, Senders("/"))
     yield Imaging(client, lambda: 0.0)
     client.close()
 
@@ -108,41 +107,6 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     assert found[Service.ANALYZER] == TESTED
 
 
-def test_a_test_that_failed_says_what_it_has_found_before(imaging, answers, events):
-    reason = {"success": False, **message_fields(verbatim("stuck"))}
-    for service in (Service.HEIGHT, Service.ANALYZER):
-        answers[service.value] = [{**ANSWERS[service], **reason}]
-        job = imaging.job(service)
-        job.ask()
-        deliver(events)
-        assert str(job.result.failure) == "stuck"
-        found = getattr(job.result, "voltage_v", None) or job.result.identity
-        assert found in (1.3, "Anritsu,MS2026C")
-
-
-@each_case("service", list(Service))
-def test_a_service_that_is_silent_or_refuses_is_a_failure_with_a_reason(
-    imaging, answers, events, service
-):
-    job = imaging.job(service)
-    fields = FIELDS.get(service, {})
-    answers[service.value] = [ServiceUnavailableError(Message("no answer"))]
-    job.ask(survey=SURVEY, **fields)
-    deliver(events)
-    assert job.problem.cause == PART_SILENT and job.problem.remedy is not None
-    if service in (Service.HEIGHT, Service.ANALYZER):
-        return
-    answers[service.value] = [REFUSED]
-    job.ask(survey=SURVEY, **fields)
-    deliver(events)
-    assert str(job.problem) == "refused"
-    if service is Service.HIDE:
-        answers[service.value] = [{"hiding_json": "{}"}]
-        job.ask()
-        deliver(events)
-        assert job.state is JobState.FAILED, "its answer is not valid"
-
-
 def test_a_request_that_is_cancelled_is_ended_at_the_node_and_its_answer_counts_for_nothing(
     imaging, services, events
 ):
@@ -174,47 +138,57 @@ def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, e
 
 MARKER = Marker("6ba7b810-9dad-11d1-80b4-00c04fd430c8", 1.0, 2.0, None, "here", "Ana")
 ASKED = {
-    "list": lambda one: one.list_surveys(""),
-    "survey": lambda one: one.read_survey("folder"),
-    "traces": lambda one: one.read_traces("id", (3, 4)),
-    "additions": lambda one: one.read_additions("id"),
-    "marker": lambda one: one.add_marker("id", MARKER),
-    "removal": lambda one: one.remove_marker("id", MARKER.marker_id, "Ana"),
+    "list": (lambda one: one.list_surveys(""), ReadingFailed, SurveysListed("", (), False)),
+    "survey": (
+        *(lambda one: one.read_survey("folder"), ReadingFailed),
+        SurveyRead("folder", "{}", (0, 3)),
+    ),
+    "traces": (lambda one: one.read_traces("id", (3, 4)), ReadingFailed, None),
+    "additions": (
+        *(lambda one: one.read_additions("id"), AdditionsFailed),
+        AdditionsRead("id", (), ()),
+    ),
+    "marker": (
+        *(lambda one: one.add_marker("id", MARKER), MarkingFailed),
+        MarkersStored(SURVEY, ()),
+    ),
+    "removal": (
+        *(lambda one: one.remove_marker("id", MARKER.marker_id, "Ana"), MarkingFailed),
+        MarkersStored(SURVEY, ()),
+    ),
 }
-FAILED = {
-    **dict.fromkeys(("list", "survey", "traces"), ReadingFailed),
-    "additions": AdditionsFailed,
-    **dict.fromkeys(("marker", "removal"), MarkingFailed),
-}
 
 
-@pytest.fixture
-def answer(services, events):
-    client = storage_client.StorageClient(events.put, Senders("/"))
+@each_case("what", [*Service, *ASKED])
+def test_answers_arrive_and_silence_and_refusals_are_failures_with_a_reason(
+    imaging, services, events, what
+):
+    client = StorageClient(events.put, Senders("/"))
+    answer_all(services)
 
-    def ask(what):
-        ASKED[what](client)
-        return events.get(timeout=LIMIT_S)
+    def asked():
+        """Return the reason of a failure."""
+        if what in ASKED:
+            ASKED[what][0](client)
+            failed = events.get(timeout=LIMIT_S)
+            assert isinstance(failed, ASKED[what][1])
+            return failed.reason
+        job = imaging.job(what)
+        job.ask(survey=SURVEY, **FIELDS.get(what, {}))
+        deliver(events)
+        return job.problem or job.result.failure
 
-    yield ask
-    client.close()
-
-
-def test_answers_become_events(answer):
-    assert answer("list") == SurveysListed("", (), False)
-    assert answer("survey") == SurveyRead("folder", "{}", (0, 3))
-    assert answer("additions") == AdditionsRead("id", (), ())
-    assert answer("marker") == answer("removal") == MarkersStored(SURVEY, ())
-
-
-@each_case("what", list(ASKED))
-def test_silence_and_refusals_are_failures_with_a_reason(answer, services, what):
+    if what in ASKED and ASKED[what][2] is not None:
+        ASKED[what][0](client)
+        assert events.get(timeout=LIMIT_S) == ASKED[what][2]
     services.answers.clear()
     services.usual = ServiceUnavailableError(Message("no answer"))
-    silent = answer(what)
-    assert isinstance(silent, FAILED[what])
-    assert silent.reason.cause == PART_SILENT and silent.reason.remedy is not None
-    services.usual = REFUSED
-    refused = answer(what)
-    assert isinstance(refused, FAILED[what])
-    assert str(refused.reason) == "refused" and refused.reason.cause is None
+    silent = asked()
+    assert silent.cause == PART_SILENT and silent.remedy is not None
+    # A test that failed says what it has found before.
+    services.usual = {**ANSWERS.get(what, {}), **REFUSED}
+    refused = asked()
+    assert str(refused) == "refused" and refused.cause is None
+    if what is Service.HIDE:
+        services.usual = {"hiding_json": "{}"}
+        assert asked() is not None, "an answer that is not valid"
