@@ -100,8 +100,6 @@ class NowPage(WebPage):
                 "name": self._robot,
                 "level": band["level"],
                 "simulated": snapshot.simulated,
-                "replay": snapshot.replay is not None,
-                "contact": snapshot.control_alive and snapshot.master_alive,
             },
             "band": band,
             "job": self._job(snapshot, text),

@@ -25,7 +25,6 @@ class Watch(WebPage):
 
     Args:
         send: Takes each notice for those who have no page open; it does not wait.
-        picture: Makes a PNG of the map; None: the notices have none.
     """
 
     words: Mapping[str, Message] = {
@@ -34,14 +33,8 @@ class Watch(WebPage):
         "denied": Message("This browser does not allow notifications."),
     }
 
-    def __init__(
-        self,
-        clock: Clock,
-        send: Callable[[News], None] = lambda _news: None,
-        picture: Callable[[], Optional[bytes]] = lambda: None,
-    ) -> None:
+    def __init__(self, clock: Clock, send: Callable[[News], None]) -> None:
         self._clock, self._send = clock, send
-        self._picture = picture
         self._known: Optional[Set[Key]] = None
         self._last: Optional[News] = None
         self._last_key: Key = ()
@@ -88,7 +81,7 @@ class Watch(WebPage):
             card = fault_notice(snapshot.state)
             title, said, first = card.title, card.text, card.first
         number = self._clock.time_of_day_us()
-        return News(number, occasion, title, said, first, percent_of(snapshot), self._picture())
+        return News(number, occasion, title, said, first, percent_of(snapshot))
 
 
 def _found(snapshot: Snapshot) -> Dict[Key, Occasion]:
