@@ -26,7 +26,6 @@ from gpr20_operator.robot.events import ControlState, Progress, Replay
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState as S
 from gpr20_web.low.notifier import News, Notifier, Occasion
-from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.watch import Watch
 
 LIMIT_S = 100.0
@@ -283,19 +282,6 @@ def test_a_notice_is_whole_and_browsers_are_sent_the_last_one_while_it_is_true()
     assert out.watch.live(str)["notice"]["id"] > first["id"]
     out.show(_snapshot("it measures", "a", 0))
     assert out.watch.live(str)["notice"] is None
-
-
-def test_the_last_fault_is_forgotten_when_another_survey_runs() -> None:
-    page = NowPage("")
-
-    def shown(name: str, survey: str) -> Any:
-        page.refresh(_snapshot(name, survey, 0))
-        return page.live(str)["fault"]
-
-    assert not shown("a fault has paused it", "a")["over"]
-    assert shown("it measures", "a")["over"]
-    assert shown("it measures", "b") is None
-    assert shown("it has finished", "b") is None
 
 
 def test_a_fault_is_news_again_when_something_may_move() -> None:

@@ -1,4 +1,4 @@
-"""Numbers and moments on the page, in the language of its reader."""
+"""Numbers on the page, in the language of its reader."""
 
 import contextlib
 import dataclasses
@@ -70,7 +70,7 @@ def test_no_text_of_the_spanish_page_has_a_decimal_point(tmp_path):
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no Node.js")
-def test_the_script_writes_numbers_and_moments_as_the_catalogue_says():
+def test_the_script_writes_numbers_as_the_catalogue_says():
     """With the functions of the page, out of its script."""
     script = (STATIC / "app.js").read_text(encoding="utf-8")
     methods = re.search(r"  word\(name.*?(?=\n  get\()", script, re.DOTALL).group()
@@ -79,20 +79,11 @@ class App {{
   constructor(words) {{ this.words = words; }}
 {methods}
 }}
-const said = {{}};
-const forms = {{ en: [".", "{{year}}-{{month}}-{{day}} {{time}}"],
-  es: [",", "{{day}}/{{month}}/{{year}} {{time}}"] }};
-for (const [name, [point, moment]] of Object.entries(forms)) {{
-  const app = new App({{ "shell.point": point, "shell.moment": moment, a: "{{x:g}} mm {{y}}" }});
-  said[name] = [app.word("a", {{ x: 0.5, y: "1.2.3" }}), app.moment("2026-11-30T14:05:09Z"),
-    app.moment("2026-11-30T14:05:09Z", 17), app.number(-2.25)];
-}}
+const said = [".", ","].map((point) => {{
+  const app = new App({{ "shell.point": point, a: "{{x:g}} mm {{y}}" }});
+  return [app.word("a", {{ x: 0.5, y: "1.2.3" }}), app.number(-2.25)];
+}});
 console.log(JSON.stringify(said));
 """
-    done = subprocess.run(
-        ["node", "-e", code], capture_output=True, text=True, check=True, env={"TZ": "UTC"}
-    )
-    assert json.loads(done.stdout) == {
-        "en": ["0.5 mm 1.2.3", "2026-11-30 14:05", "2026-11-30 14:05:09 GMT+0000", "-2.25"],
-        "es": ["0,5 mm 1.2.3", "30/11/2026 14:05", "30/11/2026 14:05:09 GMT+0000", "-2,25"],
-    }
+    done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == [["0.5 mm 1.2.3", "-2.25"], ["0,5 mm 1.2.3", "-2,25"]]

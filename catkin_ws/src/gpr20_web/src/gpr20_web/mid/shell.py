@@ -18,10 +18,6 @@ SELDOM = frozenset({"band", "job", "ground"})
 
 WORDS: Mapping[str, Message] = {
     "shell.point": DECIMAL_POINT,
-    "shell.moment": Message(
-        "{year}-{month}-{day} {time}",
-        **{one: f"{{{one}}}" for one in ("year", "month", "day", "time")},
-    ),
     "shell.pages": Message("Pages"),
     "shell.place_now": Message("Survey"),
     "shell.place_map": Message("Ground"),
