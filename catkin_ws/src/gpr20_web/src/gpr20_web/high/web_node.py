@@ -224,7 +224,7 @@ class WebNode:
         if isinstance(event, Delivery):
             event.deliver()
             return
-        self._commands.take_refusal(self._model.handle(event))
+        self._model.handle(event)
         self._shell.on_event(event)
 
     def _refresh(self) -> None:

@@ -11,7 +11,6 @@ import hmac
 import json
 import re
 import secrets
-import threading
 import unicodedata
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -141,9 +140,8 @@ class Accounts:
     def __init__(self, folder: Path, clock: Clock, cost: Cost = OWASP) -> None:
         self._folder, self._path = folder, folder / FILE_NAME
         self._clock, self._cost = clock, cost
-        self._lock = threading.Lock()
-        self._stamp: Optional[Tuple[int, ...]] = None
-        self._known: Mapping[str, Account] = {}
+        # What was read last, and the mark of its file: STOP waits for no disk.
+        self._seen: Tuple[Tuple[int, ...], Named] = (), {}
 
     def all(self) -> List[Account]:
         """Return all, by name."""
@@ -193,23 +191,24 @@ class Accounts:
 
         self._change(change)
 
-    def _read(self) -> Mapping[str, Account]:
+    def _read(self) -> Named:
         """Return the accounts by their names, as the file has them now."""
-        with self._lock:
-            try:
-                # Before the content: what changes between the two is read again the next time.
-                stamp = self._stamp_now()
-                if stamp is None and self._stamp is not None:
-                    # Removing all accounts leaves a file. Who is logged in can still stop.
-                    raise self._unusable(Message("the file is gone"))
-                if stamp is not None and stamp != self._stamp:
-                    self._known = self._parse(read_regular(self._path))
-                    self._stamp = stamp
-            except AccountsFileError:
-                raise
-            except OSError as error:
-                raise self._unusable(os_reason(error)) from error
-            return self._known
+        former, known = self._seen
+        try:
+            # Before the content: what changes between the two is read again the next time.
+            found = self._path.stat()
+            mark = found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
+            if mark != former:
+                known = self._parse(read_regular(self._path))
+                self._seen = mark, known
+        except AccountsFileError:
+            raise
+        except OSError as error:
+            if isinstance(error, FileNotFoundError) and not former:
+                return {}
+            # Removing all accounts leaves a file. Who is logged in can still stop.
+            raise self._unusable(os_reason(error)) from error
+        return known
 
     def _change(self, change: Callable[[Named], None]) -> None:
         """Change a copy of all accounts and write it; nobody else changes them meanwhile."""
@@ -228,14 +227,7 @@ class Accounts:
         except OSError as error:
             raise self._unusable(os_reason(error)) from error
 
-    def _stamp_now(self) -> Optional[Tuple[int, ...]]:
-        try:
-            found = self._path.stat()
-        except FileNotFoundError:
-            return None
-        return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
-
-    def _parse(self, data: bytes) -> Mapping[str, Account]:
+    def _parse(self, data: bytes) -> Named:
         try:
             content = json.loads(data)
             if content["format"] != FORMAT:

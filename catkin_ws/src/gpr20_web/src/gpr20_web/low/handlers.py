@@ -5,10 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import re
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Callable, Dict, List, Mapping
+from typing import Any, Dict, List, Mapping
 
 from tornado import web
 from tornado.http1connection import HTTP1Connection
@@ -22,7 +20,7 @@ from gpr20_operator.robot.condition import first_step
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Stream
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotFoundError, WebError
-from gpr20_web.low.event_streams import EventStreams, json_text
+from gpr20_web.low.event_streams import json_text
 
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
@@ -48,32 +46,13 @@ HEADERS = {
 }
 
 
-@dataclass
-class Site:
-    """What every request needs.
-
-    Attributes:
-        find: Returns the person of a cookie and an address, or raises NotLoggedInError.
-        report: Takes an exception that no error of the project is, to be logged.
-        work: For requests that wait for files or nodes.
-        logins: For those who are not logged in yet: whatever the others wait for, they get in.
-    """
-
-    find: Callable[[str, str], Person]
-    report: Callable[[BaseException], None]
-    streams: EventStreams
-    work: ThreadPoolExecutor
-    logins: ThreadPoolExecutor
-
-
 # Otherwise tornado itself reads forms, before any check; tornado 6.4 takes seconds for some.
 @web.stream_request_body
 class PageHandler(web.RequestHandler):
-    """What all answers have in common."""
+    """What all answers have in common; the settings of the application are those of HttpServer."""
 
     def prepare(self) -> None:
         """Tornado: begin a request."""
-        self._site: Site = self.settings["site"]
         self._body = bytearray()
 
     def data_received(self, chunk: bytes) -> None:
@@ -89,7 +68,7 @@ class PageHandler(web.RequestHandler):
     def log_exception(self, kind: Any, error: Any, trace: Any) -> None:
         """Tornado: report a fault of the program."""
         if not isinstance(error, (Gpr20Error, web.HTTPError, StreamClosedError)):
-            self._site.report(error)
+            self.settings["report"](error)
 
     def send_error(self, status_code: int = 500, **kwargs: Any) -> None:
         """Tornado: an error behind a part of a download would end it as if it were whole."""
@@ -166,8 +145,9 @@ class RouteHandler(PageHandler):
             raise NotFoundError(Message("there is no page {path}", path=path))
         call = self._call(route, parts)
         if route.blocking:
-            threads = self._site.logins if route.right is Role.NOBODY else self._site.work
-            answer = await self._in_thread(threads, route.answer, call)
+            # Whatever the others wait for, who is not logged in yet gets in.
+            pool = "logins" if route.right is Role.NOBODY else "work"
+            answer = await self._in_thread(pool, route.answer, call)
         else:
             answer = route.answer(call)
         await self._send(answer, call)
@@ -184,7 +164,7 @@ class RouteHandler(PageHandler):
         address = str(self.request.remote_ip)
         person = None
         if route.right is not Role.NOBODY:
-            person = self._site.find(self.get_cookie(COOKIE) or "", address)
+            person = self.settings["find"](self.get_cookie(COOKIE) or "", address)
             if person.role < route.right:
                 raise NotAllowedError(
                     Message(
@@ -231,12 +211,12 @@ class RouteHandler(PageHandler):
             self.send_json(answer)
 
     async def _watch(self, stream: Stream, person: Person) -> None:
-        with self._site.streams.watching(person):
+        with self.settings["streams"].watching(person):
             if not self._connection.closed():
                 # Without this, a browser whose link is lost would be there for 15 min.
                 end_when_broken(self._connection.socket, BROKEN_S)
             self.set_header("Content-Type", "text/event-stream")
-            async for event in self._site.streams.events(stream, person):
+            async for event in self.settings["streams"].events(stream, person):
                 self.write(event)
                 await self.flush()
 
@@ -248,16 +228,16 @@ class RouteHandler(PageHandler):
             self.finish(body.content)
             return
         parts = iter(body.content)
-        part = await self._in_thread(self._site.work, next, parts, None)
+        part = await self._in_thread("work", next, parts, None)
         while part is not None:
             self.write(part)
             await self.flush()
-            part = await self._in_thread(self._site.work, next, parts, None)
+            part = await self._in_thread("work", next, parts, None)
         self.finish()
 
-    @staticmethod
-    async def _in_thread(threads: ThreadPoolExecutor, work: Any, *arguments: Any) -> Any:
-        return await asyncio.get_event_loop().run_in_executor(threads, work, *arguments)
+    async def _in_thread(self, pool: str, work: Any, *arguments: Any) -> Any:
+        loop = asyncio.get_event_loop()
+        return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
 def _fields(given: Mapping[str, List[bytes]]) -> Dict[str, str]:

@@ -17,7 +17,7 @@ from gpr20_common.message import Message
 from gpr20_web.calls import Person, Route, Routes
 from gpr20_web.errors import SetupError
 from gpr20_web.low.event_streams import EventStreams
-from gpr20_web.low.handlers import FileHandler, RouteHandler, Site
+from gpr20_web.low.handlers import FileHandler, RouteHandler
 
 MAX_BODY_BYTES, MAX_HEADER_BYTES = 64 * 1024, 16 * 1024
 READ_LIMIT_S, IDLE_CONNECTION_S = 10.0, 120.0
@@ -56,22 +56,23 @@ class HttpServer:
         report: Callable[[BaseException], None],
     ) -> None:
         self.streams = EventStreams(lambda one: find(one.session, one.address))
-        work, logins = (
-            ThreadPoolExecutor(count, thread_name_prefix="web")
-            for count in (THREADS, LOGIN_THREADS)
-        )
-        self._site = Site(find, report, self.streams, work, logins)
+        self._pools = {
+            name: ThreadPoolExecutor(count, thread_name_prefix=name)
+            for name, count in (("work", THREADS), ("logins", LOGIN_THREADS))
+        }
         by_path: Dict[str, Dict[str, Route]] = {}
         for one in routes:
             by_path.setdefault(one.pattern, {})[one.method] = one
         files = {"path": str(static), "default_filename": "index.html"}
+        settings: Dict[str, Any] = {"find": find, "report": report, **self._pools}
         self._application = web.Application(
             [
                 *((path, RouteHandler, {"routes": found}) for path, found in by_path.items()),
                 (FILES, FileHandler, files),
                 (r".*", RouteHandler, {"routes": {}}),
             ],
-            site=self._site,
+            streams=self.streams,
+            **settings,
             log_function=lambda _handler: None,  # the logs of the surveys say who did what
         )
         self._server: Optional[httpserver.HTTPServer] = None
@@ -118,5 +119,5 @@ class HttpServer:
         if self._server is not None:
             self._server.stop()
             await self._server.close_all_connections()
-        for threads in (self._site.work, self._site.logins):
+        for threads in self._pools.values():
             threads.shutdown(wait=False)

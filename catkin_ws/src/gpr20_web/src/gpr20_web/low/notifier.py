@@ -42,7 +42,6 @@ class News:
     Attributes:
         number: Another one for each.
         remedy: What to do first; None: nothing.
-        percent: How much of the survey is stored; None: there is none.
     """
 
     number: int
@@ -50,7 +49,6 @@ class News:
     title: Message
     text: Message
     remedy: Optional[Message] = None
-    percent: Optional[int] = None
 
 
 class Notifier:
@@ -104,8 +102,6 @@ class Notifier:
 
     def _deliver(self, server: Any, news: News) -> None:
         lines = [self._text(one) for one in (news.text, news.remedy) if one is not None]
-        if news.percent is not None:
-            lines.append(f"{news.percent} %")
         body = "\n".join(one[:1].upper() + one[1:] for one in lines)
         title, kind = f"{self._name}: {self._text(news.title)}", TYPES.get(news.occasion, "failure")
         is_sent = False

@@ -10,17 +10,16 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name
 from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_operator.robot.survey_model import Refusal, SurveyModel
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_web import faults
 from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import notice_values, sentence
+from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.presses import Presses, log_entry, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
@@ -95,7 +94,6 @@ class Commands(WebPage):
         self._robot, self._lease, self._note = robot, lease, note
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
-        self._refusal: Optional[Refusal] = None
         # Who has started a survey that the storage has not opened yet, by its id.
         self._starts: Dict[str, Call] = {}
         self._described = ""
@@ -125,11 +123,6 @@ class Commands(WebPage):
         starter = self._starts.pop(self._described, None)
         if starter is not None:
             self._log(starter, Request.START, "begun", self._described)
-
-    def take_refusal(self, refusal: Optional[Refusal]) -> None:
-        """Take what failed after it was accepted, as the state shows; None: nothing."""
-        if refusal is not None and self._presses.last is not None:
-            self._refusal = refusal
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
@@ -165,7 +158,6 @@ class Commands(WebPage):
             },
             "holder": None if holder is None else {"name": holder.name, "mark": holder.mark},
             "command": self._presses.values(text),
-            "refusal": self._refused(text),
             "stop_open": self._is_stop_open,
             "stop_warning": None
             if warning is None
@@ -273,7 +265,6 @@ class Commands(WebPage):
 
     def _add(self, call: Call, request: Request, press: str) -> None:
         self._presses.add(press, request, call, self._robot.clock.now_s())
-        self._refusal = None
         self._log(call, request, "sent")
 
     def _log(self, call: Call, request: Request, outcome: str, survey: str = "") -> None:
@@ -282,12 +273,6 @@ class Commands(WebPage):
             survey = self._snapshot.running_survey
         if survey:
             self._note(survey, log_entry(call, request.value, outcome, self._robot.clock))
-
-    def _refused(self, text: Callable[[Message], str]) -> Optional[Mapping[str, Any]]:
-        refusal = self._refusal
-        if refusal is None or refusal.request is Request.STOP:
-            return None
-        return notice_values(refusal_notice(Refused[refusal.request.name], refusal.reason), text)
 
 
 def _check(possible: bool) -> None:

@@ -11,6 +11,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, text_of
@@ -126,12 +127,15 @@ class Presses:
         last = self.last
         if last is None:
             return None
+        refused = None if last.outcome is not Outcome.REFUSED else last.said
+        first = None if refused is None else first_step(refused)
         return {
             "press": last.press,
             "request": last.request.value,
             "name": last.call.who.name,
             "outcome": last.outcome.value,
             "text": "" if last.said is None else text(last.said),
+            "remedy": "" if first is None else text(first),
         }
 
 

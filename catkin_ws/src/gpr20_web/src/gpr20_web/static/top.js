@@ -231,6 +231,7 @@ export class Top {
     const ofStop = `shell.stop_${command.outcome}`;
     const isOfStop = command.request === "stop" && ofStop in this.app.words;
     const said = this.app.word(isOfStop ? ofStop : `commands.${command.outcome}`, { command: name });
-    this.say([`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
+    const parts = [`${command.name}: ${said}.`, command.text, command.remedy];
+    this.say(parts.filter(Boolean).join(" "));
   }
 }

@@ -15,16 +15,16 @@ export default {
     this.figures = FIGURES.map((one) =>
       element("div", {}, element("dt", {}, word(one)), element("dd", {}, "")));
     this.result = element("a", { class: "button", hidden: true });
-    this.cards = element("div", { class: "cards" });
+    this.fault = element("div");
     this.map = element("img", { class: "map", alt: app.word("map.title"), hidden: true });
     root.append(
       element("div", { class: "columns" },
         element("div", { class: "card" }, this.percent, this.progress, this.left, this.result,
           element("dl", {}, ...this.figures), app.top.control),
         element("div", { class: "card" }, this.map)),
-      this.cards,
+      this.fault,
     );
-    this.cardsKey = this.mapKey = "";
+    this.faultKey = this.mapKey = "";
   },
 
   update(state, app) {
@@ -51,7 +51,7 @@ export default {
     if (result) this.result.href = `#surveys/${result.folder}`;
     write(this.result, result ? `${app.word("now.result")}: ${result.text}` : "");
     this.showMap(state, app);
-    this.showCards(state, app);
+    this.showFault(state, app);
   },
 
   // What is measured until all is, then what it shows.
@@ -66,12 +66,11 @@ export default {
     if (ground.survey) this.map.src = app.server.address(`/api/ground/map.png?${picture}`);
   },
 
-  showCards({ fault, refusal }, app) {
-    const key = JSON.stringify([fault, refusal]);
-    if (key === this.cardsKey) return;
-    this.cardsKey = key;
-    this.cards.replaceChildren(...[refusal, fault].filter(Boolean).map((one) =>
-      this.card(one, app)));
+  showFault({ fault }, app) {
+    const key = JSON.stringify(fault);
+    if (key === this.faultKey) return;
+    this.faultKey = key;
+    this.fault.replaceChildren(...(fault ? [this.card(fault, app)] : []));
   },
 
   card({ title, text, first, then, details }, app) {
