@@ -5,10 +5,9 @@ Nothing here moves or tests anything.
 
 from __future__ import annotations
 
-from typing import Any, Dict, List
+from typing import Any, Dict
 from unittest import mock
 
-from case_kit import each_case
 from view_kit import snapshot
 from web_kit import SILENT, ManualClock, state_of
 
@@ -16,7 +15,7 @@ from gpr20_common.message import verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.mid.machine_facts import HardwareUse, MachineFacts
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
-from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
@@ -29,53 +28,35 @@ SENSOR = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("broken"), {"vo
 HEALTH = HealthReport((SENSOR,))
 
 
-class Robot:
-    """A robot whose parts are looked at."""
-
-    def __init__(self) -> None:
-        self.clock = ManualClock()
-        self.watched: List[bool] = []
-        self.tickets: List[Any] = []
-        self.page = ServicePage(self.watched.append, self._examine, self.clock)
-        self.page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HEALTH))
-        (self.listed,) = (one.answer for one in self.page.routes)
-
-    def _examine(self, ticket: Ticket[Any], **wanted: Any) -> None:
-        assert wanted["thorough"] is False
-        self.tickets.append(ticket)
-
-
-def test_the_worst_is_the_first_and_each_part_has_its_health() -> None:
-    robot = Robot()
-    answer: Any = robot.listed(CALL)
+def test_the_worst_is_the_first_in_words_and_this_computer_is_looked_at_while_somebody_looks() -> (
+    None
+):
+    clock, watched, tickets = ManualClock(), [], []  # type: ManualClock, List[bool], List[Any]
+    page = ServicePage(watched.append, lambda ticket, **_wanted: tickets.append(ticket), clock)
+    page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HEALTH))
+    (route,) = page.routes
+    answer: Any = route.answer(CALL)
     levels = ["fault", "warning", "unknown", "note", "ok"]
     found = [levels.index(one["level"]) for one in answer["findings"]]
-    assert found and found == sorted(found)
-    # One line for each, in words.
+    assert found and found == sorted(found) and answer["summary"]
     (part,) = answer["parts"]
     assert (part["level"], part["title"]) == ("error", "Height sensor: FAULT")
     assert "voltage" not in str(answer)
-    assert answer["summary"]
-
-
-def test_this_computer_is_looked_at_once_while_somebody_looks() -> None:
-    robot = Robot()
-    before: Any = robot.listed(CALL)
-    robot.listed(CALL)
-    (ticket,) = robot.tickets
+    route.answer(CALL)
+    (ticket,) = tickets
     ticket.done(MachineFacts(HardwareUse.SIMULATED, (), NodeSoftware("gpr20 1", "here")))
-    after: Any = robot.listed(CALL)
-    assert len(after["findings"]) > len(before["findings"])
-    robot.clock.time_s += INTEREST_S + 1.0
-    robot.page.refresh(snapshot(SurveyState.IDLE))
-    assert robot.watched == [True, False]
+    after: Any = route.answer(CALL)
+    assert len(after["findings"]) > len(answer["findings"])
+    clock.time_s += INTEREST_S + 1.0
+    page.refresh(snapshot(SurveyState.IDLE))
+    assert watched == [True, False]
 
 
-@each_case("service", Service)
-def test_no_service_of_the_robot_is_called_from_here(service: Service) -> None:
-    asked = mock.Mock()
-    NoRequests().ask(service, asked)
-    asked.fail.assert_called_once()
+def test_no_service_of_the_robot_is_called_from_here() -> None:
+    for service in Service:
+        asked = mock.Mock()
+        NoRequests().ask(service, asked)
+        asked.fail.assert_called_once()
 
 
 MEASURING = state_of(SurveyState.SURVEYING, None)

@@ -81,7 +81,7 @@ def test_a_password_is_one_line_of_the_input_and_what_is_none_makes_no_account(
         assert make_accounts(tmp_path).check(name, "contraseña larga")
 
 
-def test_two_different_passwords_none_or_control_c_make_no_account(
+def test_two_passwords_none_control_c_or_a_name_that_is_none_make_no_account(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for answers in ((PASSWORD, OTHER_PASSWORD), ()):
@@ -90,15 +90,10 @@ def test_two_different_passwords_none_or_control_c_make_no_account(
         assert (status, "password" in complaint, "->" in complaint) == (1, True, True)
     _typed(monkeypatch, KeyboardInterrupt())
     assert run("add", "ana", "--role", "watch") == (1, "", "users: nothing was changed\n")
-    assert make_accounts(tmp_path).all() == []
-
-
-def test_a_name_that_is_none_is_said_before_a_password_is_asked_for(
-    run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
     monkeypatch.setattr(getpass, "getpass", lambda _prompt: pytest.fail("asked"))
     assert run("add", "a b", "--role", "watch")[0] == 1
     assert "there is no account eva" in run("remove", "eva")[2]
+    assert make_accounts(tmp_path).all() == []
 
 
 def test_a_damaged_file_is_named_with_its_remedy_and_stays(run: Run, tmp_path: Path) -> None:
