@@ -89,6 +89,10 @@ ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
 return [width, document.documentElement.clientWidth];
 """
+LOADED_BYTES = """
+const loaded = performance.getEntriesByType("resource");
+return loaded.reduce((sum, one) => sum + one.transferSize, 0);
+"""
 PAGES = ("now", "map", "radar", "surveys", "more", "robots", "service")
 
 
@@ -414,3 +418,14 @@ def test_a_person_who_may_watch_sees_nothing_to_start(site: Site) -> None:
     site.log_in("vera")
     assert browser.find("#stop").is_displayed()
     assert not browser.run("return document.querySelector('#take')?.offsetParent")
+
+
+def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    # One login has three streams; the browser keeps pages that were left.
+    for _number in range(5):
+        browser.open("about:blank")
+        browser.run("location.href = arguments[0]", f"{site.address}/")
+        browser.wait(lambda: browser.text("#state") not in ("", "None"), "it is live")
+    assert 0 < browser.run(LOADED_BYTES) <= 200_000

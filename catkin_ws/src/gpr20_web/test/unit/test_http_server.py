@@ -14,6 +14,7 @@ from typing import Any, Dict, Iterator, List
 import pytest
 from fault_kit import raises_fault
 from tornado import httputil, netutil
+from wait_kit import wait_until
 from web_kit import COOKIE, LIMIT_S, STATIC, Site
 
 from gpr20_common.faults import CONFIGURATION
@@ -190,3 +191,19 @@ def test_setup_installs_every_file_of_the_pages() -> None:
     found = {one for pattern in patterns for one in STATIC.parent.glob(pattern) if one.is_file()}
     files = {one for one in STATIC.rglob("*") if one.is_file()}
     assert files and found == files
+
+
+def test_a_browser_that_leaves_while_it_is_sent_to_is_gone() -> None:
+    document = Document(f'"a":"{"x" * 50_000_000}",')  # more than the connection takes
+    route = Route("GET", "/api/live", Role.WATCH, lambda _call: Stream(lambda: document))
+    with contextlib.closing(Site([route])) as site:
+
+        async def beat() -> int:
+            site.server.streams.beat()
+            return len(site.server.streams)
+
+        with contextlib.closing(site.connect()) as connection:
+            connection.request("GET", "/api/live", headers={"Cookie": f"{COOKIE}=watch"})
+            assert connection.getresponse().status == 200
+            assert site.call(beat()) == 1
+        wait_until(lambda: site.call(beat()) == 0, "it is gone")

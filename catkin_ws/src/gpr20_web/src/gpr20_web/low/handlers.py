@@ -54,6 +54,11 @@ class PageHandler(web.RequestHandler):
     def prepare(self) -> None:
         """Tornado: begin a request."""
         self._body = bytearray()
+        self._gone: asyncio.Future[None] = asyncio.get_event_loop().create_future()
+
+    def on_connection_close(self) -> None:
+        """Tornado: the browser has left; nobody else says so to what waits for it to read."""
+        self._gone.set_result(None)
 
     def data_received(self, chunk: bytes) -> None:
         """Tornado: take a part of the body, which is no longer than the server allows."""
@@ -218,7 +223,10 @@ class RouteHandler(PageHandler):
             self.set_header("Content-Type", "text/event-stream")
             async for event in self.settings["streams"].events(stream, person):
                 self.write(event)
-                await self.flush()
+                sent = asyncio.ensure_future(self.flush())
+                await asyncio.wait([sent, self._gone], return_when=asyncio.FIRST_COMPLETED)
+                if self._gone.done():
+                    return
 
     async def _send_body(self, body: Body) -> None:
         self.set_header("Content-Type", body.kind)

@@ -72,6 +72,7 @@ class HttpServer:
                 (r".*", RouteHandler, {"routes": {}}),
             ],
             streams=self.streams,
+            compress_response=True,
             **settings,
             log_function=lambda _handler: None,  # the logs of the surveys say who did what
         )

@@ -51,15 +51,14 @@ class App {
     // First: whoever loads the page again waits for it. The band sends it again, and says so.
     await Promise.allSettled(this.stops.map(([press]) =>
       this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    const { words, language, languages } =
-      await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
-    this.server.language = document.documentElement.lang = language;
-    try {
-      this.me = await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS);
-    } catch (error) {
+    const asked = (path) => this.server.ask("GET", path, null, LOAD_LIMIT_MS);
+    const nobody = (error) => {
       if (error.status !== 401) throw error;
-    }
-    Object.assign(this, { words, language, languages });
+      return null;
+    };
+    const [found, me] = await Promise.all([asked("/api/words"), asked("/api/me").catch(nobody)]);
+    this.server.language = document.documentElement.lang = found.language;
+    Object.assign(this, found, { me });
   }
 
   word(name, values = {}) {
@@ -201,6 +200,7 @@ class App {
     this.top = new Top(header, bottom, this);
     this.ticks = setInterval(() => this.live.slept ? this.wake() : this.top.tick(), TICK_MS);
     document.addEventListener("visibilitychange", () => document.hidden || this.wake());
+    window.addEventListener("pagehide", () => this.live.rest());
     window.addEventListener("pageshow", ({ persisted }) => persisted && this.wake());
     this.show();
   }
