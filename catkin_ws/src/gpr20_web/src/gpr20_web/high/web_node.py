@@ -61,6 +61,8 @@ BEAT_S = 0.2
 REST_S = 1.0
 # As often as the window while somebody looks, else as seldom as a notice may be late.
 MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
+# A page that is loaded again finds what is known of the axes: a STOP may wait for it.
+LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
 S_PER_HOUR = 3600.0
 # An entry of a log is tried again for about an hour.
@@ -106,7 +108,7 @@ class WebNode:
             WebError: There is no certificate, the port is taken, or the accounts are damaged.
         """
         self._parameters, self._clock = parameters, Clock()
-        self._refreshed_s = self._checked_s = -SELDOM_S
+        self._refreshed_s = self._checked_s = self._watched_s = -SELDOM_S
         self._asks_for_robots = False
         self._said: Optional[WebStatusReported] = None
         # Of any thread; one beat takes many: an axis reports 50 times a second.
@@ -230,12 +232,15 @@ class WebNode:
     def _refresh(self) -> None:
         now_s = self._refreshed_s = self._clock.now_s()
         watchers, holder = len(self._server.streams), self._lease.holder
-        if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
+        if watchers:
+            self._watched_s = now_s
+        is_watched = now_s - self._watched_s <= LINGER_S
+        if now_s - self._checked_s >= (MASTER_CHECK_S if is_watched else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
-        self._model.set_followed(watchers > 0)
+        self._model.set_followed(is_watched)
         for client in (self._control, self._storage):
-            client.set_watched(watchers > 0)
+            client.set_watched(is_watched)
         self._shell.refresh(self._model.snapshot())
         self._server.streams.beat()
         status = WebStatusReported(
