@@ -89,6 +89,10 @@ ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
 return [width, document.documentElement.clientWidth];
 """
+LOADED_BYTES = """
+const loaded = performance.getEntriesByType("resource");
+return loaded.reduce((sum, one) => sum + one.transferSize, 0);
+"""
 PAGES = ("now", "map", "radar", "surveys", "more", "robots", "service")
 
 
@@ -204,7 +208,8 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.open(f"{site.address}/")
     assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
-    assert browser.run("return window.asked.slice(0, 4)") == ["/api/stop", "/api/words"] * 2
+    asked = ["/api/stop", "/api/words", "/api/me"]
+    assert browser.run("return window.asked.slice(0, 6)") == asked * 2
     browser.wait(lambda: browser.text("#stop-warning") == "", "STOP is confirmed")
     browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)
 
@@ -388,22 +393,6 @@ def test_stop_waits_for_no_connection_that_the_ground_holds(site: Site) -> None:
     assert browser.text("#alerts") == ""
 
 
-@pytest.mark.release
-def test_words_that_a_telephone_cuts_are_read_by_a_press(site: Site) -> None:
-    browser = site.browser
-    site.log_in("vera")
-    browser.resize(360)
-    assert not browser.run("return document.querySelector('.band button').offsetParent")
-    words = "const words = document.querySelector('.band .words');"
-    browser.run(f"{words} words.style.width = '4rem'")
-    browser.press(".band button")
-    assert browser.run(f"{words} return words.scrollHeight <= words.clientHeight")
-    browser.keep_picture("web_band_360")
-    browser.press(".band button")
-    assert browser.run(f"{words} return words.scrollHeight > words.clientHeight")
-    browser.resize(800)
-
-
 def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site) -> None:
     browser = site.browser
     site.log_in("vera")
@@ -429,4 +418,15 @@ def test_a_person_who_may_watch_sees_nothing_to_start(site: Site) -> None:
     browser = site.browser
     site.log_in("vera")
     assert browser.find("#stop").is_displayed()
-    assert not browser.run("return document.querySelector('#take')")
+    assert not browser.run("return document.querySelector('#take')?.offsetParent")
+
+
+def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:
+    browser = site.browser
+    site.log_in("vera")
+    # One login has three streams; the browser keeps pages that were left.
+    for _number in range(5):
+        browser.open("about:blank")
+        browser.run("location.href = arguments[0]", f"{site.address}/")
+        browser.wait(lambda: browser.text("#state") not in ("", "None"), "it is live")
+    assert 0 < browser.run(LOADED_BYTES) <= 200_000

@@ -72,7 +72,7 @@ def new_page(folder: Path, address: str = "127.0.0.1") -> Page:
     (page.config / "web.yaml").write_text(f"address: {address}\nport: {page.port}\nfolder: {own}\n")
     accounts = Accounts(own, Clock())
     for name in (NAME, *map(watcher_name, range(MOST_WATCHERS // SESSIONS_OF_ACCOUNT))):
-        accounts.add(name, Role.CONTROL, PASSWORD)
+        accounts.put(name, Role.CONTROL, PASSWORD)
     return page
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, field
 from hashlib import sha256
-from typing import Any, Callable, FrozenSet, Iterator, Mapping, Optional, Protocol, Tuple, Union
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple, Union
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
-from gpr20_web.errors import AccountError, BadRequestError
+from gpr20_web.errors import BadRequestError
 
 
 class Role(enum.IntEnum):
@@ -27,23 +27,9 @@ class Role(enum.IntEnum):
         """What it is called in files and on the command line."""
         return self.name.lower()
 
-    @classmethod
-    def of(cls, word: object) -> Role:
-        """Return the role of a word.
 
-        Raises:
-            AccountError: An account cannot have it.
-        """
-        known = {one.word: one for one in cls if one is not cls.NOBODY}
-        if not isinstance(word, str) or word not in known:
-            raise AccountError(
-                Message(
-                    "the role is {role}; it must be one of {roles}",
-                    role=repr(word)[:80],
-                    roles=", ".join(known),
-                )
-            )
-        return known[word]
+# What an account can have, by its word.
+ROLES = {one.word: one for one in (Role.WATCH, Role.CONTROL)}
 
 
 @dataclass(frozen=True)
@@ -88,7 +74,7 @@ class Call:
 
     @property
     def who(self) -> Person:
-        """The person; the table has checked that there is one."""
+        """The person; the server has checked that there is one."""
         if self.person is None:
             raise LookupError("this route is for persons who are logged in")
         return self.person
@@ -129,17 +115,27 @@ class Cookie:
     values: Mapping[str, Any] = field(default_factory=dict)
 
 
+class Document(NamedTuple):
+    """What a browser shows, as members of a JSON object, each with a comma behind it.
+
+    Attributes:
+        urgent: Sent as soon as it changes.
+        seldom: What changes all the time: it alone is sent once a second.
+    """
+
+    urgent: str
+    seldom: str = ""
+
+
 @dataclass(frozen=True)
 class Stream:
     """An answer that lasts: server-sent events with a document each time it changes.
 
     Attributes:
-        document: Returns what the person sees now; it is asked again with every beat.
-        seldom: Parts of it that change all the time; they alone are sent once a second.
+        document: Returns what the person sees now.
     """
 
-    document: Callable[[], Mapping[str, Any]]
-    seldom: FrozenSet[str] = frozenset()
+    document: Callable[[], Document]
 
 
 Answer = Union[Mapping[str, Any], Body, Cookie, Stream]
@@ -150,7 +146,7 @@ class Route:
     """One thing that a browser can ask for.
 
     Attributes:
-        method: GET, POST or DELETE; GET changes nothing.
+        method: GET or POST; GET changes nothing.
         pattern: Of the whole path, as tornado has it; its named groups are `Call.parts`.
         right: The least role.
         answer: Makes the answer.
@@ -165,10 +161,3 @@ class Route:
 
 
 Routes = Tuple[Route, ...]
-
-
-class Audited(Protocol):
-    """Notes who did what in the log of a survey; never waits."""
-
-    def __call__(self, call: Call, what: str, outcome: str, survey: str) -> None:
-        """Note it; without a survey there is no log."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import ClassVar
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import BUSY, CONFIGURATION, DISK_REFUSES, FILE_DAMAGED, NOT_ALLOWED
+from gpr20_common.faults import BUSY, CONFIGURATION, FILE_DAMAGED
+from gpr20_common.faults import NOT_ALLOWED as REFUSED
 from gpr20_web import faults
 
 
@@ -23,8 +24,6 @@ class WebError(Gpr20Error):
 class BadRequestError(WebError, ValueError):
     """A request is not as the page sends it."""
 
-    fault = faults.BAD_REQUEST
-
 
 class NotLoggedInError(WebError, PermissionError):
     """Nobody is logged in, or no longer."""
@@ -40,6 +39,13 @@ class WrongLoginError(WebError, PermissionError):
     fault = faults.WRONG_LOGIN
 
 
+class TooManyLoginsError(WebError, PermissionError):
+    """Logins failed too often; the next one is taken later."""
+
+    status = 429
+    fault = faults.WRONG_LOGIN
+
+
 class NotAllowedError(WebError, PermissionError):
     """The person has not the right."""
 
@@ -51,7 +57,6 @@ class NotFoundError(WebError, LookupError):
     """There is nothing of this name."""
 
     status = 404
-    fault = faults.BAD_REQUEST
 
 
 class NotNowError(WebError, RuntimeError):
@@ -61,17 +66,17 @@ class NotNowError(WebError, RuntimeError):
     fault = faults.NOT_NOW
 
 
-class TooManyLoginsError(WebError, PermissionError):
-    """Logins failed too often; the next one is taken later."""
+class BusyError(WebError, RuntimeError):
+    """Too many requests wait."""
 
-    status = 429
-    fault = faults.WRONG_LOGIN
+    status = 503
+    fault = BUSY
 
 
 class AccountError(WebError, ValueError):
     """A name, password or role is not allowed, or there is no such account."""
 
-    fault = NOT_ALLOWED
+    fault = REFUSED
 
 
 class AccountsFileError(WebError, OSError):
@@ -81,47 +86,8 @@ class AccountsFileError(WebError, OSError):
     fault = FILE_DAMAGED
 
 
-class FolderError(WebError, OSError):
-    """The folder of the page cannot be made, or is not its own."""
+class SetupError(WebError, OSError):
+    """The folder, the certificate or the address of the page cannot be used."""
 
     status = 503
     fault = CONFIGURATION
-
-
-class CertificateError(WebError, OSError):
-    """Key and certificate cannot be made or read."""
-
-    fault = CONFIGURATION
-
-
-class PortTakenError(WebError, OSError):
-    """The page cannot listen at its address."""
-
-    fault = CONFIGURATION
-
-
-class BusyError(WebError, RuntimeError):
-    """Too many requests wait."""
-
-    status = 503
-    fault = BUSY
-
-
-class AuditFileError(WebError, OSError):
-    """The file that says who did what cannot be read."""
-
-    status = 503
-    fault = DISK_REFUSES
-
-
-class NotSentError(WebError, OSError):
-    """A notice did not reach the service that carries it."""
-
-    fault = faults.NOT_SENT
-
-
-class BundleError(WebError, OSError):
-    """The doctor has not made a bundle."""
-
-    status = 503
-    fault = faults.BUNDLE

@@ -5,7 +5,6 @@ from __future__ import annotations
 from gpr20_common.message import Fault, Message, Severity
 
 BAD_REQUEST = Fault("web.bad_request", Message("Load the page again."))
-BUNDLE = Fault("web.bundle", Message("Make it on the robot: rosrun gpr20_doctor doctor --bundle."))
 NOT_ALLOWED = Fault(
     "web.not_allowed", Message("Ask a person whose account may do it, or the administrator.")
 )

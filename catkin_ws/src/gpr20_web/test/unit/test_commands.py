@@ -6,23 +6,24 @@ import contextlib
 import json
 import uuid
 from dataclasses import replace
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from web_kit import ManualClock, Noted
+from web_kit import ManualClock
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
+from gpr20_operator.robot.events import Answer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.folder.log_record import NOTES, Kind
+from gpr20_survey.folder.survey_metadata import parse_object
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
@@ -30,7 +31,6 @@ from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, Robot
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.presses import STOP_ANSWERS_S, Outcome
 from gpr20_web.mid.remote_plan import plan_id
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
@@ -84,12 +84,12 @@ class Desk:
         self.time = ManualClock()
         self.model, self.control = SurveyModel(self.time), Control()
         self.allowance = RemoteAllowance(self.time)
-        self.audit = Noted()
+        self.noted: List[Tuple[str, Dict[str, Any]]] = []
         self.lease = Lease(self.time, lambda _session: True)
         self.commands = Commands(
             Robot(self.model, self.control, self.allowance, self.time),
             self.lease,
-            self.audit,
+            lambda *entry: self.noted.append(entry),
         )
         self.be(SurveyState.CONFIGURED)
 
@@ -127,6 +127,11 @@ class Desk:
     def shown(self) -> Any:
         return self.commands.live(str)
 
+    @property
+    def said(self) -> List[str]:
+        """What stands in the logs: who, what, and what became of it."""
+        return [f"{one['user']} {one['command']} {one['outcome']}" for _survey, one in self.noted]
+
 
 def armed() -> Desk:
     desk = Desk()
@@ -162,9 +167,15 @@ def test_a_fault_silence_and_another_plan_end_the_permission() -> None:
     with pytest.raises(NotNowError, match="not complete"):
         desk.start()
     desk = armed()
+    before = desk.control.withdrawals
+    desk.be(SurveyState.CONFIGURED)
+    assert desk.control.withdrawals == before
     desk.time.time_s += 4.0
     with pytest.raises(NotNowError):
         desk.start()
+    # What was asked for and has not begun is asked for no further.
+    desk.be(SurveyState.CONFIGURED)
+    assert desk.control.withdrawals == before + 1
     desk = armed()
     desk.be(SurveyState.SURVEYING)
     desk.be(SurveyState.PAUSED, Message("unknown fault of another version"))
@@ -226,7 +237,7 @@ def test_press_without_a_proper_mark_or_time_is_refused_but_for_stop(
     assert desk.control.asked == []
     assert desk.ask("stop", **values) == {"confirmed": False}
     assert desk.control.asked == ["stop"]
-    assert desk.audit.entries[-1][:2] == ("ana", "stop")
+    assert desk.shown["command"]["request"] == "stop" and desk.shown["command"]["name"] == "ana"
 
 
 def test_start_and_resume_wait_until_each_stop_is_answered_and_confirmed() -> None:
@@ -257,6 +268,9 @@ def test_stop_that_is_sent_again_says_whether_it_is_confirmed_and_is_noted_once(
     desk.be(SurveyState.SURVEYING)
     assert desk.shown["stop_open"] is False
     assert desk.ask("stop", press=press) == {"confirmed": False}
+    desk.time.time_s += 6.0
+    desk.be(SurveyState.SURVEYING)
+    assert desk.shown["command"]["outcome"] == "unknown"  # a late answer
     desk.commands.on_event(Answer(Request.STOP, False, Message("silent"), contact=False))
     assert desk.shown["command"]["outcome"] == "unknown"
     assert desk.ask("stop", press=press) == {"confirmed": False}
@@ -273,21 +287,26 @@ def test_stop_that_is_sent_again_says_whether_it_is_confirmed_and_is_noted_once(
     assert desk.ask("stop", press=press) == {"confirmed": True}
     # Should somebody use one mark for two presses: no STOP is ignored.
     assert desk.control.asked == ["stop"] * 2
-    said = [more["outcome"] for _who, what, more in desk.audit.entries if what == "stop"]
-    assert said[:3] == ["sent", "unknown: silent", "done: stopping"] and said.count("sent") == 1
+    outcomes = ("sent", "unknown: silent", "done: stopping")
+    assert desk.said == [f"ana stop {one}" for one in outcomes]
 
 
-def test_what_each_axis_answers_is_noted_also_after_the_main_control() -> None:
+def test_who_did_what_stands_in_the_log_in_a_form_that_the_storage_takes() -> None:
     desk = armed()
-    desk.ask("stop")
-    desk.commands.on_event(AxisStopAnswer(AxisId.X, True))
-    desk.commands.on_event(Answer(Request.STOP, True, Message("stopping")))
-    desk.commands.on_event(AxisStopAnswer(AxisId.Y, False))
-    said = [more["outcome"] for *_who, more in desk.audit.entries]
-    assert said[-3:] == ["x axis answered", "done: stopping", "y axis did not answer"]
-    desk.time.time_s += STOP_ANSWERS_S + 1.0
-    desk.commands.on_event(AxisStopAnswer(AxisId.Z, True))
-    assert len(desk.audit.entries) == len(said)
+    desk.be(SurveyState.SURVEYING)
+    desk.ask("pause", EVA)
+    desk.commands.on_event(Answer(Request.PAUSE, False, Message("no " * 200)))
+    with pytest.raises(NotAllowedError):
+        desk.ask("resume", BEN, survey=SURVEY)
+    expected = ("eva pause sent", "eva pause refused: no no", "ben resume refused: another page")
+    assert len(desk.said) == len(expected)
+    assert all(one.startswith(begin) for one, begin in zip(desk.said, expected))
+    assert Kind.AUDIT in NOTES
+    for survey, entry in desk.noted:
+        assert survey == SURVEY and parse_object(json.dumps(entry), "values_json") == entry
+        assert entry["time"].endswith("+00:00") and len(entry["outcome"]) <= 200
+        assert not {one.session for one in (ANA, BEN, EVA)} & set(entry.values())
+    assert (entry["role"], entry["address"]) == ("control", BEN.address)
 
 
 @each_case("described_first", [False, True])
@@ -300,44 +319,20 @@ def test_start_measures_the_plan_that_is_shown_and_is_noted_in_the_log_of_its_su
     assert desk.shown["command"]["outcome"] == "sent"
     started = Answer(Request.START, True, Message("started"), survey_id=SURVEY)
     described = SurveyDescribed(json.dumps({"survey_id": SURVEY}))
-    note = ("ana", "start", {"outcome": "begun", "survey": SURVEY})
     first, second = (described, started) if described_first else (started, described)
     desk.commands.on_event(first)
-    assert note not in desk.audit.entries
+    assert desk.said == []
     for event in (second, described):
         desk.commands.on_event(event)
     assert desk.shown["command"]["outcome"] == "done"
-    assert desk.audit.entries.count(note) == 1
+    assert [survey for survey, entry in desk.noted if entry["outcome"] == "begun"] == [SURVEY]
 
 
-def test_a_start_is_asked_for_no_further_when_the_permission_has_ended() -> None:
-    desk = armed()
-    desk.start()
-    before = desk.control.withdrawals
-    desk.be(SurveyState.CONFIGURED)
-    assert desk.control.withdrawals == before
-    desk.commands.on_event(RemoteArmed(False))
-    desk.be(SurveyState.CONFIGURED)
-    assert desk.control.withdrawals == before + 1
-
-
-def test_lost_answer_is_unknown() -> None:
-    desk = Desk()
-    # The answer to another window is not that to a command from here.
-    desk.commands.on_event(Answer(Request.PAUSE, True, Message("pausing")))
-    assert desk.shown["command"] is None
-    desk.be(SurveyState.SURVEYING)
-    desk.ask("pause")
-    desk.time.time_s += 60.0
-    desk.be(SurveyState.SURVEYING)
-    assert desk.shown["command"]["outcome"] == Outcome.UNKNOWN.value
-
-
-ROLES = [Person(role.word, role, role.word, "") for role in Role if role is not Role.NOBODY]
+PEOPLE = [Person(role.word, role, role.word, "") for role in Role if role is not Role.NOBODY]
 STEPS = st.one_of(
     st.tuples(
         st.sampled_from(["start", "resume", "pause", "stop", "control/take", "control/release"]),
-        st.sampled_from([*ROLES, ANA, BEN]),
+        st.sampled_from([*PEOPLE, ANA, BEN]),
     ),
     st.tuples(st.just("allow"), st.booleans()),
     st.tuples(st.just("be"), st.sampled_from(list(SurveyState))),

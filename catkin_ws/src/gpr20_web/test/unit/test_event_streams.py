@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import functools
 import json
 from typing import Any, Callable, Dict, List
@@ -10,39 +11,35 @@ from typing import Any, Callable, Dict, List
 import pytest
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Person, Role, Stream
+from gpr20_web.calls import Document, Person, Role, Stream
 from gpr20_web.errors import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
-from gpr20_web.low.event_streams import MAX_STREAMS_OF_PERSON, EventStreams
+from gpr20_web.low.event_streams import MAX_STREAMS, EventStreams
 
-LIMIT_S = 100.0
+LIMIT_S = 20.0
+
+
+def person(session: str = "one") -> Person:
+    return Person("ana", Role.WATCH, session, "")
 
 
 class Browser:
-    """Takes what is sent; a slow one takes nothing until it is let."""
+    """Takes what is sent as it comes; a slow one only what it asks for."""
 
-    def __init__(self, slow: bool = False) -> None:
+    def __init__(self, streams: EventStreams, stream: Stream, who: Person = person()) -> None:  # noqa: B008
         self.known: Dict[str, Any] = {}
         self.sent: List[Dict[str, Any]] = []
-        self._free = asyncio.Event()
-        if not slow:
-            self._free.set()
+        self._events = streams.events(stream, who)
 
-    def write(self, chunk: bytes) -> None:
-        assert chunk.startswith(b"data: ") and chunk.endswith(b"\n\n")
-        self.sent.append(json.loads(chunk[len(b"data: ") :]))
+    async def take(self) -> None:
+        event = await self._events.__anext__()
+        assert event.startswith(b"data: ") and event.endswith(b"\n\n")
+        self.sent.append(json.loads(event[len(b"data: ") :]))
+        self.known.update(self.sent[-1])
 
-    async def flush(self) -> None:
-        await self._free.wait()
-        for one in self.sent:
-            self.known.update(one)
-
-    def let(self) -> None:
-        self._free.set()
-
-
-def person(name: str = "ana", session: str = "one") -> Person:
-    return Person(name, Role.WATCH, session, "")
+    async def take_all(self) -> None:
+        while True:
+            await self.take()
 
 
 def in_loop(test: Callable[..., Any]) -> Callable[..., None]:
@@ -55,112 +52,116 @@ def in_loop(test: Callable[..., Any]) -> Callable[..., None]:
     return run
 
 
-async def until(condition: Callable[[], bool]) -> None:
-    while not condition():
-        await asyncio.sleep(0.01)
+async def rest() -> None:
+    """Let everything run that can."""
+    for _number in range(5):
+        await asyncio.sleep(0)
 
 
 @in_loop
-async def test_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
-    document: Dict[str, Any] = {"number": 0, "same": 1}
-    streams, slow, quick = EventStreams(lambda _one: None, print), Browser(True), Browser()
-    for one in (slow, quick):
-        streams.add(one, Stream(lambda: dict(document)), person())
-    running = asyncio.ensure_future(streams.run())
-    for number in range(1, 6):
-        document["number"] = number
-        await until(lambda: quick.known.get("number") == number)  # noqa: B023
-    assert len(slow.sent) == 1
-    assert [one["number"] for one in quick.sent if "number" in one] == list(range(1, 6))
-    slow.let()
-    await until(lambda: slow.known.get("number") == 5)
-    assert len(slow.sent) == 2
-    running.cancel()
-
-
-@in_loop
-async def test_state_that_is_no_longer_made_is_not_sent_as_new() -> None:
-    streams, browser = EventStreams(lambda _one: None, print), Browser()
-    streams.add(browser, Stream(lambda: {"a": 1}), person())
-    streams.fresh_s = 7.0
-    running = asyncio.ensure_future(streams.run())
-    await until(lambda: len(browser.sent) == 2)
-    running.cancel()
-    assert [one["sent_ms"] for one in browser.sent] == [7000, 7000]
+async def test_a_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
+    number, streams = [0], EventStreams(lambda _one: None)
+    stream = Stream(lambda: Document(f'"number":{number[0]},'))
+    slow, quick = Browser(streams, stream), Browser(streams, stream)
+    await slow.take()
+    taking = asyncio.ensure_future(quick.take_all())
+    for number[0] in range(1, 6):
+        await rest()
+        streams.beat()
+    await rest()
+    assert [one["number"] for one in quick.sent] == list(range(1, 6))
+    taken = asyncio.ensure_future(slow.take())
+    await rest()
+    streams.beat()
+    await taken
+    assert [one["number"] for one in slow.sent] == [0, 5]
+    taking.cancel()
 
 
 @in_loop
 async def test_what_changes_all_the_time_waits_for_the_sign_of_life_or_for_what_matters(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    document = {"state": "works", "stored": 0}
-    streams, browser, other = EventStreams(lambda _one: None, print), Browser(), Browser()
-    streams.add(browser, Stream(lambda: dict(document), frozenset({"stored"})), person())
-    streams.add(other, Stream(lambda: dict(document)), person())
-    running = asyncio.ensure_future(streams.run())
-    await until(lambda: len(browser.sent) == 1)
-    document["stored"] = 1
-    await until(lambda: browser.known.get("stored") == 1)
+    state, stored, streams = ["works"], [0], EventStreams(lambda _one: None)
+    stream = Stream(lambda: Document(f'"state":"{state[0]}",', f'"stored":{stored[0]},'))
+    browser = Browser(streams, stream)
+    taking = asyncio.ensure_future(browser.take_all())
+    await rest()
     monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 1e6)
-    # Another browser is sent them: there were as many times to send to this one.
-    for number in (2, 3, 4):
-        document["stored"] = number
-        await until(lambda: other.known.get("stored") == number)  # noqa: B023
-    assert len(browser.sent) == 2
-    document["state"] = "stopped"
-    await until(lambda: browser.known.get("state") == "stopped")
-    running.cancel()
-    assert browser.known["stored"] == 4
+    for stored[0] in (1, 2):
+        streams.beat()
+        await rest()
+    assert len(browser.sent) == 1
+    monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 0.0)
+    for _number in range(2):
+        streams.beat()
+        await rest()
+    # What the browser has is not sent again.
+    assert [set(one) for one in browser.sent[1:]] == [{"state", "stored", "sent_ms"}, {"sent_ms"}]
+    monkeypatch.setattr(event_streams, "SIGN_OF_LIFE_S", 1e6)
+    state[0] = "stopped"
+    streams.beat()
+    await rest()
+    taking.cancel()
+    assert (browser.known["state"], browser.known["stored"]) == ("stopped", 2)
 
 
 @in_loop
-async def test_stream_ends_with_its_session(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(event_streams, "SESSION_CHECK_S", 0.0)
+async def test_without_a_beat_nothing_is_sent_and_a_new_browser_learns_how_old_it_is(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now_s = [100.0]
+    monkeypatch.setattr("time.monotonic", lambda: now_s[0])
+    streams = EventStreams(lambda _one: None)
+    stream = Stream(lambda: Document('"a":1,'))
+    first, late = Browser(streams, stream), Browser(streams, stream)
+    taking = asyncio.ensure_future(first.take_all())
+    await rest()
+    now_s[0] = 130.0
+    await rest()
+    await late.take()
+    taking.cancel()
+    assert [one["sent_ms"] for one in (*first.sent, *late.sent)] == [100_000, 100_000]
+
+
+@in_loop
+async def test_a_stream_ends_with_its_session_or_its_document_and_no_other_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(event_streams, "SESSION_CHECK_S", -1.0)
 
     def check(one: Person) -> None:
         if one.session == "over":
             raise NotLoggedInError(Message("over"))
 
-    streams = EventStreams(check, print)
-    over = streams.add(Browser(), Stream(dict), person(session="over"))
-    valid = streams.add(Browser(), Stream(dict), person())
-    running = asyncio.ensure_future(streams.run())
-    await over.gone.wait()
-    assert not valid.gone.is_set()
-    running.cancel()
+    streams = EventStreams(check)
+    stream = Stream(lambda: Document('"a":1,'))
+    with pytest.raises(NotLoggedInError):
+        await Browser(streams, stream, person("over")).take()
+    with pytest.raises(ZeroDivisionError):
+        await Browser(streams, Stream(lambda: Document(str(1 / 0)))).take()
+    browser = Browser(streams, stream)
+    await browser.take()
+    assert browser.known["a"] == 1
+    taking = asyncio.ensure_future(browser.take())
+    await rest()
+    streams.end()
+    with pytest.raises(StopAsyncIteration):
+        await taking
 
 
-@in_loop
-async def test_document_that_cannot_be_made_ends_its_stream_and_no_other() -> None:
-    reported: List[BaseException] = []
-
-    def broken() -> Dict[str, Any]:
-        raise ZeroDivisionError
-
-    streams, other = EventStreams(lambda _one: None, reported.append), Browser()
-    watcher = streams.add(Browser(), Stream(broken), person())
-    streams.add(other, Stream(lambda: {"a": 1}), person())
-    running = asyncio.ensure_future(streams.run())
-    await watcher.gone.wait()
-    await until(lambda: other.known.get("a") == 1)
-    assert isinstance(reported[0], ZeroDivisionError)
-    running.cancel()
-
-
-@in_loop
-async def test_one_person_cannot_take_all_streams_and_a_browser_keeps_connections_for_stop() -> (
-    None
-):
-    streams = EventStreams(lambda _one: None, print)
-    first = streams.add(Browser(), Stream(dict), person())
-    for _ in range(2):
-        streams.add(Browser(), Stream(dict), person())
-    with pytest.raises(BusyError, match="at most 3 in one browser"):
-        streams.add(Browser(), Stream(dict), person())
-    streams.remove(first)
-    for number in range(MAX_STREAMS_OF_PERSON - 2):
-        streams.add(Browser(), Stream(dict), person(session=str(number)))
-    with pytest.raises(BusyError, match="30 of one account, 64 in all") as refused:
-        streams.add(Browser(), Stream(dict), person())
-    assert refused.value.message.fault_code == "web.bad_request"
-    streams.add(Browser(), Stream(dict), person("ben"))
+def test_a_browser_keeps_connections_for_stop_and_all_together_have_a_limit() -> None:
+    streams = EventStreams(lambda _one: None)
+    with contextlib.ExitStack() as others:
+        with contextlib.ExitStack() as own:
+            for _number in range(3):
+                own.enter_context(streams.watching(person()))
+            with pytest.raises(BusyError, match="at most 3 in one browser, 64 in all") as refused:
+                own.enter_context(streams.watching(person()))
+            assert refused.value.message.fault_code == "web.bad_request"
+            assert streams.has("one") and not streams.has("other")
+        assert not streams.has("one")
+        for number in range(MAX_STREAMS):
+            others.enter_context(streams.watching(person(str(number))))
+        with pytest.raises(BusyError):
+            others.enter_context(streams.watching(person("another")))

@@ -19,14 +19,13 @@ from gpr20_common.message import Message
 from gpr20_web.calls import Call, Cookie, Role
 from gpr20_web.errors import (
     AccountsFileError,
-    FolderError,
     NotLoggedInError,
     TooManyLoginsError,
     WrongLoginError,
 )
-from gpr20_web.low.cookies import KEY_BYTES, Logins, ensure_key
+from gpr20_web.low import accounts as accounts_module
 from gpr20_web.low.handlers import COOKIE
-from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.logins import Logins
 from gpr20_web.mid import login_page
 from gpr20_web.mid.login_page import FREE_FAILURES, PAUSE_S, LoginLimits, LoginPage
 
@@ -39,7 +38,7 @@ class Pages:
     def __init__(self, folder: Path) -> None:
         self.clock, self.accounts = ManualClock(), make_accounts(folder)
         for name, role in [("leo", Role.CONTROL), ("eva", Role.WATCH)]:
-            self.accounts.add(name, role, PASSWORD)
+            self.accounts.put(name, role, PASSWORD)
         self.logins = make_logins(self.accounts, self.clock)
         self.page = LoginPage(self.accounts, self.logins, self.clock)
 
@@ -87,14 +86,12 @@ def test_a_session_is_over_after_its_hours_and_when_its_account_has_changed(page
     pages.clock.time_s += 2.0
     assert not pages.is_in(cookie)
     pages.clock.time_s -= 2.0
-    pages.accounts.change("leo", Role.WATCH)
+    pages.accounts.put("leo", Role.WATCH, OTHER_PASSWORD)
     assert [pages.is_in(one) for one in (cookie, eva)] == [False, True]
-    cookie = pages.log_in()
-    pages.accounts.change("leo", password=OTHER_PASSWORD)
-    assert not pages.is_in(cookie)
     cookie = pages.log_in(password=OTHER_PASSWORD)
     pages.accounts.remove("leo")
-    pages.accounts.add("leo", Role.WATCH, OTHER_PASSWORD)
+    assert not pages.is_in(cookie)
+    pages.accounts.put("leo", Role.WATCH, OTHER_PASSWORD)
     assert not pages.is_in(cookie)
 
 
@@ -104,6 +101,7 @@ def test_who_has_logged_in_stays_so_while_the_file_of_the_accounts_is_damaged(
     cookie = pages.log_in()
     (tmp_path / "web" / "accounts.json").write_text("damaged")
     assert pages.logins.find(cookie, ADDRESS).role is Role.CONTROL
+    # Nobody has guessed.
     for _number in range(FREE_FAILURES + 1):
         with pytest.raises(AccountsFileError):
             pages.log_in()
@@ -112,22 +110,12 @@ def test_who_has_logged_in_stays_so_while_the_file_of_the_accounts_is_damaged(
 def test_no_other_cookie_is_taken(pages: Pages) -> None:
     cookie, draw = pages.log_in(), random.Random(SEED)
     others = ["", "x", cookie[:-1], cookie + "0", cookie.upper(), "é\ud800"]
-    other_key = Logins(pages.accounts, b"o" * KEY_BYTES, HOURS_12_S, pages.clock)
+    other_key = Logins(pages.accounts, b"o" * 32, HOURS_12_S, pages.clock)
     others.append(other_key.begin(pages.accounts.all()[0]))
     for _number in range(draws(200)):
         at, sign = draw.randrange(len(cookie)), chr(draw.randrange(33, 127))
         others.append(cookie[:at] + sign + cookie[at + 1 :])
     assert [one for one in others if one != cookie and pages.is_in(one)] == []
-
-
-def test_the_key_is_made_once_is_secret_and_one_that_is_none_is_said(tmp_path: Path) -> None:
-    folder = tmp_path / "web"
-    key = ensure_key(folder)
-    assert len(key) == KEY_BYTES and ensure_key(folder) == key
-    assert folder.stat().st_mode & 0o077 == 0
-    (folder / "cookies.key").write_bytes(b"short")
-    with pytest.raises(FolderError, match="5 bytes"):
-        ensure_key(folder)
 
 
 def test_owasp_the_session_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_scripts(
@@ -162,77 +150,58 @@ def test_guesses_are_delayed_before_any_hash(pages: Pages, monkeypatch: pytest.M
         with pytest.raises(WrongLoginError):
             pages.log_in("eva", "guess")
     with monkeypatch.context() as patch:
-        patch.setattr(PasswordHash, "fits", lambda *_arguments: pytest.fail("it was hashed"))
+        patch.setattr(accounts_module, "_key_of", lambda *_arguments: pytest.fail("it was hashed"))
         with pytest.raises(TooManyLoginsError, match="wait 60 s") as refused:
             pages.log_in("EVA")
     assert refused.value.status == 429
     assert pages.log_in()
 
 
-class Tries:
-    """Logs in and sees what becomes of it."""
-
-    def __init__(self) -> None:
-        self.clock = ManualClock()
-        self.limits = LoginLimits(self.clock)
-
-    def try_it(self, right: bool, name: str = "ana", address: str = ADDRESS) -> Optional[bool]:
-        """Return whether the login succeeded; None: it was refused without a check."""
-        try:
-            with self.limits.attempt(name, address):
-                if not right:
-                    raise WrongLoginError(Message("wrong"))
-        except TooManyLoginsError:
-            return None
-        except WrongLoginError:
-            return False
-        return True
+STEPS = st.tuples(
+    st.sampled_from(["ana", "eva"]),
+    st.sampled_from(["here", "there"]),
+    st.sampled_from([False, False, False, True]),
+    st.sampled_from([0.0, 0.5, 30.0, 59.0, PAUSE_S, 300.0]),
+)
 
 
-def test_guesses_at_the_same_time_are_no_more_than_one_after_the_other() -> None:
-    tries = Tries()
-    for _number in range(FREE_FAILURES - 1):
-        tries.try_it(False)
-    with tries.limits.attempt("ana", ADDRESS), pytest.raises(
-        TooManyLoginsError
-    ), tries.limits.attempt("Ana", ADDRESS):
-        pytest.fail("it was checked")
+def _try(limits: LoginLimits, right: bool, name: str, address: str) -> Optional[bool]:
+    """Return whether a login succeeded; None: it was refused without a check."""
+    try:
+        with limits.attempt(name, address):
+            if not right:
+                raise WrongLoginError(Message("wrong"))
+    except TooManyLoginsError:
+        return None
+    except WrongLoginError:
+        return False
+    return True
+
+
+@given(st.lists(STEPS, max_size=60))
+def test_random_logins_wait_as_long_as_a_simple_model_says(
+    steps: List[Tuple[str, str, bool, float]],
+) -> None:
+    clock = ManualClock()
+    limits = LoginLimits(clock)
+    failures: Dict[Tuple[str, str], List[float]] = {}
+    for name, address, right, time_s in steps:
+        clock.time_s += time_s
+        now_s, known = clock.time_s, failures.setdefault((name, address), [])
+        early = len(known) >= FREE_FAILURES and now_s - known[-1] < PAUSE_S
+        assert _try(limits, right, name, address) is (None if early else right)
+        if right and not early:
+            known.clear()
+        elif not early:
+            known.append(now_s)
 
 
 def test_memory_is_bounded_and_the_one_that_failed_last_is_kept(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(login_page, "MOST_KNOWN", 20)
-    tries = Tries()
-    for number in range(30):
-        for _time in range(FREE_FAILURES):
-            tries.try_it(False, f"user{number}", f"address{number}")
-    assert len(tries.limits._failures) == 20
-    assert tries.try_it(True, "user29", "address29") is None
-
-
-@given(
-    st.lists(
-        st.tuples(
-            st.sampled_from(["ana", "eva"]),
-            st.sampled_from(["here", "there"]),
-            st.sampled_from([False, False, False, True]),
-            st.sampled_from([0.0, 0.5, 30.0, 59.0, PAUSE_S, 300.0]),
-        ),
-        max_size=60,
-    )
-)
-def test_random_logins_wait_as_long_as_a_simple_model_says(
-    steps: List[Tuple[str, str, bool, float]],
-) -> None:
-    tries = Tries()
-    failures: Dict[Tuple[str, str], List[float]] = {}
-    for name, address, right, time_s in steps:
-        tries.clock.time_s += time_s
-        now_s, known = tries.clock.time_s, failures.setdefault((name, address), [])
-        early = len(known) >= FREE_FAILURES and now_s - known[-1] < PAUSE_S
-        assert tries.try_it(right, name, address) is (None if early else right)
-        if right and not early:
-            known.clear()
-        elif not early:
-            known.append(now_s)
+    limits = LoginLimits(ManualClock())
+    for number in range(30 * FREE_FAILURES):
+        _try(limits, False, f"user{number // FREE_FAILURES}", ADDRESS)
+    assert len(limits._failures) == 20
+    assert _try(limits, True, "user29", ADDRESS) is None

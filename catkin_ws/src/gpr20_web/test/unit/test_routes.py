@@ -7,9 +7,13 @@ real page of another origin is in scripts/test/test_web_page.py.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
+import json
 import random
 import re
-from typing import Iterator, List, Mapping, Optional, Sequence
+import shutil
+import subprocess
+from typing import Any, Iterator, List, Mapping, Optional, Sequence
 from uuid import uuid4
 
 import pytest
@@ -18,6 +22,8 @@ from run_seed import SEED, draws
 from web_kit import COOKIE, PASSWORD, STATIC, Reply
 from whole_page_kit import PEOPLE, TABLE, Row, S, WholePage, is_without_right, least_right
 
+from gpr20_common.catalogue import Language
+from gpr20_operator.robot.events import CurrentPosition
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Role
 from gpr20_web.low.http_server import MAX_BODY_BYTES, MAX_HEADER_BYTES
@@ -61,24 +67,18 @@ def test_the_table_has_every_route_and_every_route_is_in_the_table(page: WholePa
     assert [one.pattern for one in page.routes if id(one) not in known] == []
 
 
-def _check_rights(page: WholePage, row: Row, least: Role) -> None:
+@each_case("row", TABLE)
+def test_each_route_is_for_the_roles_of_the_table_and_for_no_other_page(
+    page: WholePage, row: Row
+) -> None:
     for role in Role:
         page.renew()
         before = page.done()
         reply = page.ask(row.method, _path(page, row), role, row.values)
-        assert is_without_right(reply) is (role < least)
-        if role < least:
+        assert is_without_right(reply) is (role < row.right)
+        if role < row.right:
             assert reply.status == (401 if role is NOBODY else 403)
             assert page.done() == before
-
-
-@each_case("row", TABLE)
-def test_each_route_is_for_the_roles_of_the_table(page: WholePage, row: Row) -> None:
-    _check_rights(page, row, row.right)
-
-
-@each_case("row", TABLE)
-def test_csrf_nothing_is_done_for_another_page(page: WholePage, row: Row) -> None:
     page.renew()
     before = page.done()
     for headers in OF_OTHERS if row.method == "GET" else (*OF_OTHERS, *WITHOUT_ORIGIN):
@@ -167,14 +167,11 @@ def test_error_pages_say_nothing_of_the_program(page: WholePage, answers: List[R
         assert not [one for one in words if one.lower() in answer.lower()]
 
 
-def test_directory_listing_a_folder_is_not_there(page: WholePage) -> None:
-    for path in ("/pages", "/pages/", "/.", "/pages/..", "/api", "/api/", "/api/surveys/"):
-        assert page.ask("GET", path, CONTROL).status == 404
-
-
 @each_case("up", ["..", "%2e%2e", "%252e%252e", "..%00", "%c0%ae%c0%ae", "..\\", "....", "..%2f.."])
 def test_path_traversal_nothing_outside_is_reached(page: WholePage, up: str) -> None:
     secret = page.folder / "web" / "accounts.json"
+    for path in ("/pages", "/pages/", "/.", "/pages/..", "/api", "/api/", "/api/surveys/"):
+        assert page.ask("GET", path, CONTROL).status == 404
     starts = ("/", "/pages/", "/api/surveys/", f"/api/surveys/{page.surveys.whole}/files/")
     for start in starts:
         for name in (f"{up}/errors.py", f"{up}/" * 4 + "etc/passwd", f"{up}/{secret}"):
@@ -256,8 +253,58 @@ def test_header_injection_no_name_reaches_the_headers_of_an_answer(page: WholePa
 
 
 def test_mass_assignment_fields_that_a_route_has_not_are_not_taken(page: WholePage) -> None:
-    more = {"role": "control", "person": "otto", "session": page.session(CONTROL), "generation": 1}
-    login = {"name": "vera", "password": PASSWORD, **more}
+    login = {"name": "vera", "password": PASSWORD, "role": "control", "person": "otto"}
     assert page.ask("POST", "/api/login", NOBODY, login).values["role"] == WATCH
     roles = {one.name: one.role for one in page.accounts.all() if one.name in PEOPLE.values()}
     assert roles == {name: role for role, name in PEOPLE.items()}
+
+
+WITH_POINT = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])|\d{4}-\d\d-\d\d")
+# Keys whose texts programs read, and what people have typed.
+OF_PROGRAMS = ("id", "folder", "since", "created", "time_utc", "notes", "markers", "code")
+
+
+def _texts(value: Any, key: str = "") -> Iterator[str]:
+    parts = value.items() if isinstance(value, dict) else [(key, one) for one in value]
+    for name, one in parts:
+        if name not in OF_PROGRAMS:
+            yield from [one] if isinstance(one, str) else ()
+            yield from _texts(one, name) if isinstance(one, (list, dict)) else ()
+
+
+def test_no_text_of_the_spanish_page_has_a_decimal_point(page: WholePage) -> None:
+    page.be(SurveyState.SURVEYING)
+    place = CurrentPosition(12.5, 20.25, 90.0)
+    page.shell.refresh(dataclasses.replace(page.model.snapshot(), current=place))
+    members = "".join(page.shell.document(Language.SPANISH)).rstrip(",")
+    found = [json.loads(f"{{{members}}}")]
+    assert found[0]["job"]["place"].startswith("X 12,5 mm, Y 20,2 mm, 90 ")
+    for row in TABLE:
+        # What is downloaded is for programs.
+        if row.method == "GET" and row.path != "/api/live" and "/files/" not in row.path:
+            reply = page.ask("GET", f"{_path(page, row)}?language=es", CONTROL)
+            with contextlib.suppress(ValueError):
+                found.append(json.loads(reply.body))
+    assert len(found) > 5
+    assert [one for answer in found for one in _texts(answer) if WITH_POINT.search(one)] == []
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="no Node.js")
+def test_the_script_writes_numbers_as_the_catalogue_says() -> None:
+    """With the functions of the page, out of its script."""
+    script = (STATIC / "app.js").read_text(encoding="utf-8")
+    methods = re.search(r"  word\(name.*?(?=\n  get\()", script, re.DOTALL)
+    assert methods is not None
+    code = f"""
+class App {{
+  constructor(words) {{ this.words = words; }}
+{methods.group()}
+}}
+const said = [".", ","].map((point) => {{
+  const app = new App({{ "shell.point": point, a: "{{x:g}} mm {{y}}" }});
+  return [app.word("a", {{ x: 0.5, y: "1.2.3" }}), app.number(-2.25)];
+}});
+console.log(JSON.stringify(said));
+"""
+    done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == [["0.5 mm 1.2.3", "-2.25"], ["0,5 mm 1.2.3", "-2,25"]]

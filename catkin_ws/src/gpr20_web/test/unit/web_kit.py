@@ -15,24 +15,22 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import Call, Person, Role, Route
+from gpr20_web.calls import ROLES, Person, Route
 from gpr20_web.errors import NotLoggedInError
-from gpr20_web.low.accounts import Accounts
-from gpr20_web.low.cookies import Logins
+from gpr20_web.low.accounts import Accounts, Cost
 from gpr20_web.low.handlers import COOKIE
 from gpr20_web.low.http_server import HttpServer
-from gpr20_web.low.passwords import PasswordHash
+from gpr20_web.low.logins import Logins
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
 LIMIT_S = 100.0
-SESSIONS = {role.word: role for role in Role if role is not Role.NOBODY}
 
 
 def find_person(session: str, address: str) -> Person:
     """Return the person of a session that is named like its role."""
-    if session not in SESSIONS:
+    if session not in ROLES:
         raise NotLoggedInError(Message("nobody is logged in"))
-    return Person(session, SESSIONS[session], session, address)
+    return Person(session, ROLES[session], session, address)
 
 
 def route_of(routes: Sequence[Route], method: str, path: str) -> Tuple[Route, Mapping[str, str]]:
@@ -123,7 +121,7 @@ class Site:
 
 
 # Hashes that cost nothing: the tests are about everything else.
-CHEAP = PasswordHash(n=2, r=1, p=1)
+CHEAP = Cost(n=2, r=1, p=1)
 PASSWORD, OTHER_PASSWORD = "correct horse battery", "staple of another kind"
 
 
@@ -138,18 +136,6 @@ class ManualClock(Clock):
 
     def time_of_day_us(self) -> int:
         return int((1.8e9 + self.time_s) * 1e6)
-
-
-class Noted:
-    """Keeps what was reported to the audit: who, what, and whatever else is known."""
-
-    def __init__(self) -> None:
-        self.entries: List[Tuple[str, str, Mapping[str, Any]]] = []
-
-    def __call__(self, call: Call, what: str, outcome: str, survey: str) -> None:
-        more = {"outcome": outcome, "survey": survey}
-        known = {name: one for name, one in more.items() if one != ""}
-        self.entries.append((call.who.name, what, known))
 
 
 KEY, HOURS_12_S = b"k" * 32, 43200.0

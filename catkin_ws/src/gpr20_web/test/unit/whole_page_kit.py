@@ -41,28 +41,21 @@ from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
-from gpr20_web.calls import Call, Person, Role
-from gpr20_web.mid.all_pages import Surroundings, all_pages
-from gpr20_web.mid.audit import Audit
+from gpr20_web.calls import Person, Role
 from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
 from gpr20_web.mid.lease import Lease
+from gpr20_web.mid.login_page import LoginPage
+from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.remote_plan import plan_id
+from gpr20_web.mid.robots_page import RobotsPage
+from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
+from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.mid.watch import Watch
 
 PEOPLE = {Role.WATCH: "vera", Role.CONTROL: "otto"}
 ADDRESS = "127.0.0.1"
-CLOSE_LIMIT_S = 100.0
-
-
-class CountedAudit(Audit):
-    """Keeps what those did who were logged in."""
-
-    added: Tuple[Tuple[str, str], ...] = ()
-
-    def add(self, call: Call, what: str, *more: Any, **values: Any) -> None:
-        if call.person is not None:
-            self.added += ((call.person.name, what),)
-        super().add(call, what, *more, **values)
 
 
 class WholePage:
@@ -76,16 +69,13 @@ class WholePage:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
         self.control, self.storage, self.requests = Control(), Storage(), Requests()
-        self.acts: List[Any] = []
         self.accounts = make_accounts(folder)
         self.logins = make_logins(self.accounts, self.clock)
         self._tokens: Dict[Role, str] = {}
-        self.audit = CountedAudit(lambda *_note: None, self.acts.append, self.clock)
         self.model = SurveyModel(self.clock)
         self.lease = Lease(self.clock, lambda _session: True)
         robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
-        self.commands = Commands(robot, self.lease, self.audit.add)
-        self.shell = Shell(all_pages(self._surroundings()))
+        self.shell = self._new_shell(Commands(robot, self.lease, lambda *_note: None))
         self._measure()
         self.routes = tuple(self.shell.all_routes())
         self.site = Site(self.routes, find=self.logins.find)
@@ -97,28 +87,27 @@ class WholePage:
         self.renew()
         self.be(SurveyState.CONFIGURED)
 
-    def _surroundings(self) -> Surroundings:
-        return Surroundings(
-            name="",
-            data=self.surveys.data,
-            clock=self.clock,
-            accounts=self.accounts,
-            logins=self.logins,
-            commands=self.commands,
-            source=self.storage,
-            requests=self.requests,
-            services=self.surveys.services,
-            robots=Robots("/", False, lambda _watched: None),
-            examine=lambda _ticket, **_wanted: None,
-            make_bundle=lambda: self.acts.append("bundle") or b"zip",
-            send=lambda _news: None,
-            warn=lambda _reason: None,
+    def _new_shell(self, commands: Commands) -> Shell:
+        """Return the pages as the node has them."""
+        nothing: Any = lambda *_arguments, **_more: None  # noqa: E731
+        return Shell(
+            {
+                "now": NowPage(""),
+                "commands": commands,
+                "ground": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
+                "map": MapPage(),
+                "radar": RadarPage(),
+                "surveys": SurveysPage(self.surveys.services, self.surveys.data),
+                "robots": RobotsPage(Robots("/", False, nothing), self.clock),
+                "service": ServicePage(nothing, self.clock),
+                "notices": Watch(self.clock, nothing),
+                "login": LoginPage(self.accounts, self.logins, self.clock),
+            }
         )
 
     def close(self) -> None:
         self.site.close()
         logging.getLogger().removeHandler(self._errors)
-        self.audit.close(CLOSE_LIMIT_S)
         self.surveys.close()
 
     def _measure(self) -> None:
@@ -163,9 +152,7 @@ class WholePage:
         for role, name in PEOPLE.items():
             # Whoever has another password or role is logged out.
             if not self.is_logged_in(role):
-                if self.accounts.find(name) is not None:
-                    self.accounts.remove(name)
-                self._tokens[role] = self.logins.begin(self.accounts.add(name, role, PASSWORD))
+                self._tokens[role] = self.logins.begin(self.accounts.put(name, role, PASSWORD))
 
     def session(self, role: Role) -> str:
         """Return the session of the person of a role; it may be over."""
@@ -204,9 +191,8 @@ class WholePage:
 
     def forget(self) -> None:
         kept = (self.control.asked, self.surveys.services.asked, self.storage.asked)
-        for one in (*kept, self.requests.asked, self.requests.cancelled, self.acts):
+        for one in (*kept, self.requests.asked, self.requests.cancelled):
             one.clear()
-        self.audit.added = ()
 
     def done(self) -> Tuple[Any, ...]:
         """Return everything that a request can change."""
@@ -216,7 +202,6 @@ class WholePage:
             tuple(map(repr, self.surveys.services.asked)),
             (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
             self.lease.holder,
-            (self.audit.added, tuple(map(str, self.acts))),
             tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
             tuple(self.is_logged_in(role) for role in PEOPLE),
         )
@@ -244,7 +229,6 @@ class Row(NamedTuple):
     values: Mapping[str, Any] = {}
 
 
-STOP = Row("POST", "/api/stop", WATCH, PRESS)
 TABLE = (
     # Before the login there is the form alone.
     Row("GET", "/api/words", NOBODY),
@@ -268,22 +252,20 @@ TABLE = (
     Row("GET", f"{S}/zip", WATCH),
     Row("GET", f"{S}/made/report-html", WATCH),
     Row("GET", f"{S}/files/survey.json", WATCH),
-    # Notes, markers, found records, PAUSE from anywhere; STOP too, if the site allows it.
+    # Notes, markers, found records, PAUSE and STOP from anywhere.
     Row("POST", f"{S}/notes", WATCH, {"text": "wet"}),
     Row("POST", f"{S}/markers", WATCH, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),
     Row("POST", f"{S}/found", WATCH, {"what": "mine", "candidate": "c", "list": "l"}),
     Row("POST", "/api/pause", WATCH, PRESS),
-    STOP,
+    Row("POST", "/api/stop", WATCH, PRESS),
     # START and RESUME, and control over them.
     Row("POST", "/api/start", CONTROL, {**PRESS, "plan": plan_id(PLAN)}),
     Row("POST", "/api/resume", CONTROL, {**PRESS, "survey": SURVEY}),
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
-    # What takes the robot's computer minutes, or shows how it is set up.
+    # What takes the robot's computer minutes.
     Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
     Row("POST", "/api/ground/cancel", CONTROL),
-    Row("POST", "/api/service/bundle", CONTROL),
-    Row("GET", "/api/service/bundle", CONTROL),
 )
 
 

@@ -7,7 +7,6 @@ import getpass
 import os
 import sys
 from pathlib import Path
-from typing import Callable
 
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.clock import Clock
@@ -15,7 +14,7 @@ from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
-from gpr20_web.calls import Role
+from gpr20_web.calls import ROLES
 from gpr20_web.errors import AccountError
 from gpr20_web.low.accounts import Accounts, checked_name
 from gpr20_web.mid.web_parameters import WebParameters
@@ -43,26 +42,20 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="users", description="Manage the accounts of the page for browsers."
     )
-    actions = parser.add_subparsers(dest="action", metavar="ACTION")
-    actions.required = True
-    roles = [one.word for one in Role if one is not Role.NOBODY]
-
-    def add(name: str, act: Callable[..., None], text: str) -> argparse.ArgumentParser:
-        one = actions.add_parser(name, help=text, description=text)
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
+    for act, text in (
+        (_list, "show the accounts"),
+        (_add, "make an account, or give it another role and password"),
+        (_remove, "remove an account"),
+    ):
+        one = actions.add_parser(act.__name__.strip("_"), help=text, description=text)
         one.set_defaults(act=act)
         one.add_argument("--folder", help="of the page; default: that of web.yaml")
-        if name != "list":
+        if act is not _list:
             one.add_argument("name", metavar="NAME")
-        return one
-
-    add("list", _list, "show the accounts")
-    new = add("add", _add, "make an account")
-    new.add_argument("--role", choices=roles, required=True)
-    password = add("password", _password, "give an account another password")
-    add("role", _role, "give an account another role").add_argument("role", choices=roles)
-    add("remove", _remove, "remove an account")
-    for one in (new, password):
-        one.add_argument("--stdin", action="store_true", help="read the password as one line")
+        if act is _add:
+            one.add_argument("--role", choices=[*ROLES], required=True)
+            one.add_argument("--stdin", action="store_true", help="read the password as one line")
     return parser
 
 
@@ -83,22 +76,10 @@ def _list(accounts: Accounts, given: argparse.Namespace) -> None:
 
 
 def _add(accounts: Accounts, given: argparse.Namespace) -> None:
-    if accounts.find(checked_name(given.name)) is not None:
-        raise AccountError(Message("there is an account {name} already", name=given.name))
-    made = accounts.add(given.name, Role.of(given.role), _asked_password(given.stdin))
-    say(f"{made.name}: account made, {made.role.word}")
-
-
-def _password(accounts: Accounts, given: argparse.Namespace) -> None:
-    if accounts.find(given.name) is None:
-        raise AccountError(Message("there is no account {name}", name=given.name))
-    changed = accounts.change(given.name, password=_asked_password(given.stdin))
-    say(f"{changed.name}: password changed; whoever was logged in is so no longer")
-
-
-def _role(accounts: Accounts, given: argparse.Namespace) -> None:
-    changed = accounts.change(given.name, Role.of(given.role))
-    say(f"{changed.name}: {changed.role.word}; whoever was logged in is so no longer")
+    name = checked_name(given.name)
+    done = "account made" if accounts.find(name) is None else "account changed, and logged out"
+    accounts.put(name, ROLES[given.role], _asked_password(given.stdin))
+    say(f"{name}: {done}, {given.role}")
 
 
 def _remove(accounts: Accounts, given: argparse.Namespace) -> None:

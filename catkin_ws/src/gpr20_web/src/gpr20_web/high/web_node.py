@@ -2,64 +2,70 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
 import socket
+import threading
+from collections import deque
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any, Mapping, Optional
+from typing import Any, Coroutine, Deque, Mapping, Optional
 
 import rospy
 
 from gpr20_common.catalogue import language_from_environment, read_catalogue
-from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
-from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
-from gpr20_msgs.srv import AddFact
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import RemoteControlClient
 from gpr20_operator.high.robots_client import RobotsClient
-from gpr20_operator.high.ros_events import (
-    STORAGE_SILENT,
-    RequestError,
-    call,
-)
-from gpr20_operator.high.storage_client import FACT_TIMEOUT_S, StorageClient, fact_fields
-from gpr20_operator.jobs.job import Delivery
+from gpr20_operator.high.ros_events import RequestError
+from gpr20_operator.high.storage_client import StorageClient
+from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.folder.log_record import Kind
-from gpr20_web.errors import AuditFileError, NotNowError
-from gpr20_web.high.event_loop import EventLoop
-from gpr20_web.high.survey_services import RosSurveyServices
+from gpr20_web.errors import NotNowError
 from gpr20_web.low.accounts import Accounts
-from gpr20_web.low.certificate import ensure_certificate, ssl_context
-from gpr20_web.low.cookies import Logins, ensure_key
-from gpr20_web.low.doctor_program import make_bundle
 from gpr20_web.low.http_server import HttpServer
+from gpr20_web.low.logins import Logins
 from gpr20_web.low.notifier import Notifier
-from gpr20_web.mid.all_pages import Surroundings, all_pages
-from gpr20_web.mid.audit import Audit
+from gpr20_web.low.outbox import Outbox
+from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
 from gpr20_web.mid.lease import Lease
+from gpr20_web.mid.login_page import LoginPage
+from gpr20_web.mid.now_page import NowPage
+from gpr20_web.mid.robots_page import RobotsPage
+from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
+from gpr20_web.mid.surveys_page import SurveysPage
+from gpr20_web.mid.watch import Watch
 from gpr20_web.mid.web_parameters import WebParameters
 
 NODE = "web"
 STATIC = Path(__file__).resolve().parent.parent / "static"
+# The window refreshes as often; nobody reads figures that change faster.
+BEAT_S = 0.2
+# While nobody watches.
+REST_S = 1.0
 # As often as the window while somebody looks, else as seldom as a notice may be late.
 MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
-CLOSE_LIMIT_S = 3.0
+# A page that is loaded again finds what is known of the axes: a STOP may wait for it.
+LINGER_S = 10.0
+CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
 S_PER_HOUR = 3600.0
+# An entry of a log is tried again for about an hour.
+RETRY_S, NOTE_TRIES = 5.0, 20
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,24 @@ class StoredSurveys:
     data: str = ""
 
 
+class WaitingServices:
+    """Storage and imaging node, for those who wait for the answers; see `SurveyServices`."""
+
+    def __init__(self, requests: StorageClient) -> None:
+        self._requests = requests
+
+    def ask(self, service: Service, **fields: Any) -> Any:
+        """Return what a service answers."""
+        try:
+            return self._requests.wait_for(service, **fields)
+        except RequestError as error:
+            raise NotNowError(error.message) from error
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request, without waiting."""
+        self._requests.cancel(request_id)
+
+
 class WebNode:
     """Everything connected; what is shown belongs to the thread of the event loop."""
 
@@ -83,17 +107,19 @@ class WebNode:
             WebError: There is no certificate, the port is taken, or the accounts are damaged.
         """
         self._parameters, self._clock = parameters, Clock()
-        self._checked_s = -SELDOM_S
+        self._refreshed_s = self._checked_s = self._watched_s = -SELDOM_S
         self._asks_for_robots = False
         self._said: Optional[WebStatusReported] = None
-        self._events = EventLoop(self._handle, self._refresh, self._report)
+        # Of any thread; one beat takes many: an axis reports 50 times a second.
+        self._events: Deque[Any] = deque()
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, name="page", daemon=True)
         folder = parameters.path
         self._certificate = ensure_certificate(folder, (parameters.address,))
         self._accounts = Accounts(folder, self._clock)
         longest_s = parameters.session_hours * S_PER_HOUR
-        self._logins = Logins(self._accounts, ensure_key(folder), longest_s, self._clock)
-        self._facts = ServiceClient("add_fact", AddFact)
-        self._audit = Audit(self._note_survey, self._warn, self._clock)
+        key = self._certificate.cookie_key
+        self._logins = Logins(self._accounts, key, longest_s, self._clock)
         self._model = SurveyModel(self._clock)
         self._connect_clients()
         language = language_from_environment(os.environ)
@@ -101,12 +127,17 @@ class WebNode:
             *(parameters.notified(), socket.gethostname()),
             *(read_catalogue(language).text, self._warn),
         )
+        self._notes: Outbox[Mapping[str, Any]] = Outbox(
+            lambda fact: self._services.ask(Service.FACT, **fact),
+            Message("a command was not noted in the log of its survey"),
+            *(self._warn, RETRY_S, NOTE_TRIES),
+        )
         self._lease = Lease(self._clock, lambda session: self._server.streams.has(session))
         self._commands = Commands(
             Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
-            *(self._lease, self._audit.add),
+            *(self._lease, self._note),
         )
-        self._shell = Shell(all_pages(self._surroundings(data)))
+        self._shell = self._new_shell(data)
         self._server = HttpServer(
             tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
         )
@@ -119,36 +150,40 @@ class WebNode:
         """Leave browsers and graph; a survey that runs continues."""
         for client in self._clients:
             client.close()
-        self._events.call(self._server.close)
-        self._events.end()
-        self._audit.close(CLOSE_LIMIT_S)
+        self._in_loop(self._server.close())
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join(CLOSE_LIMIT_S)
+        self._notes.close(CLOSE_LIMIT_S)
         self._notifier.close(CLOSE_LIMIT_S)
 
     def _connect_clients(self) -> None:
-        put, senders = self._events.put, Senders(rospy.get_namespace())
+        put, namespace = self._events.append, rospy.get_namespace()
+        senders = Senders(namespace)
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
+        self._services = WaitingServices(self._storage)
         self._robots = RobotsClient(put, senders)
-        remote = RemoteControlClient(put, rospy.get_namespace())
+        remote = RemoteControlClient(put, namespace)
         self._clients = (self._control, self._storage, self._robots, remote)
 
-    def _surroundings(self, data: Path) -> Surroundings:
+    def _new_shell(self, data: Path) -> Shell:
         namespace = rospy.get_namespace()
-        return Surroundings(
-            name=namespace.strip("/"),
-            data=data,
-            clock=self._clock,
-            accounts=self._accounts,
-            logins=self._logins,
-            commands=self._commands,
-            source=self._storage,
-            requests=self._storage,
-            services=RosSurveyServices(self._storage),
-            robots=Robots(namespace, False, self._follow_robots),
-            examine=self._storage.examine,
-            make_bundle=partial(make_bundle, namespace),
-            send=self._notifier.send,
-            warn=self._warn,
+        robots = Robots(namespace, False, self._follow_robots)
+        return Shell(
+            {
+                "now": NowPage(namespace.strip("/")),
+                "commands": self._commands,
+                "ground": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
+                "map": MapPage(),
+                "radar": RadarPage(),
+                "surveys": SurveysPage(self._services, data),
+                "robots": RobotsPage(robots, self._clock),
+                "service": ServicePage(
+                    self._storage.examine, self._clock
+                ),
+                "notices": Watch(self._clock, self._notifier.send),
+                "login": LoginPage(self._accounts, self._logins, self._clock),
+            }
         )
 
     def _begin(self) -> None:
@@ -156,44 +191,56 @@ class WebNode:
             # Asking the master for the robots costs more than all the rest.
             if client is not self._robots:
                 client.listen()
-        self._events.begin()
+        self._thread.start()
         parameters = self._parameters
 
-        async def listen() -> int:
+        async def listen() -> None:
             context = ssl_context(self._certificate)
-            return self._server.listen(parameters.address, parameters.port, context)
+            self._server.listen(parameters.address, parameters.port, context)
 
-        self._events.call(listen)
+        self._in_loop(listen())
+        self._loop.call_soon_threadsafe(self._beat)
         if not self._accounts.all():
             rospy.logwarn(
                 "nobody can log in yet: rosrun gpr20_web users add NAME --role control --folder %s",
                 parameters.path,
             )
 
-    def _follow_robots(self, watched: bool) -> None:
-        if watched and not self._asks_for_robots:
-            self._asks_for_robots = True
-            self._robots.listen()
-        self._robots.set_watched(watched)
+    def _in_loop(self, work: Coroutine[Any, Any, None]) -> None:
+        """Do something in the thread of the loop, or raise what it raises."""
+        asyncio.run_coroutine_threadsafe(work, self._loop).result(CALL_LIMIT_S)
+
+    def _beat(self) -> None:
+        self._loop.call_later(BEAT_S, self._beat)
+        is_due = self._clock.now_s() - self._refreshed_s >= REST_S
+        if not (is_due or self._server.streams):
+            return
+        with faults_logged("page"):  # the next beat shows what is true then
+            while self._events:
+                self._handle(self._events.popleft())
+            self._refresh()
 
     def _handle(self, event: Any) -> None:
         if isinstance(event, Delivery):
             event.deliver()
             return
-        self._commands.take_refusal(self._model.handle(event))
+        self._model.handle(event)
         self._shell.on_event(event)
 
-    def _refresh(self) -> bool:
-        now_s = self._clock.now_s()
+    def _refresh(self) -> None:
+        now_s = self._refreshed_s = self._clock.now_s()
         watchers, holder = len(self._server.streams), self._lease.holder
-        if now_s - self._checked_s >= (MASTER_CHECK_S if watchers else SELDOM_S):
+        if watchers:
+            self._watched_s = now_s
+        is_watched = now_s - self._watched_s <= LINGER_S
+        if now_s - self._checked_s >= (MASTER_CHECK_S if is_watched else SELDOM_S):
             self._checked_s = now_s
             self._control.check_master()
-        self._model.set_followed(watchers > 0)
+        self._model.set_followed(is_watched)
         for client in (self._control, self._storage):
-            client.set_watched(watchers > 0)
+            client.set_watched(is_watched)
         self._shell.refresh(self._model.snapshot())
-        self._server.streams.fresh_s = now_s
+        self._server.streams.beat()
         status = WebStatusReported(
             self._parameters.reached_at(socket.gethostname()),
             *(self._parameters.port, self._certificate.fingerprint),
@@ -202,19 +249,18 @@ class WebNode:
         if status != self._said:
             self._said = status
             self._status.publish(WebStatus(**asdict(status)))
-        return watchers > 0
 
-    def _note_survey(self, survey: str, values: Mapping[str, Any]) -> None:
-        fields = fact_fields(survey, Kind.AUDIT, values)
-        try:
-            response = call(self._facts, STORAGE_SILENT, FACT_TIMEOUT_S, **fields)
-        except RequestError as error:
-            raise AuditFileError(error.message) from error  # it is tried again
-        if not response.success:
-            raise NotNowError(message_from(response))
+    def _follow_robots(self, watched: bool) -> None:
+        if watched and not self._asks_for_robots:
+            self._asks_for_robots = True
+            self._robots.listen()
+        self._robots.set_watched(watched)
+
+    def _note(self, survey: str, values: Mapping[str, Any]) -> None:
+        self._notes.put({"survey": survey, "kind": Kind.AUDIT, "values": values})
 
     def _health(self) -> Health:
-        problem = self._audit.problem
+        problem = self._notes.problem
         values = {"watchers": len(self._server.streams)}
         if problem is not None:
             return WARN, problem, values

@@ -1,14 +1,20 @@
-"""Who may log in, and as what: a file that the command `users` changes. It is empty at first."""
+"""Who may log in, and as what: a file that the command `users` changes. It is empty at first.
+
+Passwords are kept as hashes by scrypt, each with its cost: another cost can follow.
+"""
 
 from __future__ import annotations
 
+import base64
+import hashlib
+import hmac
 import json
 import re
 import secrets
-import threading
-from dataclasses import asdict, dataclass, replace
+import unicodedata
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.errors import os_reason
 from gpr20_common.low.clock import Clock
@@ -20,17 +26,29 @@ from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_survey.trace.utc_time import iso_text
-from gpr20_web.calls import Role
+from gpr20_web.calls import ROLES, Role
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
-from gpr20_web.low.passwords import HASH_BYTES, PasswordHash, check_password
-from gpr20_web.low.secret_folder import ensure_secret_folder
+from gpr20_web.low.web_folder import ensure_secret_folder
 
 FILE_NAME = "accounts.json"
 FORMAT = "gpr20-accounts/2"
 MAX_GENERATION = (1 << 53) - 1
+SHORTEST, LONGEST, LEAST_DIFFERENT = 12, 200, 5
+HASH_BYTES = 32
 _NAME = re.compile("[a-z0-9][a-z0-9._-]{1,39}")
-Named = Dict[str, "Account"]
-OWASP = PasswordHash()
+_BASE64 = "([A-Za-z0-9+/]{43}=)"
+_HASH = re.compile(f"scrypt:([0-9]{{1,7}}):([0-9]{{1,2}}):([0-9]{{1,2}}):{_BASE64}:{_BASE64}")
+
+
+class Cost(NamedTuple):
+    """The parameters of scrypt; the defaults are what OWASP recommends for 32 MiB."""
+
+    n: int = 1 << 15
+    r: int = 8
+    p: int = 3
+
+
+OWASP = Cost()
 
 
 @dataclass(frozen=True)
@@ -40,8 +58,8 @@ class Account:
     Attributes:
         hash: Of the password.
         created: When, ISO 8601.
-        generation: Another one after each change of role or password, and by chance, not by
-            counting: the sessions of another generation are over, also of a former account.
+        generation: Another one after each change, and by chance, not by counting: the sessions of
+            another generation are over, also of a former account.
     """
 
     name: str
@@ -49,6 +67,46 @@ class Account:
     hash: str
     created: str
     generation: int = bounded(0, MAX_GENERATION)
+
+
+Named = Dict[str, Account]
+
+
+def hash_of(password: str, cost: Cost = OWASP) -> str:
+    """Return what is kept of a password; at the usual cost it takes a part of a second."""
+    salt = secrets.token_bytes(HASH_BYTES)
+    texts = (base64.b64encode(one).decode() for one in (salt, _key_of(password, salt, cost)))
+    return ":".join(("scrypt", *map(str, cost), *texts))
+
+
+def fits(password: str, known: str) -> bool:
+    """Return whether a hash is that of a password.
+
+    Raises:
+        ValueError: It is no hash.
+    """
+    cost, salt, key = _parsed(known)
+    return hmac.compare_digest(_key_of(password, salt, cost), key)
+
+
+def check_password(password: str, name: str) -> None:
+    """Refuse a new password that is easy to guess; where it is long no other rule is needed.
+
+    Raises:
+        AccountError: It is not allowed for the account of this name.
+    """
+    text = unicodedata.normalize("NFC", password)
+    is_long = SHORTEST <= len(text) <= LONGEST and len(set(text)) >= LEAST_DIFFERENT
+    if not (is_long and text.isprintable() and text.casefold() != name.casefold()):
+        raise AccountError(
+            Message(
+                "a password must have {shortest} to {longest} letters, digits, signs and spaces, "
+                "at least {least} different ones, and must not be the name",
+                shortest=SHORTEST,
+                longest=LONGEST,
+                least=LEAST_DIFFERENT,
+            )
+        )
 
 
 def checked_name(name: str) -> str:
@@ -76,17 +134,14 @@ class Accounts:
 
     Args:
         folder: Of the page.
-        effort: Of the hashes of new passwords.
+        cost: Of the hashes of new passwords.
     """
 
-    def __init__(self, folder: Path, clock: Clock, effort: PasswordHash = OWASP) -> None:
+    def __init__(self, folder: Path, clock: Clock, cost: Cost = OWASP) -> None:
         self._folder, self._path = folder, folder / FILE_NAME
-        self._clock, self._effort = clock, effort
-        # As slow to check as the others; no password fits it.
-        self._nobody = replace(effort, key=secrets.token_bytes(HASH_BYTES))
-        self._lock = threading.Lock()
-        self._stamp: Optional[Tuple[int, ...]] = None
-        self._known: Mapping[str, Account] = {}
+        self._clock, self._cost = clock, cost
+        # What was read last, and the mark of its file: STOP waits for no disk.
+        self._seen: Tuple[Tuple[int, ...], Named] = (), {}
 
     def all(self) -> List[Account]:
         """Return all, by name."""
@@ -99,59 +154,29 @@ class Accounts:
     def check(self, name: str, password: str) -> Account:
         """Return the account of a name and its password.
 
-        It takes as long for a name that is not there.
-
         Raises:
             WrongLoginError: They do not fit.
         """
         account = self.find(name)
-        known = self._nobody if account is None else PasswordHash.parse(account.hash)
-        if not known.fits(password) or account is None:
-            raise WrongLoginError(Message("name or password is wrong"))
-        return account
+        if account is None:
+            hash_of(password, self._cost)  # a name that is not there takes as long
+        elif fits(password, account.hash):
+            return account
+        raise WrongLoginError(Message("name or password is wrong"))
 
-    def add(self, name: str, role: Role, password: str) -> Account:
-        """Make an account.
+    def put(self, name: str, role: Role, password: str) -> Account:
+        """Make an account, or replace it: whoever is logged in with it is so no longer.
 
         Raises:
-            AccountError: The name is taken, or name or password are not allowed.
+            AccountError: Name or password are not allowed.
         """
         name = checked_name(name)
+        check_password(password, name)
         created = iso_text(self._clock.time_of_day_us())
-        made = Account(name, role, self._hash(password, name), created, _new_generation())
-
-        def change(accounts: Named) -> None:
-            if name in accounts:
-                raise AccountError(Message("there is an account {name} already", name=name))
-            accounts[name] = made
-
-        self._change(change)
+        generation = secrets.randbelow(MAX_GENERATION)
+        made = Account(name, role, hash_of(password, self._cost), created, generation)
+        self._change(lambda accounts: accounts.update({name: made}))
         return made
-
-    def change(
-        self, name: str, role: Optional[Role] = None, password: Optional[str] = None
-    ) -> Account:
-        """Change role or password; whoever is logged in with the account is so no longer.
-
-        Args:
-            name: Of the account.
-            role: None: it stays.
-            password: None: it stays.
-
-        Raises:
-            AccountError: There is no such account, or the password is not allowed.
-        """
-        name = checked_name(name)
-        changes: Dict[str, Any] = {"generation": _new_generation()}
-        if role is not None:
-            changes["role"] = role
-        if password is not None:
-            changes["hash"] = self._hash(password, name)
-
-        def change(accounts: Named) -> None:
-            accounts[name] = replace(_existing(accounts, name), **changes)
-
-        return self._change(change)[name]
 
     def remove(self, name: str) -> None:
         """Remove an account.
@@ -159,36 +184,33 @@ class Accounts:
         Raises:
             AccountError: There is no such account.
         """
-        name = checked_name(name)
 
         def change(accounts: Named) -> None:
-            del accounts[_existing(accounts, name).name]
+            if accounts.pop(checked_name(name), None) is None:
+                raise AccountError(Message("there is no account {name}", name=name))
 
         self._change(change)
 
-    def _hash(self, password: str, name: str) -> str:
-        check_password(password, name)
-        return str(self._effort.of(password))
-
-    def _read(self) -> Mapping[str, Account]:
+    def _read(self) -> Named:
         """Return the accounts by their names, as the file has them now."""
-        with self._lock:
-            try:
-                # Before the content: what changes between the two is read again the next time.
-                stamp = self._stamp_now()
-                if stamp is None and self._stamp is not None:
-                    # Removing all accounts leaves a file. Who is logged in can still stop.
-                    raise self._unusable(Message("the file is gone"))
-                if stamp is not None and stamp != self._stamp:
-                    self._known = self._parse(read_regular(self._path))
-                    self._stamp = stamp
-            except AccountsFileError:
-                raise
-            except OSError as error:
-                raise self._unusable(os_reason(error)) from error
-            return self._known
+        former, known = self._seen
+        try:
+            # Before the content: what changes between the two is read again the next time.
+            found = self._path.stat()
+            mark = found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
+            if mark != former:
+                known = self._parse(read_regular(self._path))
+                self._seen = mark, known
+        except AccountsFileError:
+            raise
+        except OSError as error:
+            if isinstance(error, FileNotFoundError) and not former:
+                return {}
+            # Removing all accounts leaves a file. Who is logged in can still stop.
+            raise self._unusable(os_reason(error)) from error
+        return known
 
-    def _change(self, change: Callable[[Named], None]) -> Named:
+    def _change(self, change: Callable[[Named], None]) -> None:
         """Change a copy of all accounts and write it; nobody else changes them meanwhile."""
         try:
             ensure_secret_folder(self._folder)
@@ -204,16 +226,8 @@ class Accounts:
             raise
         except OSError as error:
             raise self._unusable(os_reason(error)) from error
-        return accounts
 
-    def _stamp_now(self) -> Optional[Tuple[int, ...]]:
-        try:
-            found = self._path.stat()
-        except FileNotFoundError:
-            return None
-        return found.st_mtime_ns, found.st_ctime_ns, found.st_size, found.st_ino
-
-    def _parse(self, data: bytes) -> Mapping[str, Account]:
+    def _parse(self, data: bytes) -> Named:
         try:
             content = json.loads(data)
             if content["format"] != FORMAT:
@@ -224,7 +238,7 @@ class Accounts:
                 raise ValueError("two accounts have one name")
         except (ValueError, LookupError, TypeError, RecursionError) as error:
             # Of a value that is missing Python says the name alone.
-            words = f"{error} is missing" if isinstance(error, KeyError) else str(error)
+            words = f"{error} is missing or unknown" if isinstance(error, KeyError) else str(error)
             reason = Message("the file is damaged, or of another version", details=words[:200])
             raise self._unusable(reason) from error
         return accounts
@@ -240,19 +254,29 @@ class Accounts:
         )
 
 
-def _existing(accounts: Mapping[str, Account], name: str) -> Account:
-    if name not in accounts:
-        raise AccountError(Message("there is no account {name}", name=name))
-    return accounts[name]
-
-
 def _account(values: Mapping[str, Any]) -> Account:
-    account = record_from(Account, {**values, "role": Role.of(values["role"])}, "")
+    account = record_from(Account, {**values, "role": ROLES[values["role"]]}, "")
     if account.name != checked_name(account.name):
         raise ValueError(f"the name {account.name!r} has large letters")
-    PasswordHash.parse(account.hash)
+    _parsed(account.hash)
     return account
 
 
-def _new_generation() -> int:
-    return secrets.randbelow(MAX_GENERATION)
+def _parsed(known: str) -> Tuple[Cost, bytes, bytes]:
+    found = _HASH.fullmatch(known)
+    if found is None:
+        raise ValueError("this is no hash of a password")
+    *cost, salt, key = found.groups()
+    return Cost(*map(int, cost)), base64.b64decode(salt), base64.b64decode(key)
+
+
+def _key_of(password: str, salt: bytes, cost: Cost) -> bytes:
+    return hashlib.scrypt(
+        # Keyboards write the same letter with an accent in two ways.
+        unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass"),
+        salt=salt,
+        **cost._asdict(),
+        # What it needs, and a little for OpenSSL itself.
+        maxmem=128 * cost.r * (cost.n + cost.p + 2) + (1 << 20),
+        dklen=HASH_BYTES,
+    )

@@ -4,38 +4,30 @@ from __future__ import annotations
 
 import asyncio
 import json
-from concurrent.futures import Executor
-from dataclasses import dataclass
-from typing import Any, Awaitable, Callable, Dict, Iterator, List, Mapping, Optional
+import re
+from functools import cached_property
+from typing import Any, Dict, List, Mapping
 
 from tornado import web
 from tornado.http1connection import HTTP1Connection
-from tornado.iostream import StreamClosedError
+from tornado.iostream import IOStream, StreamClosedError
 
-from gpr20_common.catalogue import Language, language_from_code, languages, read_catalogue
-from gpr20_common.errors import Gpr20Error, InvalidValueError
+from gpr20_common.catalogue import Language, languages, read_catalogue
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
 from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Stream
-from gpr20_web.errors import (
-    BadRequestError,
-    BusyError,
-    NotAllowedError,
-    NotFoundError,
-    WebError,
-)
-from gpr20_web.low.event_streams import EventStreams, Watcher, json_text
+from gpr20_web.errors import BadRequestError, NotAllowedError, NotFoundError, WebError
+from gpr20_web.low.event_streams import json_text
 
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
 # In seconds since 1970.
 LONG_AGO = 1.0
-MAX_WAITING = 32
 # A browser that watches and whose computer has not answered for so long is gone [s].
 BROKEN_S = 10.0
-MAX_LANGUAGES_CHARACTERS = 200
 JSON = "application/json"
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
 # forbid a person to accept the certificate that the installation made.
@@ -54,41 +46,19 @@ HEADERS = {
 }
 
 
-@dataclass
-class Pool:
-    """Threads, and how many requests wait for them or are in them."""
-
-    threads: Executor
-    waiting: int = 0
-
-
-@dataclass
-class Site:
-    """What every request needs.
-
-    Attributes:
-        find: Returns the person of a cookie and an address, or raises NotLoggedInError.
-        report: Takes an exception that no error of the project is, to be logged.
-        work: For requests that wait for files or nodes.
-        logins: For those who are not logged in yet: whatever the others wait for, they get in.
-    """
-
-    find: Callable[[str, str], Person]
-    report: Callable[[BaseException], None]
-    streams: EventStreams
-    work: Pool
-    logins: Pool
-
-
 # Otherwise tornado itself reads forms, before any check; tornado 6.4 takes seconds for some.
 @web.stream_request_body
 class PageHandler(web.RequestHandler):
-    """What all answers have in common; it refuses what no other handler takes."""
+    """What all answers have in common; the settings of the application are those of HttpServer."""
 
-    def initialize(self, site: Site) -> None:
-        """Tornado: take what every request needs."""
-        self._site = site
+    def prepare(self) -> None:
+        """Tornado: begin a request."""
         self._body = bytearray()
+        self._gone: asyncio.Future[None] = asyncio.get_event_loop().create_future()
+
+    def on_connection_close(self) -> None:
+        """Tornado: the browser has left; nobody else says so to what waits for it to read."""
+        self._gone.set_result(None)
 
     def data_received(self, chunk: bytes) -> None:
         """Tornado: take a part of the body, which is no longer than the server allows."""
@@ -100,119 +70,94 @@ class PageHandler(web.RequestHandler):
             self.set_header(name, value)
         self.clear_header("Server")
 
-    def prepare(self) -> None:
-        """Tornado: refuse what no other handler takes."""
-        self._refuse(NotFoundError(Message("there is no page {path}", path=self.request.path[:80])))
+    def log_exception(self, kind: Any, error: Any, trace: Any) -> None:
+        """Tornado: report a fault of the program."""
+        if not isinstance(error, (Gpr20Error, web.HTTPError, StreamClosedError)):
+            self.settings["report"](error)
 
-    def write_error(self, status_code: int, **_kwargs: Any) -> None:
-        """Tornado: write an error of its own, without what it knows of this program."""
-        self._send_json({"error": self._text(Message("The request was refused."))})
+    def send_error(self, status_code: int = 500, **kwargs: Any) -> None:
+        """Tornado: an error behind a part of a download would end it as if it were whole."""
+        if self._headers_written:
+            self._connection.close()
+        else:
+            super().send_error(status_code, **kwargs)
 
-    def _language(self) -> Language:
-        """Return the language that a page asks for, else one that its browser accepts."""
-        accepted = self.request.headers.get("Accept-Language", "")[:MAX_LANGUAGES_CHARACTERS]
-        asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
-        known = {one.value for one in languages()}
-        wanted = (
-            one.strip().partition("-")[0].lower()
-            for one in (asked, *accepted.replace(";", ",").split(","))
-        )
-        found = next((one for one in wanted if one in known), Language.ENGLISH.value)
-        try:
-            language = language_from_code(found)
-            read_catalogue(language)
-        except InvalidValueError:
-            # The catalogue was damaged since: a page in English is better than none.
-            return Language.ENGLISH
-        return language
-
-    def _text(self, message: Message) -> str:
-        return read_catalogue(self._language()).text(message)
-
-    def _send_json(self, values: Mapping[str, Any]) -> None:
-        connection = self.request.connection
-        if self._headers_written and isinstance(connection, HTTP1Connection):
-            # An error behind a part of a download would end it as if it were whole.
-            connection.close()
+    def write_error(self, status_code: int, **kwargs: Any) -> None:
+        """Tornado: write an error, without what it knows of this program."""
+        error = kwargs.get("exc_info", (None, None))[1]
+        if isinstance(error, Gpr20Error):
+            self.set_status(error.status if isinstance(error, WebError) else 409)
+            first = first_step(error.message)
+            self.send_json(
+                {
+                    "error": self.text(error.message),
+                    "remedy": "" if first is None else self.text(first),
+                    "code": error.message.fault_code,
+                }
+            )
             return
+        said = Message("The request was refused.")
+        if status_code >= 500:
+            said = Message("The page has a fault of its own; its log says which.")
+        self.send_json({"error": self.text(said)})
+
+    @property
+    def _connection(self) -> IOStream:
+        connection = self.request.connection
+        assert isinstance(connection, HTTP1Connection)
+        return connection.stream
+
+    @cached_property
+    def language(self) -> Language:
+        """The language that a page asks for, else one that its browser accepts."""
+        asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
+        accepted = self.request.headers.get("Accept-Language", "")
+        known = {one.value: one for one in languages()}
+        codes = re.split("[,;]", f"{asked},{accepted}")
+        found = (known.get(one.strip().partition("-")[0].lower()) for one in codes)
+        return next(filter(None, found), Language.ENGLISH)
+
+    def text(self, message: Message) -> str:
+        """Return a message in the language of the browser."""
+        return read_catalogue(self.language).text(message)
+
+    def send_json(self, values: Mapping[str, Any]) -> None:
+        """End the answer with an object."""
         self.set_header("Content-Type", f"{JSON}; charset=UTF-8")
         self.finish(json_text(values))
 
-    def _refuse(self, error: Gpr20Error) -> None:
-        self.set_status(error.status if isinstance(error, WebError) else 409)
-        message = error.message
-        first = first_step(message)
-        remedy = "" if first is None else self._text(first)
-        self._send_json(
-            {"error": self._text(message), "remedy": remedy, "code": message.fault_code}
-        )
 
-
-@web.stream_request_body
-class FileHandler(web.StaticFileHandler):
+class FileHandler(PageHandler, web.StaticFileHandler):
     """A file of the pages; the browser asks each time, so that an update reaches it."""
-
-    def data_received(self, chunk: bytes) -> None:
-        """Tornado: ignore what is sent with a request for a file."""
-
-    def set_default_headers(self) -> None:
-        """Tornado: set what every answer has."""
-        PageHandler.set_default_headers(self)  # type: ignore[arg-type]
 
     def set_extra_headers(self, path: str) -> None:
         """Tornado: replace what is for answers that are made."""
         self.set_header("Cache-Control", "no-cache")
 
-    def write_error(self, status_code: int, **_kwargs: Any) -> None:
-        """Tornado: write an error without what it knows of this program."""
-        self.finish()
-
 
 class RouteHandler(PageHandler):
     """Answers one path by its routes."""
 
-    def initialize(  # type: ignore[override]
-        self, site: Site, routes: Mapping[str, Route]
-    ) -> None:
-        """Tornado: take what every request needs, and the routes by their methods."""
-        super().initialize(site)
+    def initialize(self, routes: Mapping[str, Route]) -> None:
+        """Tornado: take the routes by their methods."""
         self._routes = routes
-        self._watcher: Optional[Watcher] = None
 
-    def prepare(self) -> None:
-        """Tornado: do nothing before the request is read."""
+    async def get(self, **parts: str) -> None:
+        """Answer a request; a GET changes nothing."""
+        route = self._routes.get(self.request.method or "")
+        if route is None:
+            path = self.request.path[:80]
+            raise NotFoundError(Message("there is no page {path}", path=path))
+        call = self._call(route, parts)
+        if route.blocking:
+            # Whatever the others wait for, who is not logged in yet gets in.
+            pool = "logins" if route.right is Role.NOBODY else "work"
+            answer = await self._in_thread(pool, route.answer, call)
+        else:
+            answer = route.answer(call)
+        await self._send(answer, call)
 
-    def get(self, **parts: str) -> Awaitable[None]:
-        """Answer a request that changes nothing."""
-        return self._serve(parts)
-
-    def post(self, **parts: str) -> Awaitable[None]:
-        """Answer a request that changes something."""
-        return self._serve(parts)
-
-    def on_connection_close(self) -> None:
-        """Tornado: the browser has left."""
-        if self._watcher is not None:
-            self._watcher.gone.set()
-
-    async def _serve(self, parts: Mapping[str, str]) -> None:
-        try:
-            method = self.request.method or ""
-            route = self._routes.get(method)
-            if route is None:
-                path = self.request.path[:80]
-                raise NotFoundError(Message("there is no page {path}", path=path))
-            call = self._call(route, parts)
-            await self._write(await self._answer(route, call), call)
-        except Gpr20Error as error:
-            self._refuse(error)
-        except StreamClosedError:
-            return  # the browser has left
-        except Exception as error:  # the last place: the others must be served
-            self._site.report(error)
-            self.set_status(500)
-            words = Message("The page has a fault of its own; its log says which.")
-            self._send_json({"error": self._text(words)})
+    post = get
 
     def _call(self, route: Route, parts: Mapping[str, str]) -> Call:
         """Check a request and return it.
@@ -224,7 +169,7 @@ class RouteHandler(PageHandler):
         address = str(self.request.remote_ip)
         person = None
         if route.right is not Role.NOBODY:
-            person = self._site.find(self.get_cookie(COOKIE) or "", address)
+            person = self.settings["find"](self.get_cookie(COOKIE) or "", address)
             if person.role < route.right:
                 raise NotAllowedError(
                     Message(
@@ -236,7 +181,7 @@ class RouteHandler(PageHandler):
                 )
         is_get = route.method == "GET"
         values = _fields(self.request.query_arguments) if is_get else _object(bytes(self._body))
-        return Call(person, address, values, parts, self._language(), self._text)
+        return Call(person, address, values, parts, self.language, self.text)
 
     def _check_origin(self) -> None:
         """Refuse what another page has made a browser send.
@@ -256,23 +201,9 @@ class RouteHandler(PageHandler):
                 Message("the request does not come from this page"), fault=faults.BAD_REQUEST
             )
 
-    async def _answer(self, route: Route, call: Call) -> Answer:
-        if not route.blocking:
-            return route.answer(call)
-        pool = self._site.logins if route.right is Role.NOBODY else self._site.work
-        if pool.waiting >= MAX_WAITING:
-            raise BusyError(
-                Message("the page has too much to do: {count} requests wait", count=pool.waiting)
-            )
-        pool.waiting += 1
-        try:
-            return await asyncio.get_event_loop().run_in_executor(pool.threads, route.answer, call)
-        finally:
-            pool.waiting -= 1
-
-    async def _write(self, answer: Answer, call: Call) -> None:
+    async def _send(self, answer: Answer, call: Call) -> None:
         if isinstance(answer, Stream):
-            await self._watch(answer, call)
+            await self._watch(answer, call.who)
         elif isinstance(answer, Body):
             await self._send_body(answer)
         elif isinstance(answer, Cookie):
@@ -280,22 +211,22 @@ class RouteHandler(PageHandler):
             # An empty one has ended: the browser forgets it.
             expires = None if answer.session else LONG_AGO
             self.set_cookie(COOKIE, answer.session, expires=expires, samesite="Strict", **flags)
-            self._send_json(answer.values)
+            self.send_json(answer.values)
         else:
-            self._send_json(answer)
+            self.send_json(answer)
 
-    async def _watch(self, stream: Stream, call: Call) -> None:
-        watcher = self._watcher = self._site.streams.add(self, stream, call.who)
-        connection = self.request.connection
-        try:
-            if isinstance(connection, HTTP1Connection) and not connection.stream.closed():
+    async def _watch(self, stream: Stream, person: Person) -> None:
+        with self.settings["streams"].watching(person):
+            if not self._connection.closed():
                 # Without this, a browser whose link is lost would be there for 15 min.
-                end_when_broken(connection.stream.socket, BROKEN_S)
+                end_when_broken(self._connection.socket, BROKEN_S)
             self.set_header("Content-Type", "text/event-stream")
-            await self.flush()
-            await watcher.gone.wait()
-        finally:
-            self._site.streams.remove(watcher)
+            async for event in self.settings["streams"].events(stream, person):
+                self.write(event)
+                sent = asyncio.ensure_future(self.flush())
+                await asyncio.wait([sent, self._gone], return_when=asyncio.FIRST_COMPLETED)
+                if self._gone.done():
+                    return
 
     async def _send_body(self, body: Body) -> None:
         self.set_header("Content-Type", body.kind)
@@ -304,18 +235,17 @@ class RouteHandler(PageHandler):
         if isinstance(body.content, bytes):
             self.finish(body.content)
             return
-        loop, parts = asyncio.get_event_loop(), iter(body.content)
-        while True:
-            part = await loop.run_in_executor(self._site.work.threads, _next, parts)
-            if part is None:
-                break
+        parts = iter(body.content)
+        part = await self._in_thread("work", next, parts, None)
+        while part is not None:
             self.write(part)
             await self.flush()
+            part = await self._in_thread("work", next, parts, None)
         self.finish()
 
-
-def _next(parts: Iterator[bytes]) -> Optional[bytes]:
-    return next(parts, None)
+    async def _in_thread(self, pool: str, work: Any, *arguments: Any) -> Any:
+        loop = asyncio.get_event_loop()
+        return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
 def _fields(given: Mapping[str, List[bytes]]) -> Dict[str, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import errno
 import os
 import ssl
@@ -16,31 +15,17 @@ from tornado.iostream import IOStream
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_web.calls import Person, Route, Routes
-from gpr20_web.errors import PortTakenError
+from gpr20_web.errors import SetupError
 from gpr20_web.low.event_streams import EventStreams
-from gpr20_web.low.handlers import FileHandler, PageHandler, Pool, RouteHandler, Site
+from gpr20_web.low.handlers import FileHandler, RouteHandler
 
-MAX_BODY_BYTES = 64 * 1024
-MAX_HEADER_BYTES = 16 * 1024
-READ_LIMIT_S = 10.0
-IDLE_CONNECTION_S = 120.0
+MAX_BODY_BYTES, MAX_HEADER_BYTES = 64 * 1024, 16 * 1024
+READ_LIMIT_S, IDLE_CONNECTION_S = 10.0, 120.0
 # Each has a descriptor, of which a process usually has 1024: without any, nothing works.
 MAX_CONNECTIONS = 512
 THREADS, LOGIN_THREADS = 8, 2
 # A file of the pages; without a name it is the first one.
 FILES = r"/((?:(?:[a-z]+/)?[a-z_]+\.[a-z]+)?)"
-_REFUSALS = {
-    errno.EADDRINUSE: Message(
-        "another program uses this port; end it, or set another port in web.yaml"
-    ),
-    errno.EADDRNOTAVAIL: Message(
-        "this is no address of this computer; set address in web.yaml to one that `ip address` "
-        "shows, such as 127.0.0.1"
-    ),
-    errno.EACCES: Message(
-        "this user may not use this port; set one from 1024 to 65535 in web.yaml"
-    ),
-}
 
 
 class _BoundedServer(httpserver.HTTPServer):
@@ -70,27 +55,28 @@ class HttpServer:
         find: Callable[[str, str], Person],
         report: Callable[[BaseException], None],
     ) -> None:
-        self._threads = ThreadPoolExecutor(THREADS, thread_name_prefix="web")
-        self._logins = ThreadPoolExecutor(LOGIN_THREADS, thread_name_prefix="login")
-        self.streams = EventStreams(lambda one: _ignore(find(one.session, one.address)), report)
-        site = Site(find, report, self.streams, Pool(self._threads), Pool(self._logins))
+        self.streams = EventStreams(lambda one: find(one.session, one.address))
+        self._pools = {
+            name: ThreadPoolExecutor(count, thread_name_prefix=name)
+            for name, count in (("work", THREADS), ("logins", LOGIN_THREADS))
+        }
         by_path: Dict[str, Dict[str, Route]] = {}
         for one in routes:
             by_path.setdefault(one.pattern, {})[one.method] = one
         files = {"path": str(static), "default_filename": "index.html"}
+        settings: Dict[str, Any] = {"find": find, "report": report, **self._pools}
         self._application = web.Application(
             [
-                *(
-                    (path, RouteHandler, {"site": site, "routes": methods})
-                    for path, methods in by_path.items()
-                ),
+                *((path, RouteHandler, {"routes": found}) for path, found in by_path.items()),
                 (FILES, FileHandler, files),
-                (r".*", PageHandler, {"site": site}),
+                (r".*", RouteHandler, {"routes": {}}),
             ],
-            log_function=_ignore,
+            streams=self.streams,
+            compress_response=True,
+            **settings,
+            log_function=lambda _handler: None,  # the logs of the surveys say who did what
         )
         self._server: Optional[httpserver.HTTPServer] = None
-        self._beats: Optional[asyncio.Future[None]] = None
 
     def listen(self, address: str, port: int, context: Optional[ssl.SSLContext]) -> int:
         """Answer from now on; return the port.
@@ -101,19 +87,19 @@ class HttpServer:
             context: Key and certificate; None: without encryption, for tests of this class.
 
         Raises:
-            PortTakenError: The address is not one of this computer, or the port is taken.
+            SetupError: The address is not one of this computer, or the port is taken.
         """
         try:
             sockets = netutil.bind_sockets(port, address)
             if not sockets:  # an IPv6 address, and this computer has no IPv6
                 raise OSError(errno.EADDRNOTAVAIL, os.strerror(errno.EADDRNOTAVAIL))
         except OSError as error:
-            raise PortTakenError(
+            raise SetupError(
                 Message(
                     "the page cannot listen at {address}, port {port} of web.yaml: {reason}",
                     address=address,
                     port=port,
-                    reason=_REFUSALS.get(error.errno or 0) or os_reason(error),
+                    reason=os_reason(error),
                     details=error,
                 )
             ) from error
@@ -126,20 +112,13 @@ class HttpServer:
             idle_connection_timeout=IDLE_CONNECTION_S,
         )
         self._server.add_sockets(sockets)
-        self._beats = asyncio.ensure_future(self.streams.run())
         return int(sockets[0].getsockname()[1])
 
     async def close(self) -> None:
         """End every answer."""
-        if self._beats is not None:
-            self._beats.cancel()
         self.streams.end()
         if self._server is not None:
             self._server.stop()
             await self._server.close_all_connections()
-        for threads in (self._threads, self._logins):
+        for threads in self._pools.values():
             threads.shutdown(wait=False)
-
-
-def _ignore(_answer: object) -> None:
-    """Take what is of no interest: the logs of the surveys say who did what."""

@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
 import enum
 import logging
-import threading
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Any, Callable, List, Optional, Sequence
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_web.errors import NotSentError
+from gpr20_web.errors import NotNowError
+from gpr20_web.faults import NOT_SENT
 from gpr20_web.low.outbox import Outbox
 
-LIMIT_S = 60.0
 FIRST_DELAY_S = 20.0
 # The first one, and three more.
 TRIES = 4
+# They write addresses, which are secrets here, into their logs.
+TALKATIVE = ("apprise", "urllib3", "requests", "slixmpp")
 
 
 class Occasion(enum.Enum):
@@ -29,6 +31,10 @@ class Occasion(enum.Enum):
     FINISHED = "finished"
 
 
+# As apprise calls them.
+TYPES = {Occasion.PAUSED: "warning", Occasion.FINISHED: "success"}
+
+
 @dataclass(frozen=True)
 class News:
     """A notice.
@@ -36,8 +42,6 @@ class News:
     Attributes:
         number: Another one for each.
         remedy: What to do first; None: nothing.
-        percent: How much of the survey is stored; None: there is none.
-        picture: PNG of the map; None: there is none.
     """
 
     number: int
@@ -45,18 +49,6 @@ class News:
     title: Message
     text: Message
     remedy: Optional[Message] = None
-    percent: Optional[int] = None
-    picture: Optional[bytes] = None
-
-
-TYPES = {
-    Occasion.NO_CONTACT: "failure",
-    Occasion.FAULT: "failure",
-    Occasion.PAUSED: "warning",
-    Occasion.FINISHED: "success",
-}
-# They write addresses, which are secrets here, into their logs.
-TALKATIVE = ("apprise", "urllib3", "requests", "slixmpp")
 
 
 class Notifier:
@@ -68,7 +60,6 @@ class Notifier:
         text: Returns a sentence in the language of the site.
         report: Takes what did not succeed, later in one of the threads; without addresses.
         delay_s: Before the second try [s].
-        limit_s: For one try [s].
     """
 
     def __init__(
@@ -78,33 +69,26 @@ class Notifier:
         text: Callable[[Message], str],
         report: Callable[[Message], None],
         delay_s: float = FIRST_DELAY_S,
-        limit_s: float = LIMIT_S,
     ) -> None:
         for one in TALKATIVE:
             logger = logging.getLogger(one)
             logger.handlers, logger.propagate = [logging.NullHandler()], False
-        self._name, self._text, self._limit_s = name, text, limit_s
-        servers: Dict[int, Any] = {}
+        self._name, self._text = name, text
+        self._boxes: List[Outbox[News]] = []
         for number, url in enumerate(urls, 1):
             server = _server(url)
-            if server is not None:
-                servers[number] = server
+            if server is None:
+                words = Message(
+                    "apprise does not know address {number} of notify.txt; it gets no notices",
+                    number=number,
+                )
+                report(words.with_fault(CONFIGURATION.as_warning()))
                 continue
-            words = Message(
-                "apprise does not know address {number} of notify.txt; it gets no notices",
-                number=number,
+            failure = Message(
+                "no notice could be sent to address {number} of notify.txt", number=number
             )
-            report(words.with_fault(CONFIGURATION.as_warning()))
-        self._boxes: List[Outbox[News]] = [
-            Outbox(
-                partial(self._deliver, server),
-                Message("no notice could be sent to address {number} of notify.txt", number=number),
-                report,
-                delay_s,
-                TRIES,
-            )
-            for number, server in servers.items()
-        ]
+            send = partial(self._deliver, server)
+            self._boxes.append(Outbox(send, failure, report, delay_s, TRIES))
 
     def send(self, news: News) -> None:
         """Send a notice later, to every address."""
@@ -117,40 +101,15 @@ class Notifier:
             box.close(limit_s)
 
     def _deliver(self, server: Any, news: News) -> None:
-        done: List[bool] = []
-        # A name server or a mail server may hang for minutes; the thread ends with the process.
-        worker = threading.Thread(
-            target=lambda: done.append(self._notify(server, news)), daemon=True
-        )
-        worker.start()
-        worker.join(self._limit_s)
-        if worker.is_alive():
-            raise TimeoutError
-        if done != [True]:
-            raise NotSentError(Message("the service did not accept it, or does not answer"))
-
-    def _notify(self, server: Any, news: News) -> bool:
         lines = [self._text(one) for one in (news.text, news.remedy) if one is not None]
-        if news.percent is not None:
-            lines.append(f"{news.percent} %")
-        words = {
-            "title": f"{self._name}: {self._text(news.title)}",
-            "body": "\n".join(one[:1].upper() + one[1:] for one in lines),
-            "notify_type": TYPES[news.occasion],
-        }
-        try:
-            if news.picture is not None and server.attachment_support:
-                words["attach"] = _attached(news.picture)
-            return bool(server.notify(**words))
-        except Exception:  # of any of a hundred plugins; its text may have the address in it
-            return False
-
-
-def _attached(picture: bytes) -> Any:
-    import apprise
-    from apprise.attachment.memory import AttachMemory
-
-    return apprise.AppriseAttachment(AttachMemory(picture, "map.png", "image/png"))
+        body = "\n".join(one[:1].upper() + one[1:] for one in lines)
+        title, kind = f"{self._name}: {self._text(news.title)}", TYPES.get(news.occasion, "failure")
+        is_sent = False
+        with contextlib.suppress(Exception):  # of any of a hundred plugins; it may say the address
+            is_sent = bool(server.notify(title=title, body=body, notify_type=kind))
+        if not is_sent:
+            refusal = Message("the service did not accept it, or does not answer")
+            raise NotNowError(refusal, fault=NOT_SENT)
 
 
 def _server(url: str) -> Any:

@@ -9,21 +9,22 @@ from typing import Any, Callable, Dict, Mapping, Optional
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
-from gpr20_operator.robot.notices import Refused, refusal_notice
-from gpr20_operator.robot.remote_control import RemoteAllowance, RemotePlan
+from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name
 from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_operator.robot.survey_model import Refusal, SurveyModel
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_web import faults
-from gpr20_web.calls import Audited, Call, Role, Route
+from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import notice_values, sentence
-from gpr20_web.mid.presses import Presses, press_of
+from gpr20_web.mid.now_page import sentence
+from gpr20_web.mid.presses import Presses, log_entry, press_of
 from gpr20_web.mid.remote_plan import plan_id, plan_values
 from gpr20_web.mid.web_page import WebPage
+
+NOT_POSSIBLE = Message("this is not possible in the present state")
 
 
 @dataclass
@@ -48,7 +49,7 @@ class Commands(WebPage):
     Args:
         robot: What is commanded.
         lease: Who may start and resume.
-        audit: Notes who did what.
+        note: Adds values to the log of a survey, by its id; it does not wait.
     """
 
     words: Mapping[str, Message] = {
@@ -87,11 +88,12 @@ class Commands(WebPage):
         "unknown": Message("{command}: unknown", command="{command}"),
     }
 
-    def __init__(self, robot: Robot, lease: Lease, audit: Audited) -> None:
-        self._robot, self._lease, self._audit = robot, lease, audit
+    def __init__(
+        self, robot: Robot, lease: Lease, note: Callable[[str, Mapping[str, Any]], None]
+    ) -> None:
+        self._robot, self._lease, self._note = robot, lease, note
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
-        self._refusal: Optional[Refusal] = None
         # Who has started a survey that the storage has not opened yet, by its id.
         self._starts: Dict[str, Call] = {}
         self._described = ""
@@ -112,29 +114,15 @@ class Commands(WebPage):
         self._robot.allowance.on_event(event)
         if isinstance(event, Answer):
             for one in self._presses.end(event):
-                said = f"{one.outcome.value}: {event.message}"
-                self._audit(one.call, one.request.value, said, self._survey)
+                self._log(one.call, one.request, f"{one.outcome.value}: {event.message}")
                 if event.survey_id:
                     self._starts[event.survey_id] = one.call
-                    self._note_start()
         elif isinstance(event, SurveyDescribed):
             self._described = survey_name(event.text)[0]
-            self._note_start()
-        elif isinstance(event, AxisStopAnswer):
-            answer = "answered" if event.answered else "did not answer"
-            for one in self._presses.stops(event.axis, self._robot.clock.now_s()):
-                self._audit(one.call, "stop", f"{event.axis.value} axis {answer}", self._survey)
-
-    def _note_start(self) -> None:
-        """Note who has started a survey in its own log, once the storage has opened it."""
-        call = self._starts.pop(self._described, None)
-        if call is not None:
-            self._audit(call, Request.START.value, "begun", self._described)
-
-    def take_refusal(self, refusal: Optional[Refusal]) -> None:
-        """Take what failed after it was accepted, as the state shows; None: nothing."""
-        if refusal is not None and self._presses.last is not None:
-            self._refusal = refusal
+        # Who has started a survey stands in its own log, once the storage has opened it.
+        starter = self._starts.pop(self._described, None)
+        if starter is not None:
+            self._log(starter, Request.START, "begun", self._described)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
@@ -153,7 +141,7 @@ class Commands(WebPage):
             return {}
         plan = allowance.plan if allowance.armed else None
         until_s = self._robot.clock.now_s() + allowance.remaining_s
-        warning = self._warning
+        holder, warning = self._lease.holder, self._warning
         return {
             "can": {
                 "stop": snapshot.replay is None,
@@ -168,11 +156,8 @@ class Commands(WebPage):
                 "obstacle": sentence(text, allowance.obstacle),
                 "plan": None if plan is None else plan_values(plan, text),
             },
-            "holder": None
-            if self._lease.holder is None
-            else {"name": self._lease.holder.name, "mark": self._lease.holder.mark},
+            "holder": None if holder is None else {"name": holder.name, "mark": holder.mark},
             "command": self._presses.values(text),
-            "refusal": self._refused(text),
             "stop_open": self._is_stop_open,
             "stop_warning": None
             if warning is None
@@ -188,23 +173,15 @@ class Commands(WebPage):
             press = press_of(call)
         except BadRequestError:
             press = uuid.uuid4().hex  # whoever sent it so: it is carried out, and noted
-        is_new = self._presses.find(press) is None
+        is_new = press not in self._presses
         # The page asks until it is confirmed; an open one is repeated as long without that.
         if is_new or not self._is_stop_open:
             self._robot.shown.request_sent(Request.STOP)
             self._robot.control.stop()
         if is_new:
             self._stop.press()
-            self._note(call, Request.STOP, press)
+            self._add(call, Request.STOP, press)
         return {"confirmed": not self._is_stop_open}
-
-    def _take(self, call: Call) -> Mapping[str, Any]:
-        self._lease.take(call.who, self._robot.allowance.armed)
-        return {}
-
-    def _release(self, call: Call) -> Mapping[str, Any]:
-        self._lease.release(call.who)
-        return {}
 
     def _pause(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
@@ -215,8 +192,9 @@ class Commands(WebPage):
 
     def _start(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
-            plan = self._allowed(call)
+            self._check_allowed(call, Request.START)
             _check(snapshot.can_start)
+            plan = self._robot.allowance.plan
             if plan is None:
                 raise NotNowError(Message("the plan at the robot is not complete"))
             if call.values.get("plan") != plan_id(plan):
@@ -231,7 +209,7 @@ class Commands(WebPage):
 
     def _resume(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
-            self._allowed(call)
+            self._check_allowed(call, Request.RESUME)
             _check(snapshot.can_resume)
             # It is the paused survey that the person has seen, whatever was paused since.
             if call.values.get("survey") != snapshot.running_survey:
@@ -240,21 +218,29 @@ class Commands(WebPage):
 
         return self._once(call, Request.RESUME, send)
 
+    def _take(self, call: Call) -> Mapping[str, Any]:
+        self._lease.take(call.who, self._robot.allowance.armed)
+        return {}
+
+    def _release(self, call: Call) -> Mapping[str, Any]:
+        self._lease.release(call.who)
+        return {}
+
     def _once(
         self, call: Call, request: Request, send: Callable[[Snapshot], None]
     ) -> Mapping[str, Any]:
         """Send a request unless its press is known: an answer may be lost, and asked for again."""
         press = press_of(call)
-        if self._presses.find(press) is None:
-            _check(self._snapshot is not None)
-            if self._snapshot is not None:
-                send(self._snapshot)
+        if press not in self._presses:
+            if self._snapshot is None:
+                raise NotNowError(NOT_POSSIBLE)
+            send(self._snapshot)
             self._robot.shown.request_sent(request)
-            self._note(call, request, press)
+            self._add(call, request, press)
         return {}
 
-    def _allowed(self, call: Call) -> Optional[RemotePlan]:
-        """Return the plan that may be started.
+    def _check_allowed(self, call: Call, request: Request) -> None:
+        """Check that a person may start and resume now.
 
         Raises:
             BadRequestError: The request does not say when it was pressed.
@@ -273,26 +259,21 @@ class Commands(WebPage):
                 raise NotNowError(obstacle.with_fault(faults.NOT_ARMED))
             self._lease.check(call.who)
         except (NotNowError, NotAllowedError) as error:
-            self._audit(call, "refused", str(error), self._survey)
+            self._log(call, request, f"refused: {error}")
             raise
-        return self._robot.allowance.plan
 
-    def _note(self, call: Call, request: Request, press: str) -> None:
+    def _add(self, call: Call, request: Request, press: str) -> None:
         self._presses.add(press, request, call, self._robot.clock.now_s())
-        self._refusal = None
-        self._audit(call, request.value, "sent", self._survey)
+        self._log(call, request, "sent")
 
-    @property
-    def _survey(self) -> str:
-        return "" if self._snapshot is None else self._snapshot.running_survey
-
-    def _refused(self, text: Callable[[Message], str]) -> Optional[Mapping[str, Any]]:
-        refusal = self._refusal
-        if refusal is None or refusal.request is Request.STOP:
-            return None
-        return notice_values(refusal_notice(Refused[refusal.request.name], refusal.reason), text)
+    def _log(self, call: Call, request: Request, outcome: str, survey: str = "") -> None:
+        """Note who did what in the log of a survey, of the running one if none is given."""
+        if not survey and self._snapshot is not None:
+            survey = self._snapshot.running_survey
+        if survey:
+            self._note(survey, log_entry(call, request.value, outcome, self._robot.clock))
 
 
 def _check(possible: bool) -> None:
     if not possible:
-        raise NotNowError(Message("this is not possible in the present state"))
+        raise NotNowError(NOT_POSSIBLE)

@@ -120,11 +120,6 @@ class GroundPage(WebPage):
             result = {"folder": live.folder, "text": text(said)}
         return {"ground": {"survey": survey, "revision": live.revision}, "result": result}
 
-    def picture(self) -> Optional[bytes]:
-        """Return what is measured of the running survey, for a notice: nothing that was found."""
-        coverage = self._live.patterns().get("coverage")
-        return None if coverage is None else pattern_png(coverage.cells, Theme.SUN)
-
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""
         values = Values(call.values)

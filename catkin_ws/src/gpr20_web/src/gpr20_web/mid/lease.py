@@ -47,14 +47,11 @@ class Lease:
         self._allowed &= allowed
 
     def take(self, person: Person, allowed: bool) -> None:
-        """Take control.
+        """Give control to a person, or raise NotAllowedError: somebody else has it.
 
         Args:
             person: Who takes it.
             allowed: See `refresh`.
-
-        Raises:
-            NotAllowedError: Somebody else has it.
         """
         self.refresh(allowed)
         if self.holder is not None and self._allowed:

@@ -5,15 +5,14 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
-from collections import OrderedDict
-from typing import Any, Iterator, Mapping, Tuple
+from typing import Any, Dict, Iterator, Mapping, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_web.calls import Call, Cookie, Person, Role, Route, text_of
-from gpr20_web.errors import AccountsFileError, TooManyLoginsError
+from gpr20_web.errors import TooManyLoginsError, WrongLoginError
 from gpr20_web.low.accounts import Accounts
-from gpr20_web.low.cookies import Logins
+from gpr20_web.low.logins import Logins
 from gpr20_web.mid.web_page import WebPage
 
 # So many wrong passwords of one account and address; then each next try waits so long [s].
@@ -30,8 +29,8 @@ class LoginLimits:
     def __init__(self, clock: Clock) -> None:
         self._now_s = clock.now_s
         self._lock = threading.Lock()
-        # How many failed, and when the last one began; the one that failed longest ago is first.
-        self._failures: OrderedDict[Tuple[str, str], Tuple[int, float]] = OrderedDict()
+        # How many failed, and when the last one did; the one that failed longest ago is first.
+        self._failures: Dict[Tuple[str, str], Tuple[int, float]] = {}
 
     @contextlib.contextmanager
     def attempt(self, name: str, address: str) -> Iterator[None]:
@@ -45,34 +44,23 @@ class LoginLimits:
             TooManyLoginsError: It is too early; nothing was checked.
         """
         key = name.lower()[:40], address
-        with self._lock:
-            now_s = self._now_s()
-            count, last_s = self._failures.get(key, (0, now_s))
-            if count >= FREE_FAILURES and now_s - last_s < PAUSE_S:
-                raise TooManyLoginsError(
-                    Message(
-                        "too many logins failed; wait {seconds} s",
-                        seconds=math.ceil(last_s + PAUSE_S - now_s),
-                    )
-                )
-            # Before it has failed: several at once would else be several guesses.
-            self._put(key, (count + 1, now_s))
+        count, last_s = self._failures.get(key, (0, 0.0))
+        wait_s = last_s + PAUSE_S - self._now_s()
+        if count >= FREE_FAILURES and wait_s > 0.0:
+            raise TooManyLoginsError(
+                Message("too many logins failed; wait {seconds} s", seconds=math.ceil(wait_s))
+            )
         try:
             yield
-        except AccountsFileError:
-            # Nobody has guessed.
+        except WrongLoginError:
             with self._lock:
-                count, _last_s = self._failures.get(key, (1, now_s))
-                self._put(key, (count - 1, last_s))
+                count, _last_s = self._failures.pop(key, (0, 0.0))
+                self._failures[key] = count + 1, self._now_s()
+                if len(self._failures) > MOST_KNOWN:
+                    del self._failures[next(iter(self._failures))]
             raise
         with self._lock:
             self._failures.pop(key, None)
-
-    def _put(self, key: Tuple[str, str], value: Tuple[int, float]) -> None:
-        self._failures.pop(key, None)
-        self._failures[key] = value
-        if len(self._failures) > MOST_KNOWN:
-            self._failures.popitem(last=False)
 
 
 class LoginPage(WebPage):

@@ -44,7 +44,7 @@ def _at(place: CurrentPosition) -> Message:
 
 
 class NowPage(WebPage):
-    """The band, the job and the last fault.
+    """The band, the job and what is wrong.
 
     Args:
         robot: Its name, where there are several; else empty.
@@ -60,8 +60,6 @@ class NowPage(WebPage):
         "position": Message("Antennas at"),
         "height": Message("Height over the ground"),
         "result": Message("Result"),
-        "last_fault": Message("Last fault"),
-        "first": Message("First"),
         "details": Message("Details"),
         "simulated": Message("SIMULATED"),
     }
@@ -70,8 +68,6 @@ class NowPage(WebPage):
         self._robot = robot
         self._snapshot: Optional[Snapshot] = None
         self._named: Tuple[str, str] = ("", "")
-        # The card of the last fault, and the survey it was in.
-        self._fault: Optional[Tuple[str, Notice]] = None
 
     def on_event(self, event: object) -> None:
         """Follow the name of the survey."""
@@ -81,31 +77,24 @@ class NowPage(WebPage):
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
         self._snapshot = snapshot
-        state = snapshot.state
-        if snapshot.replay is not None or state is None:
-            return
-        if snapshot.running and self._fault is not None and state.survey_id != self._fault[0]:
-            self._fault = None
-        if state.is_fault:
-            self._fault = state.survey_id, fault_notice(state)
 
     def live(self, text: Text) -> Mapping[str, Any]:
-        """Return band, job and last fault."""
+        """Return band, job and fault."""
         snapshot = self._snapshot
         if snapshot is None:
             return {}
-        band = self._band(snapshot, text)
+        band, state, fault = self._band(snapshot, text), snapshot.state, None
+        if state is not None and state.is_fault and snapshot.replay is None:
+            fault = notice_values(fault_notice(state), text)
         return {
             "robot": {
                 "name": self._robot,
                 "level": band["level"],
                 "simulated": snapshot.simulated,
-                "replay": snapshot.replay is not None,
-                "contact": snapshot.control_alive and snapshot.master_alive,
             },
             "band": band,
             "job": self._job(snapshot, text),
-            "fault": self._last_fault(snapshot, text),
+            "fault": fault,
         }
 
     @staticmethod
@@ -138,12 +127,3 @@ class NowPage(WebPage):
             "place": None if place is None else text(_at(place)),
             "height_mm": None if snapshot.height_m is None else round(snapshot.height_m * 1000.0),
         }
-
-    def _last_fault(self, snapshot: Snapshot, text: Text) -> Optional[Mapping[str, Any]]:
-        """Return the card of the last fault, until another survey runs without one."""
-        if self._fault is None or snapshot.replay is not None:
-            return None
-        _survey, notice = self._fault
-        state = snapshot.state
-        over = state is None or not state.is_fault
-        return {**notice_values(notice, text), "over": over}

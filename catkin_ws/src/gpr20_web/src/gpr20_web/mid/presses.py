@@ -6,12 +6,14 @@ import enum
 import math
 import re
 from collections import OrderedDict
-from dataclasses import dataclass, field
-from typing import Any, Callable, List, Mapping, Optional, Set
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, List, Mapping, Optional
 
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, text_of
 from gpr20_web.errors import BadRequestError, NotNowError
 
@@ -21,12 +23,12 @@ _PRESS_ID = re.compile("[0-9a-f]{32}")
 KNOWN_PRESSES = 500
 # An answer that has not come by then [s] is called unknown; homing may take longer than the rest.
 ANSWER_S = {Request.STOP: 5.0, Request.PAUSE: 12.0, Request.START: 1200.0, Request.RESUME: 1200.0}
-# An axis answers a STOP within so long [s], or is said not to have answered.
-STOP_ANSWERS_S = 10.0
 # A browser gives a command up after 5 s; its telephone may deliver it much later [s].
 LATE_S = 6.0
 # How far a browser's idea of the clock of `sent_ms` may be ahead [s].
 AHEAD_S = 2.0
+# Of a text in an entry of the log; a browser may send more.
+MOST_CHARACTERS = 200
 
 
 class Outcome(enum.Enum):
@@ -44,7 +46,6 @@ class Command:
 
     Attributes:
         answered: Whether its answer came, or another one of the same kind.
-        axes: Those whose answer to STOP is noted.
     """
 
     press: str
@@ -54,7 +55,6 @@ class Command:
     outcome: Outcome = Outcome.SENT
     said: Optional[Message] = None
     answered: bool = False
-    axes: Set[AxisId] = field(default_factory=set)
 
 
 class Presses:
@@ -69,18 +69,17 @@ class Presses:
         self.last: Optional[Command] = None
         self._stopped_s = -math.inf
 
-    def find(self, press: str) -> Optional[Command]:
-        """Return the command of a press that was sent before; None: it is new."""
-        return self._known.get(press)
+    def __contains__(self, press: str) -> bool:
+        """Return whether a press was sent before."""
+        return press in self._known
 
-    def add(self, press: str, request: Request, call: Call, now_s: float) -> Command:
+    def add(self, press: str, request: Request, call: Call, now_s: float) -> None:
         """Note a command that was passed on."""
         if request is Request.STOP:
             self._stopped_s = now_s
         self.last = self._known[press] = Command(press, request, call, now_s)
         while len(self._known) > KNOWN_PRESSES:
             self._known.popitem(last=False)
-        return self.last
 
     def check_age(self, call: Call, now_s: float) -> None:
         """Check that a command was pressed just now, and after the last STOP.
@@ -106,19 +105,6 @@ class Presses:
         known = self._known.values()
         return [one for one in known if one.request is request and not one.answered]
 
-    def stops(self, axis: AxisId, now_s: float) -> List[Command]:
-        """Return every STOP that an axis may answer now, each once.
-
-        Also after the main control. Nobody knows which of them it answers: many presses would be
-        noted as many times as there are answers.
-        """
-        known = (one for one in self._known.values() if one.request is Request.STOP)
-        late_s = now_s - STOP_ANSWERS_S
-        found = [one for one in known if one.sent_s >= late_s and axis not in one.axes]
-        for one in found:
-            one.axes.add(axis)
-        return found
-
     def end(self, answer: Answer) -> List[Command]:
         """Take an answer; return the commands that it ends."""
         ended = self.waiting(answer.request)
@@ -141,12 +127,15 @@ class Presses:
         last = self.last
         if last is None:
             return None
+        refused = None if last.outcome is not Outcome.REFUSED else last.said
+        first = None if refused is None else first_step(refused)
         return {
             "press": last.press,
             "request": last.request.value,
             "name": last.call.who.name,
             "outcome": last.outcome.value,
             "text": "" if last.said is None else text(last.said),
+            "remedy": "" if first is None else text(first),
         }
 
 
@@ -160,3 +149,15 @@ def press_of(call: Call) -> str:
     if not _PRESS_ID.fullmatch(press):
         raise BadRequestError(Message("the request has no mark of its press"))
     return press
+
+
+def log_entry(call: Call, what: str, outcome: str, clock: Clock) -> Dict[str, Any]:
+    """Return who did what, for the log of a survey."""
+    return {
+        "time": iso_text(clock.time_of_day_us()),
+        "user": call.who.name,
+        "role": call.who.role.word,
+        "address": call.address,
+        "command": what,
+        "outcome": outcome[:MOST_CHARACTERS],
+    }

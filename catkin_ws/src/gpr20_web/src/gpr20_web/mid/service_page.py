@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from typing import Any, Callable, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
@@ -14,10 +13,8 @@ from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.notices import node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web import faults
-from gpr20_web.calls import Body, Call, Role, Route
-from gpr20_web.errors import NotFoundError, NotNowError
-from gpr20_web.mid.now_page import notice_values, sentence
+from gpr20_web.calls import Call, Role, Route
+from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import Interest, WebPage
 
 
@@ -33,11 +30,10 @@ class NoRequests:
 
 
 class ServicePage(WebPage):
-    """Findings and health while somebody looks, and the bundle for remote help.
+    """Findings and health while somebody looks.
 
     Args:
         examine: As for `ServiceModel`.
-        make: Makes the bundle and waits; its errors are those of the project.
     """
 
     words: Mapping[str, Message] = {
@@ -45,31 +41,15 @@ class ServicePage(WebPage):
         "waiting": Message("The checks have not ended yet."),
         "parts": Message("Parts"),
         "all": Message("All checks"),
-        "bundle": Message("Make a bundle for remote help"),
-        "making": Message("The bundle is being made; this takes about a minute."),
-        "contents": Message(
-            "It has findings, logs and configuration without secrets, but names of operators, "
-            "positions and network addresses. Look through it before you send it."
-        ),
     }
 
     def __init__(
-        self,
-        examine: Callable[..., None],
-        make: Callable[[], bytes],
-        clock: Clock,
+        self, examine: Callable[..., None], clock: Clock
     ) -> None:
         self._model = ServiceModel(NoRequests(), examine, clock)
         self._interest = Interest(self._model.set_watched, clock)
-        self._make = make
         self._snapshot: Optional[Snapshot] = None
-        self._making = threading.Lock()
-        self._bundle = b""
-        self.routes = (
-            Route("GET", "/api/service", Role.WATCH, self._list),
-            Route("POST", "/api/service/bundle", Role.CONTROL, self._make_bundle, blocking=True),
-            Route("GET", "/api/service/bundle", Role.CONTROL, self._give_bundle),
-        )
+        self.routes = (Route("GET", "/api/service", Role.WATCH, self._list),)
 
     def on_event(self, event: object) -> None:
         """Follow endstops, clocks and limits."""
@@ -89,23 +69,7 @@ class ServicePage(WebPage):
             "summary": call.text(summary(found)) if found else "",
             "findings": [_finding(one, call) for one in found],
             "parts": [_part(one, call) for one in nodes],
-            "making": self._making.locked(),
         }
-
-    def _make_bundle(self, _call: Call) -> Mapping[str, Any]:
-        if not self._making.acquire(blocking=False):
-            raise NotNowError(Message("the bundle is already being made"))
-        try:
-            self._bundle = self._make()
-        finally:
-            self._making.release()
-        return {"bytes": len(self._bundle)}
-
-    def _give_bundle(self, _call: Call) -> Body:
-        content, self._bundle = self._bundle, b""
-        if not content:
-            raise NotFoundError(Message("there is no bundle; make one first"), fault=faults.BUNDLE)
-        return Body(content, "application/zip", "gpr20_bundle.zip")
 
 
 def _finding(one: Finding, call: Call) -> Mapping[str, Any]:
@@ -114,10 +78,15 @@ def _finding(one: Finding, call: Call) -> Mapping[str, Any]:
         "title": call.text(one.level.title),
         "text": sentence(call.text, one.text),
         "remedy": sentence(call.text, one.remedy),
-        "details": list(one.text.all_details),
         "wrong": one.level >= Level.UNKNOWN,
     }
 
 
 def _part(node: NodeHealth, call: Call) -> Mapping[str, Any]:
-    return {"level": node.level.name.lower(), **notice_values(node_notice(node), call.text)}
+    notice = node_notice(node)
+    return {
+        "level": node.level.name.lower(),
+        "title": call.text(notice.title),
+        "text": sentence(call.text, notice.text),
+        "remedy": sentence(call.text, notice.first),
+    }

@@ -8,7 +8,8 @@ from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.calls import Body, Call, Role, Route, Stream
+from gpr20_web.calls import Body, Call, Document, Role, Route, Stream
+from gpr20_web.low.event_streams import json_text
 from gpr20_web.mid.web_page import WebPage
 
 # What changes with each trace: nobody reads it faster, and each change costs every browser work.
@@ -17,10 +18,6 @@ SELDOM = frozenset({"band", "job", "ground"})
 
 WORDS: Mapping[str, Message] = {
     "shell.point": DECIMAL_POINT,
-    "shell.moment": Message(
-        "{year}-{month}-{day} {time}",
-        **{one: f"{{{one}}}" for one in ("year", "month", "day", "time")},
-    ),
     "shell.pages": Message("Pages"),
     "shell.place_now": Message("Survey"),
     "shell.place_map": Message("Ground"),
@@ -50,7 +47,7 @@ WORDS: Mapping[str, Message] = {
 }
 
 
-class Shell(WebPage):
+class Shell:
     """Joins the pages.
 
     Args:
@@ -60,12 +57,7 @@ class Shell(WebPage):
     def __init__(self, pages: Mapping[str, WebPage]) -> None:
         self.pages = pages
         # By language, until the next refresh.
-        self._documents: Dict[str, Mapping[str, Any]] = {}
-        self.routes = (
-            Route("GET", "/api/words", Role.NOBODY, self._words),
-            Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
-            Route("GET", "/api/live", Role.WATCH, self._live),
-        )
+        self._documents: Dict[str, Document] = {}
 
     def on_event(self, event: object) -> None:
         """Pass an event on."""
@@ -80,15 +72,28 @@ class Shell(WebPage):
 
     def all_routes(self) -> Sequence[Route]:
         """Return the whole table."""
-        return [*self.routes, *(one for page in self.pages.values() for one in page.routes)]
+        return [
+            Route("GET", "/api/words", Role.NOBODY, self._words),
+            Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
+            Route("GET", "/api/live", Role.WATCH, self._live),
+            *(one for page in self.pages.values() for one in page.routes),
+        ]
 
-    def document(self, language: Language) -> Mapping[str, Any]:
+    def document(self, language: Language) -> Document:
         """Return what a browser sees now; it is made once for each language."""
         code = language.value
         if code not in self._documents:
             text = read_catalogue(language).text
-            parts = [page.live(text) for page in self.pages.values()]
-            self._documents[code] = {name: one for part in parts for name, one in part.items()}
+            shown = [one for page in self.pages.values() for one in page.live(text).items()]
+            urgent, seldom = (
+                "".join(
+                    f'"{name}":{json_text(one)},'
+                    for name, one in shown
+                    if (name in SELDOM) is later
+                )
+                for later in (False, True)
+            )
+            self._documents[code] = Document(urgent, seldom)
         return self._documents[code]
 
     def _words(self, call: Call) -> Mapping[str, Any]:
@@ -103,7 +108,7 @@ class Shell(WebPage):
         }
 
     def _live(self, call: Call) -> Stream:
-        return Stream(lambda: self.document(call.language), SELDOM)
+        return Stream(lambda: self.document(call.language))
 
 
 def _colours() -> Body:

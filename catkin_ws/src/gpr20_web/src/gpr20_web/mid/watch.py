@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Hashable, Mapping, Optional, Set, Tuple
+from typing import Any, Callable, FrozenSet, Hashable, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import condition_of, lost
+from gpr20_operator.robot.events import ControlState
 from gpr20_operator.robot.notices import fault_notice
-from gpr20_operator.robot.snapshot import Snapshot, percent_of
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.low.notifier import News, Occasion
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
 
-Key = Tuple[Hashable, ...]
+# What happened, with what stays the same while its numbers change.
+Key = Tuple[Occasion, Hashable]
 
 
 class Watch(WebPage):
@@ -25,7 +27,6 @@ class Watch(WebPage):
 
     Args:
         send: Takes each notice for those who have no page open; it does not wait.
-        picture: Makes a PNG of the map; None: the notices have none.
     """
 
     words: Mapping[str, Message] = {
@@ -34,34 +35,29 @@ class Watch(WebPage):
         "denied": Message("This browser does not allow notifications."),
     }
 
-    def __init__(
-        self,
-        clock: Clock,
-        send: Callable[[News], None] = lambda _news: None,
-        picture: Callable[[], Optional[bytes]] = lambda: None,
-    ) -> None:
+    def __init__(self, clock: Clock, send: Callable[[News], None]) -> None:
         self._clock, self._send = clock, send
-        self._picture = picture
-        self._known: Optional[Set[Key]] = None
+        self._known: Optional[FrozenSet[Key]] = None
         self._last: Optional[News] = None
-        self._last_key: Key = ()
+        self._last_key: Optional[Key] = None
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Take what is known now; give at most one notice, the others with the next snapshots."""
-        if snapshot.replay is not None or snapshot.state is None:
+        """Take what is known now, and send what is new."""
+        state = snapshot.state
+        if snapshot.replay is not None or state is None:
             return
-        found = _found(snapshot)
-        if self._known is None:
-            self._known = {key for key, one in found.items() if one is not Occasion.FAULT}
-        self._known &= set(found)
-        if self._last_key not in found:
+        key = _key_of(snapshot, state)
+        found = frozenset() if key is None else frozenset([key])
+        is_first, known = self._known is None, self._known or frozenset()
+        is_lost = key is not None and key[0] is Occasion.NO_CONTACT
+        # What was so before the contact was lost is not new after it.
+        self._known = found | known if is_lost else found
+        if key != self._last_key:
             self._last = None  # it is over: who opens the page later need not learn it
-        for key, occasion in found.items():
-            if key not in self._known:
-                self._known.add(key)
-                self._last, self._last_key = self._news(occasion, snapshot), key
-                self._send(self._last)
-                return
+        if key is None or key in known or (is_first and key[0] is not Occasion.FAULT):
+            return
+        self._last, self._last_key = self._news(key[0], snapshot, state), key
+        self._send(self._last)
 
     def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
         """Return the last notice, as long as it is true."""
@@ -71,41 +67,33 @@ class Watch(WebPage):
         return {
             "notice": {
                 "id": news.number,
-                "level": news.occasion.value,
                 "title": sentence(text, news.title),
                 "text": sentence(text, news.text),
                 "remedy": sentence(text, news.remedy),
             }
         }
 
-    def _news(self, occasion: Occasion, snapshot: Snapshot) -> News:
-        shown = condition_of(snapshot)
-        title, said, first = shown.title, shown.message, shown.remedy
-        gone = lost(snapshot)
-        if occasion is Occasion.NO_CONTACT and gone is not None:
-            title, said, first = gone.title, gone.message, gone.remedy
-        elif occasion is Occasion.FAULT and snapshot.state is not None:
-            card = fault_notice(snapshot.state)
-            title, said, first = card.title, card.text, card.first
+    def _news(self, occasion: Occasion, snapshot: Snapshot, state: ControlState) -> News:
         number = self._clock.time_of_day_us()
-        return News(number, occasion, title, said, first, percent_of(snapshot), self._picture())
+        if occasion is Occasion.FAULT:
+            card = fault_notice(state)
+            return News(number, occasion, card.title, card.text, card.first)
+        shown = lost(snapshot) if occasion is Occasion.NO_CONTACT else None
+        shown = shown or condition_of(snapshot)
+        return News(number, occasion, shown.title, shown.message, shown.remedy)
 
 
-def _found(snapshot: Snapshot) -> Dict[Key, Occasion]:
-    """Return what is so now, with what stays the same while its numbers change."""
-    found: Dict[Key, Occasion] = {}
-    state = snapshot.state
-    gone = lost(snapshot)
+def _key_of(snapshot: Snapshot, state: ControlState) -> Optional[Key]:
+    """Return what somebody must learn now, the most urgent; None: nothing."""
     # A robot that rests may be switched off.
-    if gone is not None and (snapshot.running or snapshot.interrupted or snapshot.moving):
-        found[("lost", snapshot.interrupted)] = Occasion.NO_CONTACT
-    if state is None:
-        return found
+    counts = snapshot.running or snapshot.interrupted or bool(snapshot.moving)
+    if counts and lost(snapshot) is not None:
+        return Occasion.NO_CONTACT, snapshot.interrupted
     if state.is_fault:
-        code, first = state.reason.fault_code, fault_notice(state).first
-        found[(state.code, state.survey_id, code, first)] = Occasion.FAULT
-    elif state.code is SurveyState.PAUSED:
-        found[(state.code, state.survey_id)] = Occasion.PAUSED
-    elif state.shown is SurveyState.FINISHED:
-        found[(state.shown, state.survey_id)] = Occasion.FINISHED
-    return found
+        reason = (state.code, state.survey_id, state.reason.fault_code, fault_notice(state).first)
+        return Occasion.FAULT, reason
+    if state.code is SurveyState.PAUSED:
+        return Occasion.PAUSED, state.survey_id
+    if state.shown is SurveyState.FINISHED:
+        return Occasion.FINISHED, state.survey_id
+    return None

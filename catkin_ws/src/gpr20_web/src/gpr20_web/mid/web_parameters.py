@@ -10,7 +10,6 @@ from typing import Tuple
 from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import ipv4_address
 from gpr20_common.mid.codec import bounded
 
 NOTIFY_FILE = "notify.txt"
@@ -37,7 +36,17 @@ class WebParameters:
     session_hours: float = bounded(0.1, 168.0, 12.0)
 
     def __post_init__(self) -> None:
-        _check_address(self.address)
+        try:
+            ipaddress.ip_address(self.address)
+        except ValueError as error:
+            raise InvalidValueError(
+                Message(
+                    "{name} is {value}; it must be an IPv4 or IPv6 address of this computer, such "
+                    "as 127.0.0.1 or ::1",
+                    name="address",
+                    value=repr(self.address[:64]),
+                )
+            ) from error
         if not (self.folder.startswith(("/", "~/")) and self.folder.isprintable()):
             raise InvalidValueError(
                 Message(
@@ -80,20 +89,3 @@ class WebParameters:
             text = Message("{file}: {reason}", file=file, reason=os_reason(error))
             raise InvalidValueError(text, fault=CONFIGURATION) from error
         return tuple(one.strip() for one in lines if one.strip() and not one.startswith("#"))
-
-
-def _check_address(address: str) -> None:
-    try:
-        if ":" in address:
-            ipaddress.IPv6Address(address)
-        else:
-            ipv4_address("address", address)
-    except ValueError as error:
-        raise InvalidValueError(
-            Message(
-                "{name} is {value}; it must be an IPv4 or IPv6 address of this computer, such as "
-                "127.0.0.1 or ::1",
-                name="address",
-                value=repr(address[:64]),
-            )
-        ) from error

@@ -1,15 +1,12 @@
 // The frame of the page: login, pages, language, theme, and the band over all of them.
 
 import { button, element, field } from "./dom.js";
-import { Notices } from "./notices.js";
 import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
 import map from "./pages/map.js";
-import more from "./pages/more.js";
+import { more, robots, service } from "./pages/more.js";
 import now from "./pages/now.js";
 import radar from "./pages/radar.js";
-import robots from "./pages/robots.js";
-import service from "./pages/service.js";
 import surveys from "./pages/surveys.js";
 
 const CONTROL = 2;
@@ -31,7 +28,6 @@ class App {
     this.root = document.getElementById("page");
     this.words = null;
     this.me = null;
-    this.live = null;
     this.page = null;
     document.documentElement.dataset.theme = this.memory.getItem("theme") ?? "sun";
     window.addEventListener("hashchange", () => this.show());
@@ -55,16 +51,14 @@ class App {
     // First: whoever loads the page again waits for it. The band sends it again, and says so.
     await Promise.allSettled(this.stops.map(([press]) =>
       this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    const { words, language, languages } =
-      await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
-    this.server.language = language;
-    try {
-      this.me = await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS);
-    } catch (error) {
+    const asked = (path) => this.server.ask("GET", path, null, LOAD_LIMIT_MS);
+    const nobody = (error) => {
       if (error.status !== 401) throw error;
-    }
-    document.documentElement.lang = language;
-    Object.assign(this, { words, language, languages });
+      return null;
+    };
+    const [found, me] = await Promise.all([asked("/api/words"), asked("/api/me").catch(nobody)]);
+    this.server.language = document.documentElement.lang = found.language;
+    Object.assign(this, found, { me });
   }
 
   word(name, values = {}) {
@@ -75,13 +69,6 @@ class App {
   // As the language of the page writes it; what is no number stays as it is.
   number(value) {
     return typeof value === "number" ? `${value}`.replace(".", this.words["shell.point"]) : value;
-  }
-
-  moment(text, length = 5) {
-    const at = new Date(text);
-    const [year, month, day] = at.toLocaleDateString("sv").split("-"); // as in ISO 8601
-    const time = at.toTimeString().slice(0, length);
-    return this.word("shell.moment", { year, month, day, time });
   }
 
   get(path) {
@@ -131,6 +118,20 @@ class App {
     document.getElementById("alerts").replaceChildren(shown);
   }
 
+  // Ask again and again while a page is shown; without an answer, the band says how old it is.
+  poll(path, periodMs, show) {
+    const ask = async () => {
+      try {
+        show(await this.get(path));
+      } catch (error) {
+        if (error.status) this.report(error);
+      }
+    };
+    clearInterval(this.polls);
+    this.polls = setInterval(ask, periodMs);
+    ask();
+  }
+
   showLogin() {
     const name = element("input", { name: "name", autocomplete: "username", required: true });
     const password = element("input", {
@@ -139,8 +140,7 @@ class App {
     const send = async (event) => {
       event.preventDefault();
       try {
-        await this.post("/api/login", { name: name.value, password: password.value });
-        this.me = await this.get("/api/me");
+        this.me = await this.post("/api/login", { name: name.value, password: password.value });
         this.kept.removeItem("why");
         this.enter();
       } catch (error) {
@@ -196,12 +196,11 @@ class App {
     const header = document.getElementById("top");
     const bottom = document.getElementById("bottom");
     header.hidden = bottom.hidden = false;
-    this.notices = new Notices(this);
-    this.live = new Live(this.server, (state) => this.update(state), () =>
-      this.leave("over"));
+    this.live = new Live(this.server, (state) => this.update(state), () => this.leave("over"));
     this.top = new Top(header, bottom, this);
     this.ticks = setInterval(() => this.live.slept ? this.wake() : this.top.tick(), TICK_MS);
     document.addEventListener("visibilitychange", () => document.hidden || this.wake());
+    window.addEventListener("pagehide", () => this.live.rest());
     window.addEventListener("pageshow", ({ persisted }) => persisted && this.wake());
     this.show();
   }
@@ -224,6 +223,7 @@ class App {
     const wanted = window.location.hash.slice(1).split("/")[0];
     const page = PAGES.find((one) => one.name === wanted) ?? now;
     this.page?.leave?.();
+    clearInterval(this.polls);
     if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
     document.body.dataset.page = page.name;
@@ -261,8 +261,24 @@ class App {
 
   update(state) {
     this.top.update(state);
-    this.notices.update(state);
+    this.notify(state);
     this.page?.update?.(state, this);
+  }
+
+  // What a person must learn who does not look; what was so before the page was opened is known.
+  notify({ notice, robot }) {
+    const id = notice?.id ?? null;
+    const isNew = notice && this.noticed !== undefined && id !== this.noticed;
+    this.noticed = id;
+    if (!isNew || globalThis.Notification?.permission !== "granted") return;
+    const title = robot.name ? `${robot.name}: ${notice.title}` : notice.title;
+    const body = [notice.text, notice.remedy].filter(Boolean).join("\n");
+    try {
+      new Notification(title, { body, tag: "gpr20" }).onclick = () => window.focus();
+    } catch (error) {
+      // Some telephones have the permission but not this way to use it; the band says it.
+      if (!(error instanceof TypeError)) throw error;
+    }
   }
 }
 

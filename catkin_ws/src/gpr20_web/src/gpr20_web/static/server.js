@@ -179,9 +179,14 @@ export class Live {
     return Math.max(0, (untilMs - this.robotMs) / 1000);
   }
 
-  close() {
-    this.closed = true;
+  // The browser may keep a page that was left, with its connection.
+  rest() {
     clearTimeout(this.waiting);
     this.source.close();
+  }
+
+  close() {
+    this.closed = true;
+    this.rest();
   }
 }

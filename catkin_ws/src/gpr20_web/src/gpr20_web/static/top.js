@@ -7,7 +7,7 @@ export const SIGNS = {
   working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
 };
 // Before 5 s: it was on its way for a while, and the tick may be late.
-export const STALE_MS = 4500;
+const STALE_MS = 4500;
 export const PRESS_LIMIT_MS = 5000;
 // A STOP that works is confirmed sooner.
 const STOP_AGAIN_MS = 1000;
@@ -23,18 +23,10 @@ export class Top {
     this.sign = element("span", { class: "sign", "aria-hidden": "true" });
     this.title = element("strong", { id: "state" });
     this.words = element("span", { class: "words" });
-    this.more = button("▾", () => this.showAll(), {
-      "aria-label": word("now.details"), "aria-expanded": "false", hidden: true,
-    });
-    this.chip = element("span", { class: "chip simulated" });
+    this.chip = element("span", { class: "chip simulated", hidden: true }, word("now.simulated"));
     this.age = element("p", { class: "age", role: "status", hidden: true });
-    this.band = element(
-      "div",
-      { class: "band" },
-      this.sign,
-      element("div", { role: "status" }, this.title, this.chip, this.words),
-      this.more,
-    );
+    this.band = element("div", { class: "band" }, this.sign,
+      element("div", { role: "status" }, this.title, this.chip, this.words));
     this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
     this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
     const note = element("small", { id: "stop-note" }, word("commands.not_emergency"));
@@ -42,21 +34,17 @@ export class Top {
       { id: "stop", "aria-describedby": note.id });
     this.warning = document.getElementById("stop-warning");
     this.said = element("p", { class: "said", role: "status" });
-    this.remote = element("p", { class: "remote" });
     // Folded on the page SURVEY, for those who may.
+    this.remote = [element("span"), element("span")];
+    this.take = button("", () => this.takeOrRelease(), { id: "take" });
     this.control = element("details", { id: "control", hidden: !app.mayControl },
-      element("summary", {}, word("commands.control")), this.remote);
+      element("summary", {}, word("commands.control")),
+      element("p", {}, this.remote[0], " ", this.remote[1], " ", this.take));
     this.places = element("nav", { id: "pages", "aria-label": word("shell.pages") });
     root.replaceChildren(this.band, this.age, this.said);
     bottom.replaceChildren(
-      element("div", { class: "commands" }, this.start, this.pause, this.stop, note),
-      this.places,
-    );
+      element("div", { class: "commands" }, this.start, this.pause, this.stop, note), this.places);
     for (const [press] of app.stops) this.repeatStop(press);
-  }
-
-  get stale() {
-    return this.app.live.ageMs() > STALE_MS;
   }
 
   update(state) {
@@ -67,7 +55,6 @@ export class Top {
     write(this.title, robot.name ? `${robot.name}: ${band.title}` : band.title);
     const words = band.left || band.message;
     write(this.words, band.asked ? `${words.replace(/\.$/, "")}. ${band.asked}` : words);
-    write(this.chip, this.app.word("now.simulated"));
     this.chip.hidden = !robot.simulated;
     const { paused } = state.job;
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
@@ -79,36 +66,24 @@ export class Top {
     this.tick();
   }
 
-  // A telephone cuts the words of the band.
-  showAll() {
-    const isOpen = this.words.classList.toggle("whole");
-    this.more.setAttribute("aria-expanded", isOpen);
-    write(this.more, isOpen ? "▴" : "▾");
-  }
-
-  // What time and the width alone change.
+  // What time alone changes.
   tick() {
-    const { scrollHeight, clientHeight, classList } = this.words;
-    this.more.hidden = scrollHeight <= clientHeight && !classList.contains("whole");
-    const { state } = this.app.live;
-    const ageMs = this.app.live.ageMs();
-    const { stale } = this;
-    document.body.classList.toggle("stale", stale);
-    this.age.hidden = !stale;
-    if (stale)
-      write(
-        this.age,
-        Number.isFinite(ageMs)
-          ? this.app.word("shell.stale", { seconds: Math.floor(ageMs / 1000) })
-          : this.app.word("shell.connecting"),
-      );
+    const { app } = this;
+    const { state } = app.live;
+    const ageMs = app.live.ageMs();
+    const isStale = ageMs > STALE_MS;
+    document.body.classList.toggle("stale", isStale);
+    this.age.hidden = !isStale;
+    if (isStale)
+      write(this.age, Number.isFinite(ageMs)
+        ? app.word("shell.stale", { seconds: Math.floor(ageMs / 1000) })
+        : app.word("shell.connecting"));
     this.showWarning(this.warningOf(state));
     if (!state.can) return;
-    const inControl = this.app.inControl;
-    const paused = state.job.paused;
-    const waits = stale || this.app.stops.length > 0;
-    this.pause.disabled = waits || (paused ? !(state.can.resume && inControl) : !state.can.pause);
-    this.start.disabled = waits || !inControl;
+    const waits = isStale || app.stops.length > 0;
+    const { can, job: { paused } } = state;
+    this.pause.disabled = waits || (paused ? !(can.resume && app.inControl) : !can.pause);
+    this.start.disabled = waits || !app.inControl;
     this.showRemote(state);
   }
 
@@ -131,43 +106,40 @@ export class Top {
       ...(warning ? [element("strong", {}, warning.title), " ", warning.text] : []));
   }
 
+  // One missing step at a time.
   showRemote({ remote, holder }) {
     const { app } = this;
-    if (!app.mayControl) return;
-    const parts = [];
-    if (remote.armed && remote.until_ms !== null) {
+    let allowed = remote.obstacle.replace(/([^.!?])$/, "$1.");
+    if (remote.armed) {
       const seconds = Math.floor(app.live.secondsUntil(remote.until_ms));
       const time = `${Math.floor(seconds / 60)}:${String(seconds % 60).padStart(2, "0")}`;
-      parts.push(app.word("commands.armed", { time }));
-    } else parts.push(remote.obstacle);
-    // One missing step at a time.
-    if (app.inControl) parts.push(app.word("commands.you"));
-    else if (holder) parts.push(app.word("commands.other", { name: holder.name }));
-    else parts.push(remote.armed ? app.word("commands.nobody") : "");
-    // The button stays while time alone changes: else a press or the focus is lost.
-    const key = JSON.stringify([holder, app.inControl]);
-    if (key !== this.remoteKey) {
-      this.remoteKey = key;
-      this.remoteTexts = parts.map(() => element("span"));
-      const what = app.inControl ? "release" : "take";
-      this.remote.replaceChildren(...this.remoteTexts.flatMap((one) => [one, " "]),
-        button(app.word(`commands.${what}`),
-          () => app.post(`/api/control/${what}`).catch((error) => app.report(error)),
-          { id: what }));
+      allowed = app.word("commands.armed", { time });
     }
-    parts[0] = parts[0].replace(/([^.!?])$/, "$1.");
-    parts.forEach((text, number) => write(this.remoteTexts[number], text));
+    let who = remote.armed ? app.word("commands.nobody") : "";
+    if (app.inControl) who = app.word("commands.you");
+    else if (holder) who = app.word("commands.other", { name: holder.name });
+    write(this.remote[0], allowed);
+    write(this.remote[1], who);
+    this.take.id = app.inControl ? "release" : "take";
+    write(this.take, app.word(`commands.${this.take.id}`));
+  }
+
+  async takeOrRelease() {
+    try {
+      await this.app.post(`/api/control/${this.take.id}`);
+    } catch (error) {
+      this.app.report(error);
+    }
   }
 
   async pauseOrResume() {
-    const { state } = this.app.live;
-    if (!state.job.paused) {
+    const { paused, survey, name } = this.app.live.state.job;
+    if (!paused) {
       await this.send("pause", {});
       return;
     }
-    const { survey } = state.job;
     const title = this.app.word("commands.confirm_resume");
-    if (await ask(this.app, title, [element("p", {}, state.job.name || survey)], this.pause.textContent))
+    if (await ask(this.app, title, [element("p", {}, name || survey)], this.pause.textContent))
       await this.send("resume", { survey });
   }
 
@@ -178,9 +150,9 @@ export class Top {
       element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)));
     const lines = [
       element("table", { class: "table" }, ...rows),
-      plan.doubt ? element("p", { class: "warn" }, plan.doubt) : null,
+      plan.doubt ? element("p", { class: "warn" }, plan.doubt) : "",
       element("p", { class: "danger" }, plan.warning),
-    ].filter(Boolean);
+    ];
     const title = this.app.word("commands.confirm_start");
     if (await ask(this.app, title, lines, this.app.word("commands.start")))
       await this.send("start", { plan: plan.id });
@@ -259,6 +231,7 @@ export class Top {
     const ofStop = `shell.stop_${command.outcome}`;
     const isOfStop = command.request === "stop" && ofStop in this.app.words;
     const said = this.app.word(isOfStop ? ofStop : `commands.${command.outcome}`, { command: name });
-    this.say([`${command.name}: ${said}.`, command.text].filter(Boolean).join(" "));
+    const parts = [`${command.name}: ${said}.`, command.text, command.remedy];
+    this.say(parts.filter(Boolean).join(" "));
   }
 }

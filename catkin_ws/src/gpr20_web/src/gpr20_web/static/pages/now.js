@@ -1,9 +1,8 @@
-// NOW: how far the survey is, where the antennas are, and the last fault.
+// NOW: how far the survey is, where the antennas are, and what is wrong.
 
 import { element, write } from "../dom.js";
 
-const figure = (name) =>
-  element("div", {}, element("dt", {}, name), element("dd", {}, ""));
+const FIGURES = ["survey", "stored", "line", "area", "position", "height"];
 
 export default {
   name: "now",
@@ -13,101 +12,76 @@ export default {
     this.percent = element("p", { class: "percent" });
     this.progress = element("progress", { max: 100, "aria-label": word("stored") });
     this.left = element("p", { class: "left" });
-    this.figures = Object.fromEntries(
-      ["survey", "stored", "line", "area", "position", "height"].map((one) => [
-        one, figure(word(one)),
-      ]),
-    );
+    this.figures = FIGURES.map((one) =>
+      element("div", {}, element("dt", {}, word(one)), element("dd", {}, "")));
     this.result = element("a", { class: "button", hidden: true });
-    this.cards = element("div", { class: "cards" });
+    this.fault = element("div");
     this.map = element("img", { class: "map", alt: app.word("map.title"), hidden: true });
     root.append(
-      element(
-        "div",
-        { class: "columns" },
-        element(
-          "div",
-          { class: "card" },
-          this.percent,
-          this.progress,
-          this.left,
-          this.result,
-          element("dl", {}, ...Object.values(this.figures)),
-          app.top.control,
-        ),
-        element("div", { class: "card" }, this.map),
-      ),
-      this.cards,
+      element("div", { class: "columns" },
+        element("div", { class: "card" }, this.percent, this.progress, this.left, this.result,
+          element("dl", {}, ...this.figures), app.top.control),
+        element("div", { class: "card" }, this.map)),
+      this.fault,
     );
-    this.cardsKey = "";
+    this.faultKey = this.mapKey = "";
   },
 
   update(state, app) {
-    const { job, band } = state;
-    const put = (name, text) => {
-      this.figures[name].hidden = !text;
-      write(this.figures[name].lastChild, text);
+    const { job, band, result } = state;
+    const { stored, planned } = job;
+    const texts = {
+      survey: job.name || job.survey.slice(0, 8),
+      stored: stored === null ? "" : app.word("now.traces", { stored, planned }),
+      line: job.line,
+      area: job.area,
+      position: job.place,
+      height: job.height_mm === null ? "" : `${job.height_mm} mm`,
     };
-    this.percent.hidden = job.percent === null;
+    this.figures.forEach((figure, number) => {
+      const text = texts[FIGURES[number]];
+      figure.hidden = !text;
+      write(figure.lastChild, text);
+    });
+    this.percent.hidden = this.progress.hidden = job.percent === null;
     write(this.percent, `${job.percent} %`);
-    this.progress.hidden = job.percent === null;
     this.progress.value = job.percent ?? 0;
     write(this.left, band.left);
-    put("survey", job.name || job.survey.slice(0, 8));
-    const { stored, planned } = job;
-    put("stored", stored === null ? "" : app.word("now.traces", { stored, planned }));
-    put("line", job.line);
-    put("area", job.area);
-    put("position", job.place);
-    put("height", job.height_mm === null ? "" : `${job.height_mm} mm`);
-    const { result } = state;
     this.result.hidden = !result;
     if (result) this.result.href = `#surveys/${result.folder}`;
     write(this.result, result ? `${app.word("now.result")}: ${result.text}` : "");
     this.showMap(state, app);
-    const key = JSON.stringify([state.fault, state.refusal]);
-    if (key !== this.cardsKey) {
-      this.cardsKey = key;
-      this.cards.replaceChildren(...this.cardsOf(state, app));
-    }
+    this.showFault(state, app);
   },
 
   // What is measured until all is, then what it shows.
   showMap({ ground, job }, app) {
     const layer = job.percent === 100 ? "echoes" : "coverage";
-    if (!ground || this.shown === `${layer} ${ground.survey} ${ground.revision}`) return;
-    this.shown = `${layer} ${ground.survey} ${ground.revision}`;
-    const theme = document.documentElement.dataset.theme;
+    const key = `layer=${layer}&revision=${ground?.revision}&survey=${ground?.survey}`;
+    if (!ground || key === this.mapKey) return;
+    this.mapKey = key;
     this.map.hidden = !ground.survey;
-    if (ground.survey)
-      this.map.src = app.server.address(
-        `/api/ground/map.png?layer=${layer}&theme=${theme}&revision=${ground.revision}`,
-      );
+    const { theme } = document.documentElement.dataset;
+    const picture = `layer=${layer}&theme=${theme}&revision=${ground.revision}`;
+    if (ground.survey) this.map.src = app.server.address(`/api/ground/map.png?${picture}`);
   },
 
-  cardsOf({ fault, refusal }, app) {
-    const cards = [];
-    if (refusal) cards.push(this.card(refusal, app, refusal.title));
-    if (fault) cards.push(this.card(fault, app, `${app.word("now.last_fault")}: ${fault.title}`));
-    return cards;
+  showFault({ fault }, app) {
+    const key = JSON.stringify(fault);
+    if (key === this.faultKey) return;
+    this.faultKey = key;
+    this.fault.replaceChildren(...(fault ? [this.card(fault, app)] : []));
   },
 
-  card(notice, app, title) {
-    return element(
-      "article",
-      { class: notice.over ? "card" : "card warn" },
+  card({ title, text, first, then, details }, app) {
+    return element("article", { class: "card warn" },
       element("h2", {}, title),
-      element("p", {}, notice.text),
-      notice.first ? element("p", { class: "first" }, notice.first) : null,
-      notice.then ? element("p", {}, notice.then) : null,
-      notice.details.length
+      element("p", {}, text),
+      first ? element("p", { class: "first" }, first) : null,
+      then ? element("p", {}, then) : null,
+      details.length
         ? element("details", {}, element("summary", {}, app.word("now.details")),
-          element("pre", {}, notice.details.join("\n")))
-        : null,
-    );
-  },
-
-  leave() {
-    this.shown = null;
+          element("pre", {}, details.join("\n")))
+        : null);
   },
 };
