@@ -89,7 +89,7 @@ ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
 return [width, document.documentElement.clientWidth];
 """
-PAGES = ("now", "map", "radar", "surveys", "more", "robots", "service")
+PAGES = ("now", "map", "surveys", "more", "robots", "service")
 
 
 @pytest.fixture(scope="module")

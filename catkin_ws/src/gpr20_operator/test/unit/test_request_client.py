@@ -20,13 +20,8 @@ from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
-from gpr20_operator.ground.additions import (
-    AdditionsFailed,
-    AdditionsRead,
-    MarkersStored,
-    MarkingFailed,
-)
-from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, SurveysListed
+from gpr20_operator.ground.additions import AdditionsFailed, MarkersStored, MarkingFailed
+from gpr20_operator.ground.traces import ReadingFailed, SurveyRead, SurveysListed
 from gpr20_operator.high import request_client, storage_client
 from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
@@ -203,7 +198,7 @@ def answer(services, events):
 def test_answers_become_events(answer):
     assert answer("list") == SurveysListed("", (), False)
     assert answer("survey") == SurveyRead("folder", "{}", (0, 3))
-    assert answer("additions") == AdditionsRead("id", (), ())
+    assert answer("additions") == MarkersStored("id", ())
     assert answer("marker") == answer("removal") == MarkersStored(SURVEY, ())
 
 

@@ -17,20 +17,19 @@ from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import verbatim
 from gpr20_main_control.mid.survey.survey_status import Coverage
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import (
     CoverageRuns,
     MapModel,
     StopState,
     coverage_of_stored,
 )
-from gpr20_operator.ground.geometry import Area
 from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_operator.ground.marks import GroundMark
+from gpr20_operator.ground.patterns import TILES, Cell
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.plan.survey_state import SampleState
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
+from gpr20_user_interface.widgets.ground_picture import GroundPicture
 
 
 def colour(mark):
@@ -146,8 +145,6 @@ def test_marks_and_frames_are_seen_over_the_states(picture, grid):
     at = pixel_of(picture, MARKER.x_mm, MARKER.y_mm)
     flag = picture.to_data(QPointF(at.x() + 4, at.y() - 20))
     assert colour(Mark.MARKER) in colours(picture, *flag, reach=2)
-    picture.set_frames([Frame(Area(130.0, 170.0, 60.0, 100.0))])
-    assert colour(Mark.INK) in colours(picture, 150.0, 100.0, reach=1)
     model = model_of(grid)
     model.set_target((150.0, 90.0))  # the stop that is visited
     assert colour(Mark.CURRENT) not in colours(picture, 137.5, 95.0, reach=2)
@@ -217,8 +214,10 @@ def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotat
     assert grid.planned == len(points)
     indices = np.array([one.index for one in points])
     positions = np.array([(one.x_mm, one.y_mm, one.z_deg) for one in points])
-    assert grid.holds(grid.cells(indices), positions).all()
-    assert [grid.index(grid.cell(one.index)) for one in points] == indices.tolist()
+    cells = grid.cells(indices)
+    assert grid.holds(cells, positions).all()
+    found = [grid.index(Stop(row, column), number) for row, column, number in zip(*cells)]
+    assert found == indices.tolist()
 
 
 @given(st.lists(STATES, min_size=1, max_size=60))

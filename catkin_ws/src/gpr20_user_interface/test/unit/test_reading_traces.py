@@ -21,20 +21,21 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, show
+from window_helpers import click
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
 from gpr20_operator.ground.grid import Stop
-from gpr20_operator.ground.trace_events import (
+from gpr20_operator.ground.traces import (
+    RETRY_REFRESHES,
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
     SurveysListed,
+    TracePresenter,
     TracesRead,
 )
-from gpr20_operator.ground.traces import RETRY_REFRESHES, TracePresenter
-from gpr20_operator.robot.events import CurrentPosition, Replay, TargetPosition
+from gpr20_operator.robot.events import Replay, TargetPosition
 from gpr20_operator.words import local_time
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
@@ -62,23 +63,18 @@ def done(traces):
 
 @pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
 def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
-    note(traces, SurveyState.FINISHED)
-    open_past(traces)
-    assert (done(traces), traces.shown.survey_id) == (20, PAST)
-    note(traces, code, NEXT)
+    # One that is paused does not, but one that is resumed.
+    for before, survey in ((SurveyState.FINISHED, NEXT), (SurveyState.PAUSED, NEXT)):
+        note(traces, before, survey)
+        open_past(traces)
+        note(traces, before, survey)
+        assert (done(traces), traces.shown.survey_id) == (20, PAST)
+        note(traces, code, survey)
     assert traces.opened_folder == "" and traces.band is None and done(traces) is None
     traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
     traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
     traces.refresh()
     assert (done(traces), traces.shown.survey_id) == (1, NEXT)
-
-
-def test_a_survey_that_is_resumed_takes_the_place_of_a_past_one(traces):
-    for code, opened in ((SurveyState.PAUSED, FOLDER), (SurveyState.HOMING, "")):
-        note(traces, SurveyState.PAUSED)
-        open_past(traces)
-        note(traces, code)
-        assert traces.opened_folder == opened
 
 
 def test_a_survey_is_never_shown_as_the_next_one_whichever_comes_first(traces):
@@ -205,28 +201,22 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     traces.open_survey(FOLDER)
     parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
     text = description(survey_id=PAST, parameters=parameters)
-    traces.on_event(SurveyRead(FOLDER, text, tuple(range(1000))))
-    loading = traces.shown.loading
-    assert (loading.loaded, loading.stored, loading.step) == (0, 1000, 2)
-    assert loading.waiting.sum() == 1000 and not loading.waiting[0, 20:].any()
+    traces.on_event(SurveyRead(FOLDER, text, tuple(range(1100))))
     requested, shown = [], traces.shown
+    assert shown.loading.waiting.sum() == 1100 and not shown.loading.waiting[0, 22:].any()
     refresh(traces, 2)
     while storage.asked[-1] != ("answered",):
         _name, _survey, indices = storage.asked[-1]
         requested += indices
         storage.asked.append(("answered",))
         # The last but one cannot be read.
-        some = [one for one in indices if one != 998]
-        why = {998: verbatim("torn")} if 998 in indices else None
+        some = [one for one in indices if one != 1098]
+        why = {1098: verbatim("torn")} if 1098 in indices else None
         traces.on_event(read(indices[0], *some, unreadable=why, grid=shown.map.grid))
-        here = len(requested) - (998 in requested)
-        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 1000 - len(requested))
-    assert sorted(requested) == list(range(1000))
-    coarse = requested[:250]
-    row, column, _polarization = shown.map.grid.cells(np.array(coarse))
-    assert set(row % 2) == set(column % 2) == {0}
-    assert requested[250:] == sorted(set(range(1000)).difference(coarse))
-    assert (shown.loading.loaded, shown.loading.stored) == (999, 999)
+        here = len(requested) - (1098 in requested)
+        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 1100 - len(requested))
+    assert requested == list(range(1100))
+    assert (shown.loading.loaded, shown.loading.stored) == (1099, 1099)
 
 
 def test_only_what_does_not_come_on_the_topic_is_read(traces, storage):
@@ -265,7 +255,7 @@ def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
     assert found[0].count == found[1].count
 
 
-def test_a_file_that_cannot_be_read_or_is_not_there_is_told_once(traces, storage):
+def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(3))
     refresh(traces, 2)
@@ -287,23 +277,15 @@ def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
     assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
 
 
-def test_a_new_survey_begins_an_empty_picture_and_a_resumed_one_does_not(traces):
+def test_a_resumed_survey_keeps_its_picture(traces):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(trace_at(GRID, 0))
     traces.refresh()
     traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
     assert traces.shown.radar.count == 1
-    # Its coverage waits for its plan.
-    traces.on_event(stored(4, PAST))
-    traces.refresh()
-    assert traces.shown.map.counts() is None
-    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-    assert traces.shown.radar.count == 0
-    traces.refresh()
-    assert traces.shown.map.counts()[StopState.DONE] == 2
 
 
-def test_what_cannot_be_shown_is_told_and_the_window_goes_on(storage):
+def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
     for event in (
         SurveyDescribed("{"),
         CoverageRuns(SURVEY, 40, (3,), (0,)),
@@ -338,13 +320,10 @@ def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(traces, stor
     assert traces.shown is not traces.live
 
 
-def test_the_target_is_the_current_stop(window):
-    window.on_event(SurveyDescribed(description()))
-    there = {
-        "target": TargetPosition(125.0, 70.0, 0.0),
-        "current": CurrentPosition(120.0, 70.0, 0.0),
-    }
-    show(window, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY), **there))
-    assert window.traces.live.map.current == Stop(1, 1)
-    show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
-    assert window.traces.live.map.current is None
+def test_the_target_is_the_current_stop(traces):
+    traces.on_event(SurveyDescribed(description()))
+    state = state_of(SurveyState.SURVEYING, survey_id=SURVEY)
+    traces.note_state(snapshot(state=state, target=TargetPosition(125.0, 70.0, 0.0)))
+    assert traces.live.map.current == Stop(1, 1)
+    note(traces, SurveyState.FINISHED)
+    assert traces.live.map.current is None

@@ -87,14 +87,11 @@ def test_csrf_nothing_is_done_for_another_page(page: WholePage, row: Row) -> Non
     assert page.done() == before
 
 
-# These change nothing here, or need a search, somebody who asks, or an imaging node that
-# answers: other tests have them.
+# These change nothing here, or need a search or somebody who asks: other tests have them.
 NOT_HERE = (
     "/api/login",
     "/api/logout",
     "/api/control/take",
-    "/api/ground/hide",
-    "/api/ground/cancel",
     f"{S}/found",
 )
 STATES = {"/api/pause": SurveyState.SURVEYING, "/api/resume": SurveyState.PAUSED}

@@ -32,7 +32,7 @@ from web_kit import (
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.robots import Robots
@@ -253,7 +253,6 @@ TABLE = (
     Row("GET", "/api/ground/map.png", WATCH),
     Row("GET", "/api/ground/section.png", WATCH),
     Row("GET", "/api/ground/bar.png", WATCH),
-    Row("GET", "/api/ground/sign.png", WATCH),
     Row("GET", "/api/robots", WATCH),
     Row("GET", "/api/service", WATCH),
     # The stored surveys: search, verdict, candidates, downloads.
@@ -275,8 +274,6 @@ TABLE = (
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
     # What takes the robot's computer minutes, or shows how it is set up.
-    Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", CONTROL),
     Row("POST", "/api/service/bundle", CONTROL),
     Row("GET", "/api/service/bundle", CONTROL),
 )

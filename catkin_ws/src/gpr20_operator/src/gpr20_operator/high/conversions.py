@@ -25,7 +25,7 @@ from gpr20_msgs.msg import Replay as ReplayMessage
 from gpr20_msgs.msg import SurveyParameters as SurveyParametersMessage
 from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.trace_events import SurveysListed, TracesRead
+from gpr20_operator.ground.traces import SurveysListed, TracesRead
 from gpr20_operator.robot.events import (
     Configured,
     ControlState,

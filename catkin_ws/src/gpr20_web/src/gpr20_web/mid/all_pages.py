@@ -15,7 +15,7 @@ from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.cookies import Logins
 from gpr20_web.low.notifier import News
 from gpr20_web.mid.commands import Commands
-from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
+from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.robots_page import RobotsPage
@@ -63,9 +63,7 @@ def all_pages(given: Surroundings) -> Dict[str, WebPage]:
     return {
         "now": NowPage(given.name),
         "commands": given.commands,
-        "ground": ground,
-        "map": MapPage(),
-        "radar": RadarPage(),
+        "map": ground,
         "surveys": SurveysPage(given.services, given.data),
         "robots": RobotsPage(given.robots, clock),
         "service": ServicePage(given.watch, given.examine, given.make_bundle, clock),

@@ -7,14 +7,13 @@ import { PRESS_LIMIT_MS, Top } from "./top.js";
 import map from "./pages/map.js";
 import more from "./pages/more.js";
 import now from "./pages/now.js";
-import radar from "./pages/radar.js";
 import robots from "./pages/robots.js";
 import service from "./pages/service.js";
 import surveys from "./pages/surveys.js";
 
 const CONTROL = 2;
 // The places at the bottom, each with its pages; the first one opens.
-const PLACES = [[now], [map, radar], [surveys], [more, service, robots]];
+const PLACES = [[now], [map], [surveys], [more, service, robots]];
 const PAGES = PLACES.flat();
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
