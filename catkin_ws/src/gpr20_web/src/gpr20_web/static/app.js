@@ -232,14 +232,9 @@ class App {
     const title = this.word(`${page.name}.title`);
     document.title = `${title} – GPR-20`;
     const section = element("section", { "aria-labelledby": "page-title" });
-    // Two views of one place are beside each other; MORE has its own way to its pages.
-    const views = place === PLACES[1]
-      ? [element("nav", { class: "views", "aria-label": title },
-        ...place.map((one) => this.link(one, this.word(`${one.name}.title`), one === page)))]
-      : [];
     const isPlace = place !== PLACES[3] || page === more;
     const head = element("h1", { id: "page-title", class: isPlace ? "unseen" : null }, title);
-    this.root.replaceChildren(head, ...views, section);
+    this.root.replaceChildren(head, section);
     page.show(section, this);
     if (this.state.band) page.update?.(this.state, this);
   }

@@ -42,13 +42,15 @@ class Ground {
     this.addChoice("along", ["x", "y"].map((one) => [one, this.word(one)]));
     this.addChoice("background", [["1", this.word("removed")], ["0", this.word("included")]]);
     const back = element("a", { class: "button", href: page }, this.word("back"));
-    root.append(
-      this.head, pictures,
+    // Without a survey the title says all there is to say.
+    this.body = element("div", { hidden: true },
+      pictures,
       element("div", { class: "row" }, this.depthField, folder ? back : this.follow),
       this.lines,
       element("details", {}, element("summary", {}, this.word("options")), this.controls),
       this.counts, this.notes, this.markCard(),
     );
+    root.append(this.head, this.body);
     this.poll();
   }
 
@@ -212,15 +214,16 @@ class Ground {
     write(this.notes, [...shown.notice, ...notices, ...shown.notes].join(" "));
     this.add.disabled = !about.folder || !shown.place;
     if (this.key === (this.key = JSON.stringify(shown.marks))) return;
-    const items = shown.marks.map((one) =>
+    // The most important ones are painted last.
+    const items = [...shown.marks].reverse().map((one) =>
       element("li", {}, button(one.lines.join(", "), () => this.chooseMark(one))));
     this.marks.replaceChildren(...(items.length ? items : [element("li", {}, this.word("no_marks"))]));
   }
 
   draw() {
     const { above, section, shown, about, images } = this;
-    for (const one of [above, section]) one.canvas.hidden = !shown?.area;
-    if (!shown?.area) return;
+    this.body.hidden = !shown?.area;
+    if (this.body.hidden) return;
     const image = (name) => images.get(name)?.image;
     above.begin(shown.area);
     above.image(image("coverage"), shown.area);
@@ -229,8 +232,8 @@ class Ground {
     for (const one of shown.failed) above.ring(...one, 9, "mark-stop-failed");
     if (about.target) above.ring(...about.target, 7, "mark-current");
     if (about.carriage) above.cross(...about.carriage, "mark-carriage", 13);
-    shown.marks.forEach((one) => above.mark(one));
     if (shown.place) above.cross(...shown.place, "mark-selected", 22);
+    shown.marks.forEach((one) => above.mark(one));
     above.axes(["X mm", "Y mm"]);
     if (shown.image) above.bar(image("bar"), shown.bar);
     section.canvas.hidden = !shown.section;
@@ -246,8 +249,8 @@ class Ground {
       plot.fill([left + one * wide, left + (one + 1) * wide, ...second], "mark-ink", 6);
     plot.image(image("section"), section.extent);
     if (!section.in_time) plot.line("mark-surface", plot.at(left, 0), plot.at(right, 0));
-    section.marks.forEach((one) => plot.mark(one));
     if (section.at[1] !== null) plot.cross(...section.at, "mark-selected", 22);
+    section.marks.forEach((one) => plot.mark(one));
     plot.axes(section.titles);
     plot.bar(image("bar"), this.shown.bar);
   }
