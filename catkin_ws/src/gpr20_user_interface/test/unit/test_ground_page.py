@@ -15,8 +15,7 @@ from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.additions import MarkersStored, MarkingFailed
-from gpr20_operator.ground.model import Layer
-from gpr20_operator.ground.sources import Axis
+from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.window.rail import TabName
@@ -90,7 +89,7 @@ def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
         click(getattr(sheet, name))
     now = dataclasses.asdict(model.settings).items()
     same = {name for name, value in now if getattr(before, name) == value}
-    assert same == {"depth_m", "permittivity"}
+    assert same == {"depth_m", "permittivity", "layer"}
     assert view.section.labels[0] == "Y mm" and not model.follows
     assert (filled.traces.live.radar.echoes == echoes).all()
 
@@ -158,7 +157,7 @@ def test_over_a_candidate_nothing_is_said_to_be_nothing(window, view):
     faint = candidate_list([candidate(level_db=7.0)], survey_id=SURVEY)
     window.additions.pictures.add_image(image_of(window.traces.live.map.grid, 7.0, faint))
     model = window.ground.model
-    model.switch(Layer.FOCUSED)
+    model.change(layer=Layer.FOCUSED)
     model.choose_mark(faint.candidates[0])
     refreshed(view)
     assert not model.pictures().above.above_noise

@@ -32,7 +32,7 @@ FIELDS = (
 )
 GOOD = (
     *("0" * 32, "1" * 32, plan_id(PLAN), SURVEY, PAST, FOLDER, PASSWORD, "mine", "pmn", "watch"),
-    *("control", "eva", "vera", "map", "focused", "loading", "coverage", "echoes", "sun"),
+    *("control", "eva", "vera", "map", "focused", "coverage", "echoes", "sun"),
     *("night", "x", "y", "0", "1", "5", "100", "all", "imported", "not complete", "es", "grey"),
 )
 ODD_TEXTS = (

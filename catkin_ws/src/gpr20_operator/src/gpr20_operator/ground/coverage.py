@@ -11,7 +11,7 @@ import numpy as np
 from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import Stop, SurveyGrid
+from gpr20_operator.ground.grid import Place, Stop, SurveyGrid
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
 from gpr20_survey.plan.survey_state import SampleState
 
@@ -23,6 +23,23 @@ class StopState(enum.IntEnum):
     PARTLY = 1
     DONE = 2
     FAILED = 3
+
+
+class Cell(enum.IntEnum):
+    """What a cell of the ground is: each has a pattern, and is known without its colours."""
+
+    MISSING = StopState.MISSING
+    PARTLY = StopState.PARTLY
+    DONE = StopState.DONE
+    FAILED = StopState.FAILED
+    LOADING = 4
+    """Stored, but not here yet."""
+    HIDING = 5
+    """A mine could hide here."""
+    HIDING_SHALLOW = 6
+    """A mine could hide here even if it is not deep."""
+    BLANK = 7
+    """Nothing is painted."""
 
 
 @dataclass(frozen=True)
@@ -156,6 +173,26 @@ class MapModel:
             return ()
         indices = [grid.index(stop, one) for one in range(len(grid.rotations_deg))]
         return tuple(reasons[one] for one in indices if one in reasons)
+
+    def cells(self, loading: Optional[np.ndarray]) -> Optional[np.ndarray]:
+        """Return the Cell of each stop (uint8, both axes ascending); None: not known.
+
+        Args:
+            loading: Which stops are stored but not here yet (bool, rows x columns); None: none.
+        """
+        grid, states = self.grid, self.stop_states
+        if grid is None or states is None:
+            return None
+        cells = states if loading is None else np.where(loading, Cell.LOADING, states)
+        return cells[grid.ascending].astype(np.uint8)
+
+    def failed(self, most: int) -> Tuple[Place, ...]:
+        """Return where stops have failed."""
+        grid, states = self.grid, self.stop_states
+        if grid is None or states is None:
+            return ()
+        found = np.argwhere(states == StopState.FAILED)[:most].tolist()
+        return tuple(grid.place_of(Stop(*one)) for one in found)
 
     def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
         """Return the next unfinished stop, row by row; None if all are done."""

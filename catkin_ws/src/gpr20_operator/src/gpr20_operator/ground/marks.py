@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Tuple
 
-from gpr20_operator.ground.model import IMAGES, Found, GroundModel, Layer
+from gpr20_operator.ground.model import Found, GroundModel
 from gpr20_operator.ground.sources import Axis
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
@@ -44,7 +44,7 @@ def marks_above(model: GroundModel) -> Tuple[GroundMark, ...]:
     """Return what is marked from above; what must not be overlooked comes last."""
     found = []
     for one in _marked(model):
-        near = not model.layers & IMAGES or one.depth_mm is None or lies_at_depth(model, one)
+        near = not model.has_depth or one.depth_mm is None or lies_at_depth(model, one)
         # A candidate that is not doubtful has its number at every depth.
         sure = isinstance(one, Candidate) and not one.is_doubtful
         found.append(_mark(model, one, one.x_mm, one.y_mm, near or sure or one == model.mark))
@@ -77,9 +77,7 @@ def lies_in_section(model: GroundModel, one: Found) -> bool:
 
 def _marked(model: GroundModel) -> Tuple[Found, ...]:
     """Return candidates and markers, those that must not be overlooked last."""
-    additions, layers = model.additions, model.layers
-    found: Tuple[Found, ...] = additions.markers if Layer.MARKERS in layers else ()
-    found += additions.candidates[::-1] if Layer.CANDIDATES in layers else ()
+    found: Tuple[Found, ...] = (*model.additions.markers, *model.additions.candidates[::-1])
     last = sorted(
         found, key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False)
     )

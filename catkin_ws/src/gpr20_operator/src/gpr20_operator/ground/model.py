@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-import enum
 import math
 from dataclasses import dataclass
-from typing import Any, FrozenSet, Optional, Tuple, Union
+from typing import Any, Optional, Tuple, Union
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from gpr20_operator.ground.sources import (
     Axis,
     EchoSource,
     FocusedSource,
+    Layer,
     Picture,
     RadarSettings,
     RadarSource,
@@ -31,20 +31,6 @@ from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 
 Found = Union[Candidate, Marker]
-
-
-class Layer(enum.Enum):
-    """What is drawn of the ground from above; of both images one at most."""
-
-    COVERAGE = "coverage"
-    ECHOES = "echoes"
-    FOCUSED = "focused"
-    CANDIDATES = "candidates"
-    MARKERS = "markers"
-    HIDING = "hiding"
-
-
-IMAGES = frozenset({Layer.ECHOES, Layer.FOCUSED})
 
 
 @dataclass(frozen=True)
@@ -71,14 +57,12 @@ class GroundModel:
     Attributes:
         survey: What is shown.
         settings: How it is shown.
-        layers: What is drawn of it.
         mark: The candidate or marker that was touched; None: a place, or nothing.
     """
 
     def __init__(self, survey: ShownSurvey, additions: AdditionsPresenter) -> None:
         self.additions = additions
         self.settings = RadarSettings()
-        self.layers: FrozenSet[Layer] = frozenset(Layer) - {Layer.FOCUSED}
         self._focused: Optional[FocusedSource] = None
         self._placed: Tuple[object, Optional[Place]] = (None, None)
         self._chosen: Optional[Place] = None
@@ -91,20 +75,16 @@ class GroundModel:
         self._echoes = EchoSource(survey.radar)
         self._forget("")
 
-    def show(
-        self, settings: RadarSettings, layers: FrozenSet[Layer], place: Optional[Place]
-    ) -> None:
+    def show(self, settings: RadarSettings, place: Optional[Place]) -> None:
         """Show what another client chose, and nothing of what was chosen before.
 
         Args:
             settings: All but their permittivity.
-            layers: What is drawn.
             place: Where the crosshair is; None: it follows.
         """
         self.follow(True)
         permittivity = self.settings.permittivity
         self.settings = dataclasses.replace(settings, permittivity=permittivity)
-        self.layers = layers
         self.notice_survey()
         self.set_depth(settings.depth_m)
         if place is not None:
@@ -131,7 +111,7 @@ class GroundModel:
         shown = self.survey
         return (
             *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
-            *(self.settings, self.layers, self._chosen, self.mark),
+            *(self.settings, self._chosen, self.mark),
             *(self.additions.revision, self.additions.permittivity),
         )
 
@@ -148,7 +128,12 @@ class GroundModel:
     @property
     def shows_focused(self) -> bool:
         """Whether the pictures are those of the focused image."""
-        return Layer.FOCUSED in self.layers and self.image is not None
+        return self.settings.layer is Layer.FOCUSED and self.image is not None
+
+    @property
+    def has_depth(self) -> bool:
+        """Whether the view from above is that of a depth."""
+        return self.settings.layer is not Layer.COVERAGE
 
     @property
     def waiting(self) -> Optional[np.ndarray]:
@@ -176,7 +161,7 @@ class GroundModel:
     @property
     def _source(self) -> RadarSource:
         image = self.image
-        if image is None or Layer.FOCUSED not in self.layers:
+        if image is None or self.settings.layer is not Layer.FOCUSED:
             return self._echoes
         if self._focused is None or self._focused.image is not image:
             self._focused = FocusedSource(image, self._focused)
@@ -185,7 +170,7 @@ class GroundModel:
     def pictures(self) -> Shown:
         """Return what is shown now."""
         source, settings, place = self._source, self.settings, self.place
-        above = source.slice(settings) if self.layers & IMAGES else None
+        above = source.slice(settings) if self.has_depth else None
         if place is None:
             return Shown(None, None, above)
         return Shown(source.level_db(place, settings), source.section(place, settings), above)
@@ -228,7 +213,7 @@ class GroundModel:
         place = self.place or self._chosen
         if place is None:
             return None
-        depth_mm = self.settings.depth_m * 1000.0 if self.layers & IMAGES else None
+        depth_mm = self.settings.depth_m * 1000.0 if self.has_depth else None
         return place.x_mm, place.y_mm, depth_mm
 
     def choose_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
@@ -246,15 +231,10 @@ class GroundModel:
         self.choose_place(mark.x_mm, mark.y_mm, mark.depth_mm)
         self.mark = mark
 
-    @property
-    def visits_candidates(self) -> bool:
-        """Whether it goes from candidate to candidate; else from one unfinished stop to another."""
-        return Layer.CANDIDATES in self.layers and bool(self.additions.candidates)
-
     def choose_next(self) -> None:
         """Go to the candidate, or the unfinished stop, after the one that is chosen."""
         candidates = self.additions.candidates
-        if self.visits_candidates:
+        if candidates:
             number = candidates.index(self.mark) + 1 if self.mark in candidates else 0
             self.choose_mark(candidates[number % len(candidates)])
         else:
@@ -283,13 +263,6 @@ class GroundModel:
         elif math.isfinite(height_m):
             permittivity = self.settings.permittivity
             self.set_depth(depth_of_delay_m(second * 1e-9, height_m, permittivity))
-
-    def switch(self, layer: Layer) -> None:
-        """Show or hide a layer; an image takes the place of the other one."""
-        if layer in self.layers:
-            self.layers -= {layer}
-        else:
-            self.layers = (self.layers - IMAGES if layer in IMAGES else self.layers) | {layer}
 
     def change(self, **changes: Any) -> None:
         """Change some of the settings, by their names."""

@@ -5,13 +5,12 @@ A picture has a number per pixel, and a table has the colour of each number.
 
 from __future__ import annotations
 
-import enum
 from functools import lru_cache
 from typing import Tuple
 
 import numpy as np
 
-from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.coverage import Cell
 from gpr20_operator.ground.grid import Area
 from gpr20_operator.palette import Mark, Theme
 from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
@@ -29,23 +28,6 @@ DENSE_SHARE = 0.5
 TILE_PX = 16
 # Longer side of a picture of cells at most, and of a cell at most, and with lines at least [px].
 MOST_PX, MOST_CELL_PX, LINED_CELL_PX = 1024, 64, 7
-
-
-class Cell(enum.IntEnum):
-    """What a cell of the ground is: each has a pattern, and is known without its colours."""
-
-    MISSING = StopState.MISSING
-    PARTLY = StopState.PARTLY
-    DONE = StopState.DONE
-    FAILED = StopState.FAILED
-    LOADING = 4
-    """Stored, but not here yet."""
-    HIDING = 5
-    """A mine could hide here."""
-    HIDING_SHALLOW = 6
-    """A mine could hide here even if it is not deep."""
-    BLANK = 7
-    """Nothing is painted."""
 
 
 def _no(mark: Mark) -> int:

@@ -30,6 +30,16 @@ class Axis(enum.Enum):
     Y_MM = "y"
 
 
+class Layer(enum.Enum):
+    """What is drawn of the ground from above, besides candidates and markers."""
+
+    COVERAGE = "coverage"
+    ECHOES = "echoes"
+    FOCUSED = "focused"
+    HIDING = "hiding"
+    """The echoes, hatched where a mine could hide."""
+
+
 @dataclass(frozen=True)
 class RadarSettings:
     """What the operator chose.
@@ -40,6 +50,7 @@ class RadarSettings:
         permittivity: Relative permittivity of the ground.
         depth_m: Depth of the slice and of the crosshair [m].
         along: Axis that the section is parallel to: X or Y.
+        layer: What is drawn from above.
     """
 
     polarization: int = 0
@@ -47,6 +58,7 @@ class RadarSettings:
     permittivity: float = 4.0
     depth_m: float = 0.05
     along: Axis = Axis.X_MM
+    layer: Layer = Layer.ECHOES
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES
 from gpr20_operator.ground.marks import lies_at_depth, lies_in_section
-from gpr20_operator.ground.model import IMAGES, GroundModel, Layer, Shown
-from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.model import GroundModel, Shown
+from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.trace.utc_time import moment_text
@@ -145,7 +145,7 @@ def remark(model: GroundModel) -> Message:
         return Message(
             "Dashes: loading {loaded}/{stored}.", loaded=loading.loaded, stored=loading.stored
         )
-    if Layer.HIDING in model.layers and model.additions.hiding is not None:
+    if settings.layer is Layer.HIDING and model.additions.hiding is not None:
         return Message("Hatched: a mine could hide here.")
     if radar.given_up:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
@@ -164,10 +164,10 @@ def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -
     """Return what to write over the view from above; `problem`: why there is no newer image."""
     if model.survey.map.grid is None:
         return (NO_SURVEY,)
-    if Layer.FOCUSED in model.layers and not model.shows_focused:
+    if model.settings.layer is Layer.FOCUSED and not model.shows_focused:
         echoes = Message("The image is not focused yet. These are the echoes.")
         return (echoes,) if problem is None else (problem, echoes)
-    if not IMAGES & model.layers or not model.survey.radar.count:
+    if not model.has_depth or not model.survey.radar.count:
         return ()
     if shown.above is None:
         return (Message("No height was measured: the depth is unknown."),)

@@ -8,8 +8,8 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, QSizeF, Qt, pyqtSignal
 from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPolygonF
 
-from gpr20_operator.ground.coverage import MapModel, StopState
-from gpr20_operator.ground.grid import Area, Place, Stop, SurveyGrid
+from gpr20_operator.ground.coverage import MapModel
+from gpr20_operator.ground.grid import Area, Place, SurveyGrid
 from gpr20_operator.ground.patterns import Cell, hiding_cells, pattern, pattern_colours
 from gpr20_operator.ground.sources import Axis, Picture
 from gpr20_survey.results.hiding_map import HidingMap
@@ -65,8 +65,7 @@ class GroundPicture(Plot):
     def __init__(self, interactive: bool = True) -> None:
         super().__init__(to_scale=True, interactive=interactive)
         self._grid: Optional[SurveyGrid] = None
-        self._states, self._loading = PatternLayer(lined=True), PatternLayer()
-        self._hatched = PatternLayer()
+        self._states, self._hatched = PatternLayer(lined=True), PatternLayer()
         self._hiding: Optional[HidingMap] = None
         self._shown: object = None
         self._current: Optional[Place] = None
@@ -79,45 +78,25 @@ class GroundPicture(Plot):
         if picture is not None and self._grid is None:
             self.set_extent(extent_of(picture))
 
-    def show_coverage(
-        self, model: MapModel, loading: Optional[np.ndarray] = None, states: bool = True
-    ) -> None:
+    def show_coverage(self, model: MapModel, loading: Optional[np.ndarray] = None) -> None:
         """Draw the states of the stops.
 
         Args:
             model: The survey.
             loading: Which stops are stored but not here yet (bool, rows x columns); None: none.
-            states: Whether states are shown; else only what is not there.
         """
         grid, stop = model.grid, model.current
         if grid is not self._grid:
             self._grid = grid
             self.set_extent(None if grid is None else _rimmed_area(grid.area))
         self._current = None if grid is None or stop is None else grid.place_of(stop)
-        waiting = None if loading is None else loading.tobytes()
-        shown = (model, model.revision, states, waiting)
+        shown = (model, model.revision, None if loading is None else loading.tobytes())
         if shown != self._shown and grid is not None:
-            self._take_states(grid, model.stop_states, states)
-            cells = None if loading is None else np.where(loading, Cell.LOADING, Cell.BLANK)
-            self._show_cells(self._loading, grid, cells)
+            self._failed = model.failed(MAX_RINGS)
+            self._states.show_cells(model.cells(loading), _rect(grid.area))
+            self.resetCachedContent()
         self._shown = shown
-        self.resetCachedContent()
         self.scene().update()
-
-    def _take_states(self, grid: SurveyGrid, found: Optional[np.ndarray], states: bool) -> None:
-        self._failed = ()
-        if found is not None and states:
-            rings = np.argwhere(found == StopState.FAILED)[:MAX_RINGS].tolist()
-            self._failed = tuple(grid.place_of(Stop(*one)) for one in rings)
-        elif found is not None:
-            found = np.where(found == StopState.DONE, Cell.BLANK, found)
-        self._show_cells(self._states, grid, found)
-
-    def _show_cells(
-        self, layer: PatternLayer, grid: SurveyGrid, cells: Optional[np.ndarray]
-    ) -> None:
-        ordered = None if cells is None else cells[grid.ascending].astype(np.uint8)
-        layer.show_cells(ordered, _rect(grid.area))
 
     def set_hiding(self, found: Optional[HidingMap]) -> None:
         """Hatch where a mine could hide, the more densely the shallower; None: nowhere."""
@@ -151,8 +130,6 @@ class GroundPicture(Plot):
         painter.drawRect(self.pixels_of(_rect(self._grid.area)))
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
-        if self._grid is not None:
-            self._loading.paint(painter, look, self)
         self._hatched.paint(painter, look, self)
         painter.setBrush(Qt.BrushStyle.NoBrush)
         radius = look.px(FAILED_RING_PX)

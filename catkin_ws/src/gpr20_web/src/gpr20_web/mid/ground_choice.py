@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from typing import Any, FrozenSet, Mapping, NamedTuple, Optional, TypeVar
+from typing import Any, Mapping, NamedTuple, Optional, TypeVar
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.grid import Place
-from gpr20_operator.ground.model import IMAGES, Layer
-from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, RadarSettings
+from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
 from gpr20_operator.palette import Theme
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.trace.trace import MAX_COORDINATE
@@ -19,8 +18,7 @@ MAX_POLARIZATIONS, MAX_CHARACTERS = 64, 32
 FLAGS = {"0": False, "1": True}
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
 THEMES = {one.value: one for one in Theme}
-IMAGES_BY_NAME = {one.value: one for one in IMAGES}
-LAYERS = {one: one for one in ("coverage", "loading", *IMAGES_BY_NAME)}
+LAYERS = {one.value: one for one in (Layer.COVERAGE, Layer.ECHOES, Layer.FOCUSED)}
 
 Chosen = TypeVar("Chosen")
 
@@ -29,20 +27,12 @@ class GroundChoice(NamedTuple):
     """Everything that a picture depends on, besides the survey; places as in a GroundModel.
 
     Attributes:
-        layer: One of LAYERS.
         settings: All but their permittivity, which is that of the survey.
     """
 
-    layer: str
     theme: Theme
     settings: RadarSettings
     place: Optional[Place]
-
-    @property
-    def layers(self) -> FrozenSet[Layer]:
-        """The layers of a GroundModel, of both images one at most."""
-        image = IMAGES_BY_NAME.get(self.layer)
-        return (frozenset(Layer) - IMAGES - {Layer.HIDING}) | ({image} if image else set())
 
 
 class Values:
@@ -96,9 +86,9 @@ class Values:
             remove_background=self.one("background", FLAGS, True),
             depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
             along=self.one("along", ALONG, preset.along),
+            layer=self.one("layer", LAYERS, preset.layer),
         )
         return GroundChoice(
-            self.one("layer", LAYERS, "echoes"),
             self.one("theme", THEMES, Theme.SUN),
             settings,
             None if x_mm is None or y_mm is None else Place(x_mm, y_mm),

@@ -13,13 +13,11 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import Area
 from gpr20_operator.ground.marks import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel, Shown
 from gpr20_operator.ground.patterns import (
     LAST_SHADE,
-    Cell,
     pattern,
     pattern_colours,
     shade_colours,
@@ -162,7 +160,7 @@ class ShownGround:
     def _show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""
         self._follow()
-        self.model.show(choice.settings, choice.layers, choice.place)
+        self.model.show(choice.settings, choice.place)
         shown: Shown = self._once(self.model.state[1:], self.model.pictures)
         return shown
 
@@ -175,33 +173,19 @@ class ShownGround:
         if kind == "bar":
             bar = np.arange(LAST_SHADE, -1, -1, dtype=np.uint8)[:, None]
             return png_of(bar, shade_colours())
-        if kind == "map" and choice.layer in ("coverage", "loading"):
-            return self.pattern_png(choice)
-        shown = self._show(choice)
+        shown, model = self._show(choice), self.model
+        if kind == "map" and not model.has_depth:
+            cells = self.shown.map.cells(model.waiting)
+            if cells is None:
+                raise NotFoundError(NOTHING)
+            return png_of(pattern(cells, PATTERN_PX), pattern_colours(choice.theme))
         picture = shown.section if kind == "section" else shown.above
         if picture is None:
             raise NotFoundError(NOTHING)
         # Y goes up, and depth goes down.
         shades = picture.shades[:: 1 if kind == "section" else -1]
-        key = (kind, *self.model.state[1:])
+        key = (kind, *model.state[1:])
         return bytes(self._once(key, lambda: png_of(shade_numbers(shades), shade_colours())))
-
-    def pattern_png(self, choice: GroundChoice) -> bytes:
-        """Return the states of the stops, or which of them are stored but not here yet.
-
-        Raises:
-            NotFoundError: They are not known.
-        """
-        self.model.show(choice.settings, choice.layers, choice.place)
-        shown, waiting = self.shown, self.model.waiting
-        grid, cells = shown.map.grid, shown.map.stop_states
-        if grid is None or cells is None:
-            raise NotFoundError(NOTHING)
-        if choice.layer == "loading":
-            none = np.zeros(grid.shape, bool)
-            cells = np.where(none if waiting is None else waiting, Cell.LOADING, Cell.BLANK)
-        numbers = pattern(cells[grid.ascending].astype(np.uint8), PATTERN_PX)
-        return png_of(numbers, pattern_colours(choice.theme))
 
     def document(self, choice: GroundChoice, text: Text) -> Dict[str, Any]:
         """Return a choice of the survey for a browser; areas are left, right, low and high."""
@@ -224,7 +208,6 @@ class ShownGround:
             "marks": [_mark(one, text) for one in marks_above(model)],
             "bar": [] if picture is None else picture.scale.ticks().tolist(),
             "image": None if shown.above is None else _extent(shown.above),
-            "loads": model.waiting is not None,
             "section": _section(model, shown.section, text),
             **_plan(model, text),
         }
@@ -271,16 +254,15 @@ def png_of(numbers: np.ndarray, colours: np.ndarray) -> bytes:
 
 def _plan(model: GroundModel, text: Text) -> Dict[str, Any]:
     """Return what follows from the plan of the survey."""
-    grid, states = model.survey.map.grid, model.survey.map.stop_states
+    grid = model.survey.map.grid
     if grid is None:
         return {"area": None}
-    failed = () if states is None else np.argwhere(states == StopState.FAILED)[:MAX_RINGS].tolist()
     rotations = (Message("{rotation:g}°", rotation=one) for one in grid.rotations_deg)
     return {
         "polarizations": list(map(text, rotations)),
         "area": _area(grid.area),
         "steps_mm": list(grid.spacing_mm),
-        "failed": [[float(grid.xs_mm[column]), float(grid.ys_mm[row])] for row, column in failed],
+        "failed": list(map(list, model.survey.map.failed(MAX_RINGS))),
     }
 
 

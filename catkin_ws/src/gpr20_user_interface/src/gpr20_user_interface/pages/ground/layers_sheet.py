@@ -12,9 +12,9 @@ from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSize
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.ground.model import GroundModel, Layer
+from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.patterns import TILES, pattern_colours
-from gpr20_operator.ground.sources import Axis
+from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.texts import STATE_NAMES
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
@@ -22,19 +22,19 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.plot import image_of
 from gpr20_user_interface.widgets.widgets import new_button
 
-COLUMNS = 30
+COLUMNS = 20
 SWATCH_PX = 24
 
 
 class LayersSheet(Overlay):
-    """Keys that are labelled with what is shown now; the first row switches the layers."""
+    """Keys that are labelled with what is shown now; the first row chooses the layer."""
 
     changed = pyqtSignal()
 
     def __init__(self, window: QWidget, model: GroundModel) -> None:
         super().__init__(window)
         self._model = model
-        self.layers = {one: self._key(partial(model.switch, one)) for one in Layer}
+        self.layers = {one: self._key(partial(model.change, layer=one)) for one in Layer}
         self.legend: Dict[StopState, Tuple[QLabel, QLabel]] = {
             one: (QLabel(), QLabel()) for one in STATE_NAMES
         }
@@ -79,13 +79,11 @@ class LayersSheet(Overlay):
             Layer.COVERAGE: self.tr("Coverage"),
             Layer.ECHOES: self.tr("Echoes"),
             Layer.FOCUSED: self.tr("Focused\nimage"),
-            Layer.CANDIDATES: self.tr("Candidates"),
-            Layer.MARKERS: self.tr("Markers"),
             Layer.HIDING: self.tr("Hiding\nplaces"),
         }
         for layer, key in self.layers.items():
-            key.setText(f"✓ {names[layer]}" if layer in model.layers else names[layer])
-            key.setChecked(layer in model.layers)
+            key.setText(names[layer])
+            key.setChecked(layer is settings.layer)
         # Nobody asked yet where a mine could hide: that takes minutes.
         self.layers[Layer.HIDING].setEnabled(model.additions.hiding is not None)
         counts = model.survey.map.counts()
@@ -129,7 +127,7 @@ class LayersSheet(Overlay):
             [legend, self.next_problem],
             [self.along, self.polarization, self.background, self.follow, self.done],
         ]
-        spans = {1: [25, 5]}
+        spans = {1: [16, 4]}
         for row, widgets in enumerate(rows):
             # CLOSE ends below the middle, where other sheets have what is held.
             self._grid.setRowStretch(row, 2 if widgets[-1] is self.done else 3)

@@ -23,9 +23,9 @@ from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.levels import LevelScale
 from gpr20_operator.ground.marks import marks_above, marks_in_section
-from gpr20_operator.ground.model import GroundModel, Layer
+from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.patterns import LAST_SHADE, shade_colours
-from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import TOUCH_PX, Mark, look_of
 from gpr20_user_interface.look.translation import (
@@ -213,9 +213,10 @@ class GroundView(TranslatedWidget):
             )
             return
         shown, point = model.pictures(), model.point
-        above.show_coverage(model.survey.map, model.waiting, Layer.COVERAGE in model.layers)
+        above.show_coverage(model.survey.map, model.waiting)
         above.show_picture(shown.above)
-        above.set_hiding(model.additions.hiding if Layer.HIDING in model.layers else None)
+        hatched = model.settings.layer is Layer.HIDING
+        above.set_hiding(model.additions.hiding if hatched else None)
         above.set_marks(marks_above(model))
         above.set_crosshair(*((None, None) if point is None else point[:2]))
         above.set_notice(_sentences(texts.above_notice(model, shown, self.problem)))
@@ -250,7 +251,7 @@ class GroundView(TranslatedWidget):
         self.enlarge_key.setText("⤡" if self._enlarged is not None else "⤢")
         for key in (self.shallower, self.deeper):
             key.setEnabled(model.deepest_m is not None)
-        visits, removes = model.visits_candidates, isinstance(model.mark, Marker)
+        visits, removes = bool(additions.candidates), isinstance(model.mark, Marker)
         self.next.setText(self.tr("Next\ncandidate") if visits else self.tr("Next\ngap"))
         self.next.setEnabled(visits or ground.next_problem(None) is not None)
         self.set_marker.setText(self.tr("Remove\nmarker") if removes else self.tr("Set\nmarker"))

@@ -174,10 +174,9 @@ class Ground {
   // The pictures of an answer; those that are here already are not asked for again.
   async load({ ground, revision }) {
     const query = this.query();
-    const cells = (layer) => `map.png?${this.query({ x: "", y: "", depth: "", layer })}`;
+    const cells = this.query({ x: "", y: "", depth: "", layer: "coverage" });
     const wanted = [
-      [ground.counts[0][1] !== null, "coverage", cells("coverage")],
-      [ground.loads, "loading", cells("loading")],
+      [ground.counts[0][1] !== null, "coverage", `map.png?${cells}`],
       [ground.image, "image", `map.png?${query}`],
       [ground.section, "section", `section.png?${query}`],
       [ground.bar.length, "bar", `bar.png?${query}`],
@@ -228,7 +227,6 @@ class Ground {
     above.begin(shown.area);
     above.image(image("coverage"), shown.area);
     above.image(image("image"), shown.image);
-    above.image(image("loading"), shown.area);
     for (const one of shown.failed) above.ring(...one, 9, "mark-stop-failed");
     if (about.target) above.ring(...about.target, 7, "mark-current");
     if (about.carriage) above.cross(...about.carriage, "mark-carriage", 13);
