@@ -286,8 +286,8 @@ def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():
     p = plan.parameters
     assert plan.refined_by(replace(p, x_start_mm=120.0, averages=8)) == SURVEY
     assert plan.refined_by(replace(p, x_stop_mm=250.0)) == ""
-    # At the edge of travel it has the part that can be reached.
-    assert plan_finer(grid, 0.0, 800.0).area == Area(0.0, 50.0, 750.0, 800.0)
+    # At the edge of travel it is moved.
+    assert plan_finer(grid, 0.0, 800.0).area == Area(0.0, 100.0, 700.0, 800.0)
     grid.plan = (grid.plan[0], RobotTravel(Travel(0.0, 0.005, 0.01), TRAVEL.y, TRAVEL.z))
     with pytest.raises(InvalidValueError):
         plan_finer(grid, 0.0, 0.0)

@@ -2,18 +2,12 @@
 
 import dataclasses
 
-import numpy as np
 import pytest
-from asked_storage import Storage
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from imported_kit import imported_folder
-from run_seed import draws
 from view_kit import (
     FOLDER,
     PAST,
     SURVEY,
-    depth_echo,
     description,
     make_grid,
     past_survey,
@@ -129,7 +123,7 @@ def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
     assert traces.source.asked == []
 
 
-@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4), (1, 1)])
+@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
 def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
     window, tmp_path, columns, rows
 ):
@@ -233,26 +227,6 @@ def test_only_what_does_not_come_on_the_topic_is_read(traces, storage):
     traces.on_event(stored(7))
     refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, (5,))]
-
-
-@settings(max_examples=draws(10), deadline=None)
-@given(st.lists(st.tuples(st.integers(0, 4), st.booleans()), max_size=6))
-def test_traces_that_come_at_once_are_shown_as_if_they_came_one_by_one(drawn):
-    found = []
-    for at_once in (True, False):
-        traces = TracePresenter(Storage(), lambda _problem: None)
-        traces.on_event(SurveyDescribed(description()))
-        for number, (index, own) in enumerate(drawn):
-            s21 = depth_echo(0.1, level=1.0 + number)
-            grid = GRID if own else make_grid(survey_id=PAST)
-            traces.on_event(trace_at(grid, index, s21))
-            if not at_once:
-                traces.refresh()
-        traces.refresh()
-        found.append(traces.live.radar)
-    assert np.array_equal(found[0].present, found[1].present)
-    assert np.allclose(found[0].echoes, found[1].echoes, rtol=0.0, atol=1e-4)
-    assert found[0].count == found[1].count
 
 
 def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage):

@@ -55,8 +55,7 @@ class FinerPlan:
 def plan_finer(grid: SurveyGrid, x_mm: float, y_mm: float) -> FinerPlan:
     """Return the plan of a survey around a place, within the travel of the robot.
 
-    It has at least three stops along X and Y: the area is larger than usual, or moved, where
-    it must be.
+    It has at least three stops along X and Y: it is larger than usual, or moved, where it must be.
 
     Raises:
         InvalidValueError: The robot cannot measure it.
@@ -85,12 +84,9 @@ def plan_finer(grid: SurveyGrid, x_mm: float, y_mm: float) -> FinerPlan:
 def _stops(centre_mm: float, spacing_mm: float, travel: Travel) -> Tuple[float, float, int]:
     """Return first and last stop of an axis [mm], and their number."""
     lowest_mm, highest_mm = coordinate_limits_mm(travel)
-    centre_mm = min(max(centre_mm, lowest_mm), highest_mm)
-    low_mm = max(centre_mm - SIZE_MM / 2.0, lowest_mm)
-    high_mm = min(centre_mm + SIZE_MM / 2.0, highest_mm)
-    gaps = max(math.floor((high_mm - low_mm) / spacing_mm + 1e-6), MIN_GRID_POINTS - 1)
-    span_mm = min(gaps * spacing_mm, highest_mm - lowest_mm)
-    start_mm = (low_mm + high_mm - span_mm) / 2.0
-    start_mm = min(max(start_mm, lowest_mm), highest_mm - span_mm)
+    most_mm = highest_mm - lowest_mm
+    gaps = max(math.floor(min(SIZE_MM, most_mm) / spacing_mm + 1e-6), MIN_GRID_POINTS - 1)
+    span_mm = min(gaps * spacing_mm, most_mm)
+    start_mm = min(max(centre_mm - span_mm / 2.0, lowest_mm), highest_mm - span_mm)
     stop_mm = min(round(start_mm + span_mm, DECIMALS), highest_mm)
     return max(round(start_mm, DECIMALS), lowest_mm), stop_mm, gaps + 1

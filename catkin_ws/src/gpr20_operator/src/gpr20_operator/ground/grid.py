@@ -229,10 +229,5 @@ def grid_from_description(text: str) -> SurveyGrid:
 def ascending(places_mm: np.ndarray) -> Tuple[slice, Tuple[float, float]]:
     """Return the order in which places ascend, and the outer edges of their cells."""
     order = slice(None) if places_mm[0] <= places_mm[-1] else slice(None, None, -1)
-    return order, edges(places_mm[order])
-
-
-def edges(places: np.ndarray) -> Tuple[float, float]:
-    """Return the outer edges of cells around evenly spaced places."""
-    half = abs(places[1] - places[0]) / 2.0 if len(places) > 1 else 0.5
-    return float(places[0] - half), float(places[-1] + half)
+    half = abs(places_mm[1] - places_mm[0]) / 2.0 if len(places_mm) > 1 else 0.5
+    return order, (float(places_mm.min() - half), float(places_mm.max() + half))
