@@ -286,3 +286,5 @@ def test_the_folder_of_the_running_survey_is_found_and_not_asked_for_all_the_tim
     assert server.ask()["folder"] == ""
     server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
     assert server.ask()["folder"] == FOLDER
+    server.tick(code=SurveyState.FINISHED)
+    assert server.ask()["title"].startswith("Last survey: 2026-11-21 ")

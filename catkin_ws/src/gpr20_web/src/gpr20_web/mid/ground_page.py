@@ -6,11 +6,13 @@ import math
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.past_surveys import survey_label
 from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import local_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_web.calls import Body, Call, Role, Route
 from gpr20_web.errors import BusyError
@@ -177,7 +179,13 @@ class GroundPage(WebPage):
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:
             return Message("The survey that runs")
-        return Message("The last survey; it does not run now")
+        listed = ground.listed
+        if listed is None:
+            return Message("The last survey; it does not run now")
+        begun = local_time(listed.started, listed.folder)
+        return Message(
+            "Last survey: {name}", name=survey_label(listed.name, listed.survey_id, begun)
+        )
 
     def _shown(self, values: Values, person: str) -> ShownGround:
         """Return the survey that a person's browser asks for; a past one is read first."""

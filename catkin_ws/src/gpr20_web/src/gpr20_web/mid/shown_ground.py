@@ -35,6 +35,7 @@ from gpr20_operator.ground.traces import (
 )
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.errors import NotFoundError
 from gpr20_web.mid.ground_choice import MM_PER_M, GroundChoice
 
@@ -99,10 +100,15 @@ class ShownGround:
         return self.shown.survey_id
 
     @property
+    def listed(self) -> Optional[SurveySummary]:
+        """The survey in the list of the stored ones; None: the list has not come yet."""
+        found = (one for one in self.traces.past.surveys if one.survey_id == self.survey_id)
+        return next(found, None)
+
+    @property
     def folder(self) -> str:
         """That of the survey; empty: it is not known yet."""
-        listed = (one for one in self.traces.past.surveys if one.survey_id == self.survey_id)
-        return self.opened or next((one.folder for one in listed), "")
+        return self.opened or ("" if self.listed is None else self.listed.folder)
 
     @property
     def revision(self) -> str:
