@@ -7,17 +7,22 @@ import numpy as np
 import pytest
 from candidate_examples import candidate, candidate_list
 from finger import colours, touch
+from imported_kit import imported_folder
 from map_kit import DOUBTED, MARKER, SURE, focused
 from PyQt5.QtTest import QTest
 from test_ground_model import cover, image_of
-from view_kit import SURVEY, make_grid, noise, snapshot, state_of, trace_at
+from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.additions import MarkersStored, MarkingFailed
+from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.traces import SurveyRead, SurveysListed, TracesRead
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace_block import TraceBlock
 from gpr20_user_interface.window.rail import TabName
 
 NO_MINE = "No echo does not mean no mine."
@@ -202,3 +207,30 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
     assert asked[-1][:3] == ("remove marker", SURVEY, MARKER.marker_id)
     filled.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("the disk is full")))
     assert filled.notice.isVisible()
+
+
+@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
+def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
+    window, tmp_path, columns, rows
+):
+    folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
+    counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
+    imported = past_survey(folder=folder.name, outcome="imported", **counts)
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (imported,), False))
+    window.past.choose(imported)
+    assert not window.past.resume.isEnabled()
+    click(window.past.open)
+    text = (folder / "survey.json").read_text("ascii")
+    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    shown = window.traces.shown
+    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
+    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    window.refresh()
+    assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
+    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+    window.show_tab(TabName.GROUND)
+    window.grab()
+    assert not window.ground.view.finer.isEnabled()
+    assert window.traces.past.problem is None
+    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")

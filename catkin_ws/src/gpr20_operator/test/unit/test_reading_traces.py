@@ -1,9 +1,8 @@
-"""Every tab shows the survey that runs, or says that it is another; its traces are read once."""
+"""Every page shows the survey that runs, or says that it is another; traces are read once."""
 
 import dataclasses
 
 import pytest
-from imported_kit import imported_folder
 from view_kit import (
     FOLDER,
     PAST,
@@ -15,7 +14,6 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, StopState
@@ -31,13 +29,12 @@ from gpr20_operator.ground.traces import (
 )
 from gpr20_operator.robot.events import Replay, TargetPosition
 from gpr20_operator.words import local_time
-from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_user_interface.window.rail import TabName
 
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
 ALL_STORED = tuple(range(40))
+GRID = make_grid()
 
 
 def note(traces, code, survey=SURVEY, replay=None):
@@ -121,36 +118,6 @@ def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
     assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
     # The traces come with the replay: no storage has them.
     assert traces.source.asked == []
-
-
-@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
-def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
-    window, tmp_path, columns, rows
-):
-    folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
-    counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
-    imported = past_survey(folder=folder.name, outcome="imported", **counts)
-    window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (imported,), False))
-    window.past.choose(imported)
-    assert not window.past.resume.isEnabled()
-    click(window.past.open)
-    text = (folder / "survey.json").read_text("ascii")
-    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
-    shown = window.traces.shown
-    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
-    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
-    window.refresh()
-    assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
-    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
-    window.show_tab(TabName.GROUND)
-    window.grab()
-    assert not window.ground.view.finer.isEnabled()
-    assert window.traces.past.problem is None
-    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
-
-
-GRID = make_grid()
 
 
 @pytest.fixture
