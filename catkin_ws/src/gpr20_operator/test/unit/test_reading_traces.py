@@ -1,8 +1,11 @@
 """Every page shows the survey that runs, or says that it is another; traces are read once."""
 
 import dataclasses
+import random
 
 import pytest
+from asked_storage import Storage
+from run_seed import draws
 from view_kit import (
     FOLDER,
     PAST,
@@ -16,7 +19,7 @@ from view_kit import (
 )
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.coverage import CoverageRuns, StopState
+from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
 from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.traces import (
     RETRY_REFRESHES,
@@ -44,53 +47,6 @@ def note(traces, code, survey=SURVEY, replay=None):
 def open_past(traces):
     traces.open_survey(FOLDER)
     traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
-
-
-def done(traces):
-    """Return how many stops the tabs show as done; None: they show no survey."""
-    counts = traces.shown.map.counts()
-    return None if counts is None else counts[StopState.DONE]
-
-
-@pytest.mark.parametrize("code", sorted(RUNNING - {SurveyState.PAUSED}))
-def test_a_survey_that_begins_anywhere_takes_the_place_of_a_past_one(traces, code):
-    # One that is paused does not, but one that is resumed.
-    for before, survey in ((SurveyState.FINISHED, NEXT), (SurveyState.PAUSED, NEXT)):
-        note(traces, before, survey)
-        open_past(traces)
-        note(traces, before, survey)
-        assert (done(traces), traces.shown.survey_id) == (20, PAST)
-        note(traces, code, survey)
-    assert traces.opened_folder == "" and traces.band is None and done(traces) is None
-    traces.on_event(SurveyDescribed(description(survey_id=NEXT)))
-    traces.on_event(CoverageRuns(NEXT, 40, (0, 2), (1, 0), {}, verbatim("")))
-    traces.refresh()
-    assert (done(traces), traces.shown.survey_id) == (1, NEXT)
-
-
-def test_a_survey_is_never_shown_as_the_next_one_whichever_comes_first(traces):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(CoverageRuns(SURVEY, 40, (0,), (1,), {}, verbatim("")))
-    traces.refresh()
-    note(traces, SurveyState.FINISHED)
-    assert done(traces) == 20
-    # The storage describes the next survey only after the checks and the homing.
-    note(traces, SurveyState.CHECKING, NEXT)
-    assert done(traces) is traces.shown.radar.grid is None
-    # Its description and its first trace may come before its status.
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(trace_at(make_grid(), 0))
-    traces.refresh()
-    note(traces, SurveyState.CHECKING, SURVEY)
-    assert (traces.shown.survey_id, traces.shown.radar.count) == (SURVEY, 1)
-
-
-def test_a_past_survey_that_was_asked_for_before_a_survey_began_does_not_come_up(traces):
-    note(traces, SurveyState.IDLE)
-    traces.open_survey(FOLDER)
-    note(traces, SurveyState.CHECKING, NEXT)
-    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
-    assert (traces.opened_folder, traces.problems) == ("", [])
 
 
 def test_a_past_survey_says_so_and_which_one_it_is(traces):
@@ -129,8 +85,8 @@ def traces(storage):
     return traces
 
 
-def stored(count, survey=SURVEY, planned=40):
-    return CoverageRuns(survey, planned, (0, count), (1, 0), {}, verbatim(f"{count} are stored"))
+def stored(count, survey=SURVEY):
+    return coverage_of_stored(survey, 40, range(count))
 
 
 def read(first_index, *indices, unreadable=None, grid=GRID):
@@ -143,18 +99,89 @@ def refresh(traces, times=1):
         traces.refresh()
 
 
-def test_a_window_that_comes_late_reads_what_was_measured_before(traces, storage):
-    traces.on_event(stored(6))
-    traces.on_event(SurveyDescribed(description()))
-    refresh(traces, 2)
-    assert storage.asked == [("traces", SURVEY, (0, 1, 2, 3, 4, 5))]
-    assert traces.shown.map.counts()[StopState.DONE] == 3
-    traces.on_event(read(0, 0, 1, 2))  # what is left is requested at once
-    assert storage.asked[1:] == [("traces", SURVEY, (3, 4, 5))]
-    traces.on_event(read(3, 3, 4, 5))
-    refresh(traces, 5)
-    assert traces.shown.radar.count == 6
-    assert len(storage.asked) == 2
+CODES = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FINISHED)
+ACTS = ("robot", "described", "trace", "trace", "open", "ask", "read", "back")
+
+
+class Course:
+    """What the robot and people do, in any order, and what every page must show then."""
+
+    def __init__(self):
+        self.storage, self.problems = Storage(), []
+        self.traces = TracePresenter(self.storage, self.problems.append)
+        self.stored = {SURVEY: 0, NEXT: 0, PAST: 12}
+        self.running, self.measuring, self.live = "", False, ""
+        self.wanted = self.opened = False
+        self.answered = 0
+
+    def robot(self, code, survey):
+        running = survey if code in RUNNING else ""
+        measuring = bool(running) and code is not SurveyState.PAUSED
+        if measuring and (not self.measuring or running != self.running):
+            self.wanted = self.opened = False
+        self.running, self.measuring = running, measuring
+        note(self.traces, code, survey)
+
+    def described(self, survey):
+        self.live = survey
+        self.traces.on_event(SurveyDescribed(description(survey_id=survey)))
+
+    def trace(self, survey, is_lost):
+        grid, index = make_grid(survey_id=survey), self.stored[survey]
+        self.stored[survey] = min(index + 1, 40)
+        if index < 40 and not is_lost:
+            self.traces.on_event(trace_at(grid, index))
+
+    def ask(self):
+        self.wanted = True
+        self.traces.open_survey(FOLDER)
+
+    def read(self):
+        self.opened = self.opened or self.wanted
+        text = description(survey_id=PAST)
+        self.traces.on_event(SurveyRead(FOLDER, text, tuple(range(self.stored[PAST]))))
+
+    def open(self):
+        self.ask()
+        self.read()
+
+    def back(self):
+        self.wanted = self.opened = False
+        self.traces.show_live()
+
+    def settle(self):
+        """Let main control report what is stored, and the storage answer what it is asked."""
+        if self.live:
+            self.traces.on_event(stored(self.stored[self.live], self.live))
+        for _ in range(4):
+            self.traces.refresh()
+            for survey, indices in self.storage.of("traces")[self.answered :]:
+                self.answered += 1
+                assert max(indices) < self.stored[survey]
+                self.traces.on_event(read(*indices[:1], *indices, grid=make_grid(survey_id=survey)))
+
+    def check(self):
+        shown = self.traces.shown
+        waits = self.running and self.running != self.live
+        expected = PAST if self.opened else "" if waits else self.live
+        assert (shown.survey_id, self.traces.band is not None) == (expected, self.opened)
+        count = self.stored.get(expected, 0)
+        assert shown.radar.count == len(shown.map.stored) == count
+        assert shown.loading.loaded == shown.loading.stored == count
+
+
+def test_every_page_shows_the_right_survey_and_all_of_its_traces_in_any_course():
+    for seed in range(draws(12)):
+        source, course = random.Random(seed), Course()
+        for _ in range(30):
+            act, survey = source.choice(ACTS), source.choice((SURVEY, NEXT))
+            values = {"robot": (source.choice(CODES), survey), "described": (survey,)}
+            # Stored, and perhaps lost on the topic.
+            values["trace"] = (survey, source.random() < 0.5)
+            getattr(course, act)(*values.get(act, ()))
+            course.settle()
+            course.check()
+        assert course.problems == [], seed
 
 
 def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
@@ -218,14 +245,6 @@ def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
     assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
 
 
-def test_a_resumed_survey_keeps_its_picture(traces):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(trace_at(GRID, 0))
-    traces.refresh()
-    traces.on_event(SurveyDescribed(description(resumed=["2026-11-21T05:10:00+00:00"])))
-    assert traces.shown.radar.count == 1
-
-
 def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
     for event in (
         SurveyDescribed("{"),
@@ -245,20 +264,6 @@ def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
         traces.on_event(trace_at(GRID, 0))
         traces.refresh()
         assert traces.shown.radar.count == 1
-
-
-def test_a_past_survey_is_opened_and_the_live_one_goes_on_behind_it(traces, storage):
-    traces.on_event(SurveyDescribed(description()))
-    traces.open_survey(FOLDER)
-    assert storage.asked[-1] == ("survey", FOLDER)
-    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), (0, 1, 5)))
-    refresh(traces, 2)
-    assert storage.asked[-1] == ("traces", PAST, (0, 1, 5))
-    traces.on_event(read(0, 0, 1, 5, grid=make_grid(survey_id=PAST)))
-    traces.on_event(trace_at(GRID, 0))
-    refresh(traces)
-    assert (traces.shown.radar.count, traces.live.radar.count) == (3, 1)
-    assert traces.shown is not traces.live
 
 
 def test_the_target_is_the_current_stop(traces):
