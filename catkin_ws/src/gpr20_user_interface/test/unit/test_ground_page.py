@@ -146,6 +146,11 @@ def test_what_is_missing_is_said(window, view):
     window.draw()
     # Without a survey there is one thing to do, and no key that does nothing.
     assert view.empty.isVisible() and not view.next.isVisible()
+    show(window, snapshot(SurveyState.CHECKING))
+    view.refresh()
+    assert not view.empty.button.isVisible()
+    show(window, snapshot(SurveyState.IDLE))
+    view.refresh()
     click(view.empty.button)
     assert window.past.isVisible()
     fill(window, 1, height_m=float("nan"))

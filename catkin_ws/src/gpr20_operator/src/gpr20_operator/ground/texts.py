@@ -22,6 +22,8 @@ STATE_NAMES: Dict[StopState, Message] = {
 }
 NO_CLEARANCE = Message("No echo does not mean no mine.")
 NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored one.")
+# While one begins: its plan comes with its first trace.
+BEGINS = Message("The survey begins. Nothing of it is measured yet.")
 # By whether it is a slice, else a section, and whether it is of the focused image.
 NOTHING = {
     (True, False): Message("Nothing above the noise at this depth."),

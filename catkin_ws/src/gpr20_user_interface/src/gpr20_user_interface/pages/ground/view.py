@@ -206,11 +206,14 @@ class GroundView(TranslatedWidget):
         model, above = self.model, self.above
         has_survey = model.survey.map.grid is not None
         self._stack.setCurrentIndex(int(has_survey))
-        if not has_survey:
+        if not has_survey and self.is_running:
+            self.empty.show_state("ground", shown_text(texts.BEGINS))
+        elif not has_survey:
             self.empty.show_state(
                 *("ground", shown_text(texts.NO_SURVEY), self.tr("Stored surveys")),
                 self.surveys_wanted.emit,
             )
+        if not has_survey:
             return
         shown, point = model.pictures(), model.point
         above.show_coverage(model.survey.map, model.waiting)
