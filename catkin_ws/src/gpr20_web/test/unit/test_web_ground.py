@@ -46,11 +46,9 @@ def test_map_and_section_have_the_colours_of_the_window(server, along):
     picture = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0))
     expected = colours[shade_numbers(picture.shades[::-1])]
     assert (server.pixels(layer="echoes", depth="100") == expected).all()
-    settings = RadarSettings(
-        polarization=1, permittivity=6.0, remove_background=False, along=Axis(along)
-    )
+    settings = RadarSettings(polarization=1, permittivity=6.0, along=Axis(along))
     picture = source.section(TARGETED, settings)
-    place = {"x": "150", "y": "90", "along": along, "polarization": "1", "background": "0"}
+    place = {"x": "150", "y": "90", "along": along, "polarization": "1"}
     found = server.pixels("section", **place)
     assert (found == colours[shade_numbers(picture.shades)]).all()
 
@@ -81,7 +79,7 @@ def test_no_choice_of_a_browser_changes_what_others_see(server):
     before = server.ask()
     pictures = server.pixels(layer="echoes"), server.pixels("section")
     choice = {"x": "100", "y": "50", "depth": "20", "polarization": "1", "along": "y"}
-    ground = server.ask(**choice, layer="echoes", background="0")["ground"]
+    ground = server.ask(**choice, layer="echoes")["ground"]
     # A place is said in words.
     assert ground["lines"][0] == "X 100, Y 50, depth 20 mm"
     assert ground["counts"][0] == ["Done", 2]

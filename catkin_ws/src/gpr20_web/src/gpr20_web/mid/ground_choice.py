@@ -83,7 +83,6 @@ class Values:
         depth_mm = self.number("depth", 0.0, MAX_DEPTH_M * MM_PER_M)
         settings = RadarSettings(
             polarization=int(self.number("polarization", 0, MAX_POLARIZATIONS) or 0),
-            remove_background=self.one("background", FLAGS, True),
             depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
             along=self.one("along", ALONG, preset.along),
             layer=self.one("layer", LAYERS, preset.layer),

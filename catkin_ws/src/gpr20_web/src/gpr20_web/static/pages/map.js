@@ -40,7 +40,6 @@ class Ground {
     this.addChoice("layer", ["echoes", "focused"].map((one) => [one, this.word(one)]));
     this.polarization = this.addChoice("polarization", []);
     this.addChoice("along", ["x", "y"].map((one) => [one, this.word(one)]));
-    this.addChoice("background", [["1", this.word("removed")], ["0", this.word("included")]]);
     const back = element("a", { class: "button", href: page }, this.word("back"));
     // Without a survey the title says all there is to say.
     this.body = element("div", { hidden: true },
