@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any, Mapping, NamedTuple, Optional, TypeVar
 
 from gpr20_common.message import Message
@@ -14,7 +15,8 @@ from gpr20_survey.trace.trace import MAX_COORDINATE
 from gpr20_web.errors import BadRequestError
 
 MM_PER_M = 1000.0
-MAX_POLARIZATIONS, MAX_CHARACTERS = 64, 32
+MAX_POLARIZATIONS = 64
+NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,20})?(e[-+]?\d{1,3})?")
 FLAGS = {"0": False, "1": True}
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
 THEMES = {one.value: one for one in Theme}
@@ -46,12 +48,8 @@ class Values:
         found = self._values.get(name)
         if found is None or found == "":
             return None
-        number = math.nan
-        try:
-            if type(found) in (str, int, float) and len(str(found)) <= MAX_CHARACTERS:
-                number = float(found)
-        except ValueError:
-            number = math.nan
+        text = str(found)
+        number = float(text) if NUMBER.fullmatch(text) else math.nan
         # Written so that NaN is refused too.
         if not low <= number <= high:
             raise _wrong(name, found, Message("{low:g} .. {high:g}", low=low, high=high))
