@@ -35,7 +35,7 @@ from window_kit import Operator, new_window, run_events, run_until, virtual_scre
 from gpr20_common.catalogue import Language
 from gpr20_common.high.raw_message import deserialized
 from gpr20_msgs.msg import ControlStatus, Trace
-from gpr20_operator.ground.shade_colours import NOT_MEASURED
+from gpr20_operator.ground.patterns import NOT_MEASURED
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.rail import TabName
@@ -84,7 +84,7 @@ class Delays(QObject):
         self.delays_s: List[float] = []
         self.traces = 0
         self._ground = interface.window.ground
-        self._above = self._ground.view.pictures.above
+        self._above = self._ground.view.above
         self._arrived_s: Dict[int, float] = {}
         # As the window receives them: the subscriptions of one process are of one type.
         note = self._count if plain else self._note
@@ -112,10 +112,10 @@ class Delays(QObject):
             return
         now_s, drawn = time.monotonic(), numbers != NOT_MEASURED
         for index in list(self._arrived_s):
-            cell = grid.cell(index) if index < grid.planned else None
-            if cell is None or cell.polarization != self._ground.model.settings.polarization:
+            row, column, polarization = grid.cells(np.array(index))
+            if polarization != self._ground.model.settings.polarization:
                 del self._arrived_s[index]
-            elif drawn[cell.stop.row, cell.stop.column]:
+            elif drawn[row, column]:
                 self.delays_s.append(now_s - self._arrived_s.pop(index))
 
 

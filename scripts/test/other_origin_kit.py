@@ -54,7 +54,7 @@ const all = {
   events: events(),
   formPlain: post("text/plain"),
   formUsual: post("application/x-www-form-urlencoded"),
-  img: load("img", "/api/ground/sign.png"),
+  img: load("img", "/api/ground/bar.png"),
   script: load("script", "/app.js"),
   frame: load("iframe", "/"),
 };

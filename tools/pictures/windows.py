@@ -20,7 +20,7 @@ from gpr20_analysis import ImageOptions, load_survey, sample_survey
 from gpr20_common import catalogue
 from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.ground.model import Layer
+from gpr20_operator.ground.sources import Layer
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_user_interface.look.translation import Languages
@@ -113,7 +113,7 @@ def window(folder: Path) -> None:
             shown.take(folder / tab.value, prepare)
         window.show_tab(TabName.GROUND)
         wait(lambda: window.ground.model.image is not None, "an image is focused")
-        window.ground.model.switch(Layer.FOCUSED)
+        window.ground.model.change(layer=Layer.FOCUSED)
         shown.take(folder / "focused")
         operator.stop()
         wait(lambda: operator.code == ControlStatus.STOPPED, "the survey stops")

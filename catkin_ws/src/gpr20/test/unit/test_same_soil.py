@@ -28,7 +28,7 @@ from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
 from gpr20_analysis.work import no_progress
 from gpr20_imaging.low.analysis_worker import Analysis
-from gpr20_operator.ground.trace_events import SurveyRead
+from gpr20_operator.ground.traces import SurveyRead
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging

@@ -8,7 +8,6 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
 
-FINER = "7c9e6679-7425-40de-944b-e07fc1f90ae7"
 MARKER = Marker(
     "0f8fad5b-d9cb-469f-a165-708677289501", 175.0, 70.0, 60.0, "raíz", "Ana",
     "2026-11-21T05:10:00.000000Z",

@@ -1,31 +1,40 @@
-"""The crosshair, the layers, the marks and the hyperbola of GROUND, without widgets."""
+"""The crosshair, the layers, the marks and what belongs to a survey, without widgets."""
+
+import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from asked_storage import Storage
 from candidate_examples import candidate, candidate_list
-from case_kit import each_case
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_kit import MARKER
+from map_kit import DOUBTED, MARKER, SURE, focused
 from run_seed import draws
-from view_kit import PAST, SURVEY, add_trace, echo, make_grid, trace_at
+from view_kit import PAST, SURVEY, TRAVEL, add_trace, make_grid, trace_at
 
-from gpr20_operator.ground.additions import AdditionsPresenter, AdditionsRead
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import verbatim
+from gpr20_operator.ground.additions import (
+    RETRY_REFRESHES,
+    AdditionsFailed,
+    AdditionsPresenter,
+    MarkersStored,
+)
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.hyperbola import Hyperbola
+from gpr20_operator.ground.finer_plan import SIZE_MM, plan_finer
+from gpr20_operator.ground.grid import Area, Place, planned_grid
 from gpr20_operator.ground.marks import marks_above, marks_in_section
-from gpr20_operator.ground.model import GroundModel, Layer
-from gpr20_operator.ground.records import Axis, Place
-from gpr20_operator.ground.shown_survey import ShownSurvey
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_operator.ground.model import GroundModel
+from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.traces import ShownSurvey
+from gpr20_operator.jobs.pictures import Pictures
+from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
 
 TARGET = Place(150.0, 90.0)
-BOTH = (Axis.X_MM, Axis.Y_MM)
 
 
 def image_of(grid, level_db=40.0, found=None):
@@ -41,11 +50,11 @@ def image_of(grid, level_db=40.0, found=None):
     return FocusedImage(40, x_mm, y_mm, depth_mm, levels_db, found)
 
 
-def new_model(grid=None, additions=None):
+def new_model(grid=None):
     """Return a model that shows a survey of 5 x 4 stops and two rotations, of nothing yet."""
     survey = ShownSurvey()
     survey.begin(grid or make_grid())
-    additions = additions or AdditionsPresenter(Storage(), lambda: "Ana")
+    additions = AdditionsPresenter(Storage(), lambda: "Ana", Pictures())
     additions.follow(survey.survey_id, can_read=True)
     model = GroundModel(survey, additions)
     model.notice_survey()
@@ -73,14 +82,13 @@ def find(model, *candidates):
     model.additions.pictures.add_image(image_of(model.survey.map.grid, found=found))
 
 
-def test_another_survey_takes_crosshair_mark_and_hyperbola_away(model):
+def test_another_survey_takes_crosshair_and_mark_away(model):
     add(model, *range(40))
     model.choose_place(150.0, 90.0)
-    model.begin_hyperbola()
     model.change(polarization=1)
     model.survey.begin(make_grid(rotations_deg=(0.0,), survey_id=PAST))
     model.notice_survey()
-    assert (model.place, model.mark, model.hyperbola) == (None, None, None)
+    assert model.place is model.mark is None
     assert model.follows and model.settings.polarization == 0
 
 
@@ -106,7 +114,7 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
         candidate(3, 151.0, 91.0, 160.0, 10.0, [Flag.EDGE]),
     ]
     find(model, *marks)
-    model.additions.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    model.additions.on_event(MarkersStored(SURVEY, (MARKER,)))
     model.set_depth(0.06)
     above = marks_above(model)
     assert [one.about for one in above] == [MARKER, marks[2], marks[1], marks[0]]
@@ -115,10 +123,7 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
     last = marks_above(model)[-1]
     assert (last.about, last.chosen, last.near, last.doubtful) == (marks[2], True, True, False)
     model.choose_place(150.0, 90.0)
-    assert {one.text for one in marks_in_section(model, Axis.X_MM)} == {"", "1", "2", "3"}
-    for layer in (Layer.CANDIDATES, Layer.MARKERS):
-        model.switch(layer)
-    assert marks_above(model) == ()
+    assert {one.text for one in marks_in_section(model)} == {"", "1", "2", "3"}
 
 
 def test_a_ring_on_ground_that_was_not_measured_says_so(model):
@@ -139,8 +144,8 @@ def test_the_crosshair_follows_the_last_trace_until_a_place_is_chosen(model):
     add(model, *range(5, 40))
     assert model.place == Place(175.0, 70.0)
     model.follow(True)
-    latest, grid = model.survey.radar.latest_of[0].stop, model.survey.map.grid
-    assert model.place == Place(grid.xs_mm[latest.column], grid.ys_mm[latest.row])
+    grid = model.survey.map.grid
+    assert model.place == grid.place_of(model.survey.radar.latest[0])
 
 
 @settings(max_examples=draws(50))
@@ -164,18 +169,17 @@ def test_the_place_chosen_is_within_half_a_cell_of_the_touch(columns, rows, left
 def test_the_crosshair_links_the_pictures(model):
     add(model, *range(40))
     model.change(remove_background=False)
-    model.choose_place(TARGET.x_mm, TARGET.y_mm)
-    model.touch_section(Axis.X_MM, 175.0, 100.0, Axis.DEPTH_MM)
-    shown = model.pictures(BOTH)
+    model.choose_place(*TARGET)
+    model.touch_section(175.0, 100.0, Axis.DEPTH_MM)
+    shown = model.pictures()
     assert model.place == Place(175.0, 90.0)
-    assert model.settings.depth_m == pytest.approx(0.1)
-    assert shown.level_db == pytest.approx(shown.curve.scale.top_db, abs=6.0)
-    model.touch_section(Axis.Y_MM, 52.0, 200.0, Axis.DEPTH_MM)
+    assert model.crosshair_in(shown.section) == (175.0, pytest.approx(100.0))
+    assert shown.level_db == pytest.approx(shown.section.scale.top_db, abs=6.0)
+    model.turn()
+    model.touch_section(52.0, 200.0, Axis.DEPTH_MM)
     assert model.place == Place(175.0, 50.0)
-    # In time, the depth of the delay.
-    model.change(in_depth=False)
-    assert model.pictures(BOTH).sections[0].axis is Axis.DELAY_NS
-    model.touch_depth(model.second_of(0.15, Axis.DELAY_NS), Axis.DELAY_NS)
+    # In time, the depth of the delay: 0.2 m of air and 0.15 m of permittivity 4.
+    model.touch_section(52.0, 2 * (0.2 + 0.15 * 2.0) / 0.299792458, Axis.DELAY_NS)
     assert model.settings.depth_m == pytest.approx(0.15)
 
 
@@ -185,48 +189,18 @@ def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
     assert model.settings.depth_m == 0.0
     model.step_depth(10_000)
     assert model.settings.depth_m <= model.deepest_m + 1e-9
-    model.change(permittivity=20.0)
+    model.take_soil(20.0)
     assert model.settings.depth_m <= model.deepest_m + 1e-9 < 0.5
-    assert model.pictures(BOTH).above.measured
+    assert model.pictures().above.measured
     without = new_model()
     add(without, *range(40), height_m=float("nan"))
-    without.begin_hyperbola()
-    assert without.hyperbola is None and without.pictures(BOTH).above is None
-
-
-@each_case("truth,in_depth", [(3.0, True), (20.0, False)])
-def test_a_hyperbola_that_is_dragged_over_an_echo_gives_the_permittivity(truth, in_depth):
-    height_m, depth_m, apex_mm = 0.1, 0.12, 300.0
-    grid = make_grid(31, 3, rotations_deg=(0.0,), x_start_mm=150.0, x_stop_mm=450.0)
-    offsets_m = np.abs(grid.xs_mm - apex_mm) / 1000.0
-    delays_s = 2.0 * one_way_delay_s(height_m, depth_m, offsets_m, truth)
-    model = new_model(grid)
-    for index in range(grid.planned):
-        add(model, index, s21=echo(delays_s[grid.cell(index).stop.column]), height_m=height_m)
-    model.change(in_depth=in_depth, in_db=False, remove_background=False)
-    model.choose_place(250.0, 80.0)
-    model.begin_hyperbola()
-    section = model.pictures((Axis.X_MM,)).sections[0]
-    expected = delays_s * 1e9
-    if in_depth:  # drawn with permittivity 4
-        expected = (delays_s * SPEED_OF_LIGHT_M_S / 2.0 - height_m) / 2.0 * 1000.0
-    model.drag_hyperbola(True, apex_mm, expected[15], section.axis)
-    model.drag_hyperbola(False, float(grid.xs_mm[1]), expected[1], section.axis)
-    assert model.hyperbola.permittivity == pytest.approx(truth, rel=0.01)
-    across_mm, drawn = model.hyperbola_points(section)
-    # The curve lies on the echoes of the picture.
-    low, high = section.range
-    step = (high - low) / len(section.shades)
-    peaks = low + (np.nanargmax(section.shades, axis=0) + 0.5) * step
-    assert np.interp(grid.xs_mm, across_mm, drawn) == pytest.approx(peaks, abs=2 * step)
-    model.end_hyperbola(use=True)
-    assert model.settings.permittivity == pytest.approx(truth, rel=0.02)
-    assert model.settings.depth_m == pytest.approx(depth_m, abs=0.005)
+    shown = without.pictures()
+    assert shown.above is None and without.crosshair_in(shown.section)[1] is None
 
 
 def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_noise(model):
     add(model, *range(40))
-    model.switch(Layer.FOCUSED)
+    model.change(layer=Layer.FOCUSED)
     model.additions.pictures.add_image(image_of(make_grid(survey_id=PAST)))
     assert not model.shows_focused and marks_above(model) == ()
     image = image_of(model.survey.map.grid)
@@ -235,42 +209,107 @@ def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_n
     # It begins at its first candidate.
     assert model.shows_focused and model.place == TARGET
     model.choose_place(151.0, 88.0, 61.0)
-    shown = model.pictures(BOTH)
-    assert model.place == TARGET
-    assert shown.level_db == pytest.approx(40.0)
-    assert all(one.above_noise for one in (shown.above, *shown.sections))
-    assert shown.curve.places[np.nanargmax(shown.curve.shades)] == 60.0
-    for section in shown.sections:
-        assert np.unravel_index(np.nanargmax(section.shades), section.shades.shape)[0] == 12
+    for _along in range(2):
+        shown = model.pictures()
+        assert model.place == TARGET
+        assert shown.level_db == pytest.approx(40.0)
+        assert shown.above.above_noise and shown.section.above_noise
+        shades = shown.section.shades
+        assert np.unravel_index(np.nanargmax(shades), shades.shape)[0] == 12
+        model.turn()
     model.set_depth(0.2)
-    empty = model.pictures(BOTH).above
+    empty = model.pictures().above
     assert not empty.above_noise and np.nanmax(empty.shades) < 0.1
     # What was not measured has no level.
     model.choose_place(100.0, 90.0)
-    shown = model.pictures(BOTH)
-    assert (shown.level_db, shown.curve) == (None, None)
-    assert np.isnan(shown.above.shades[:, :5]).all()
+    assert model.pictures().level_db is None
+    assert np.isnan(model.pictures().above.shades[:, :5]).all()
 
 
-def test_the_soil_is_that_of_the_survey_or_of_its_image_until_another_one_is_chosen(model):
-    for survey, stored, shown in (
-        *((SURVEY, 8.0, (8.0, None)), (SURVEY, 8.0, (5.0, 8.0)), (SURVEY, 9.0, (9.0, None))),
-        *((PAST, 9.0, (9.0, None)), (SURVEY, None, (ANY_SOIL.permittivity, None))),
-    ):
-        model.take_soil(survey, stored)
-        assert (model.settings.permittivity, model.other_permittivity) == shown
-        model.change(permittivity=5.0)
+def test_the_soil_is_that_of_the_survey_or_of_its_image(model):
+    for stored, shown in ((8.0, 8.0), (9.0, 9.0), (None, ANY_SOIL.permittivity)):
+        model.take_soil(stored)
+        assert model.settings.permittivity == shown
     model.additions.pictures.add_image(image_of(model.survey.map.grid))
-    model.take_soil(PAST, None)
-    model.take_soil(SURVEY, None)
+    model.take_soil(None)
     assert model.settings.permittivity == model.image.found.permittivity == 4.0
-    assert model.wanted_permittivity is None
     # Image and candidates of another permittivity are not shown.
-    model.change(permittivity=9.0)
+    model.take_soil(9.0)
     assert model.image is None and not model.additions.candidates
 
 
-@each_case("delay_s", [0.0, 1.0])
-def test_a_point_that_no_ground_explains_ends_at_the_limits(delay_s):
-    fitted = Hyperbola(100.0, 2e-9, 0.1, 6.0).through(200.0, delay_s)
-    assert fitted.permittivity == pytest.approx(1.0 if delay_s == 0.0 else 81.0, rel=1e-6)
+@pytest.fixture
+def additions(storage):
+    additions = AdditionsPresenter(storage, lambda: "Ana", Pictures())
+    additions.follow(SURVEY, can_read=True)
+    return additions
+
+
+def test_markers_are_asked_for_once_and_again_after_a_failure(storage, additions):
+    additions.follow(SURVEY, can_read=True)
+    additions.on_event(AdditionsFailed(SURVEY, verbatim("no")))
+    for asked in (*[1] * (RETRY_REFRESHES - 1), 2):
+        additions.refresh()
+        assert storage.asked == asked * [("additions", SURVEY)]
+
+
+def test_nothing_of_another_survey_is_shown(additions):
+    additions.on_event(MarkersStored(PAST, (MARKER,)))
+    additions.pictures.add_image(focused(survey_id=PAST))
+    assert additions.markers == additions.candidates == ()
+    additions.on_event(MarkersStored(SURVEY, (MARKER,)))
+    assert additions.markers == (MARKER,)
+    # A replay has no storage to ask.
+    additions.follow(PAST, can_read=False)
+    assert additions.markers == () and not additions.can_mark
+    assert additions.candidates == (SURE, DOUBTED)
+
+
+def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
+    with pytest.raises(InvalidValueError):
+        additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
+    assert len(storage.asked) == 1
+    additions.add_marker(SURVEY, 1.0, 2.0, None, "metal")
+    _kind, survey, marker = storage.asked[-1]
+    assert (survey, marker.text, marker.author, marker.depth_mm) == (SURVEY, "metal", "Ana", None)
+    assert additions.markers == ()
+    additions.remove_marker(marker.marker_id)
+    assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
+
+
+def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():
+    grid = make_grid(x_points=11, y_points=7, if_bandwidth_hz=1000.0, averages=4)
+    plan = plan_finer(grid, 150.0, 80.0)
+    ends = {"x_start_mm": 100.0, "x_stop_mm": 200.0, "y_start_mm": 30.0, "y_stop_mm": 130.0}
+    assert plan.parameters == replace(grid.plan[0], **ends, x_points=21, y_points=21)
+    # What was changed in the plan still refines if it lies inside.
+    p = plan.parameters
+    assert plan.refined_by(replace(p, x_start_mm=120.0, averages=8)) == SURVEY
+    assert plan.refined_by(replace(p, x_stop_mm=250.0)) == ""
+    # At the edge of travel it is moved.
+    assert plan_finer(grid, 0.0, 800.0).area == Area(0.0, 100.0, 700.0, 800.0)
+    grid.plan = (grid.plan[0], RobotTravel(Travel(0.0, 0.005, 0.01), TRAVEL.y, TRAVEL.z))
+    with pytest.raises(InvalidValueError):
+        plan_finer(grid, 0.0, 0.0)
+
+
+def test_any_finer_plan_can_be_measured_and_reaches_its_place():
+    for seed in range(draws(25)):
+        source = random.Random(seed)
+        lowest, highest = source.uniform(0, 50), source.uniform(300, 900)
+        x_travel = Travel(lowest, highest, source.choice([0.01, 0.1, 0.0125]))
+        travel = RobotTravel(x_travel, TRAVEL.y, TRAVEL.z)
+        points = source.randint(3, 60)
+        grid = planned_grid(SURVEY, True, make_grid(points, points).plan[0], travel)
+        x_mm, y_mm = source.uniform(lowest, min(highest, 800)), source.uniform(0, 800)
+        plan, most_mm = plan_finer(grid, x_mm, y_mm), max(min(grid.spacing_mm) / 2.0, 1.0)
+        p = plan.parameters
+        check(p, travel)
+        for low_mm, high_mm, points in (
+            (p.x_start_mm, p.x_stop_mm, p.x_points),
+            (p.y_start_mm, p.y_stop_mm, p.y_points),
+        ):
+            assert (high_mm - low_mm) / (points - 1) <= most_mm + 0.02, seed
+            assert high_mm - low_mm <= max(SIZE_MM, 2 * most_mm) + 0.02, seed
+        # To within one distance of the stops.
+        assert plan.area.grown(most_mm + 1, most_mm + 1).holds(x_mm, y_mm), seed

@@ -20,13 +20,8 @@ from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
-from gpr20_operator.ground.additions import (
-    AdditionsFailed,
-    AdditionsRead,
-    MarkersStored,
-    MarkingFailed,
-)
-from gpr20_operator.ground.trace_events import ReadingFailed, SurveyRead, SurveysListed
+from gpr20_operator.ground.additions import AdditionsFailed, MarkersStored, MarkingFailed
+from gpr20_operator.ground.traces import ReadingFailed, SurveyRead, SurveysListed
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
@@ -146,7 +141,7 @@ ASKED = {
     "traces": (lambda one: one.read_traces("id", (3, 4)), ReadingFailed, None),
     "additions": (
         *(lambda one: one.read_additions("id"), AdditionsFailed),
-        AdditionsRead("id", (), ()),
+        MarkersStored("id", ()),
     ),
     "marker": (
         *(lambda one: one.add_marker("id", MARKER), MarkingFailed),

@@ -11,7 +11,7 @@ from gpr20_common.faults import DISK_FULL, MAY_MOVE
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import Cell, Stop, planned_grid
+from gpr20_operator.ground.grid import planned_grid
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import Configured, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
@@ -106,16 +106,16 @@ def add_trace(model, trace):
 
 
 def trace_at(grid, index, s21=None, height_m=0.2, **changes):
-    cell = grid.cell(index)
+    row, column, polarization = grid.cells(np.array(index))
     s21 = depth_echo(0.1) if s21 is None else s21
     values = {
         "survey_id": grid.survey_id,
         "index": index,
         "sample_id": f"sample-{index}",
         "timestamp_us": NOW_US,
-        "x_coord_mm": float(grid.xs_mm[cell.stop.column]),
-        "y_coord_mm": float(grid.ys_mm[cell.stop.row]),
-        "z_coord_deg": grid.rotations_deg[cell.polarization],
+        "x_coord_mm": float(grid.xs_mm[column]),
+        "y_coord_mm": float(grid.ys_mm[row]),
+        "z_coord_deg": grid.rotations_deg[int(polarization)],
         "antennae_height_m": height_m,
         "frequency_hz": FREQUENCY_HZ,
         "s21_real": np.ascontiguousarray(s21.real, np.float64),
@@ -128,18 +128,8 @@ def trace_at(grid, index, s21=None, height_m=0.2, **changes):
     return Trace(**{**values, **changes})
 
 
-def cell(row, column, polarization=0):
-    return Cell(Stop(row, column), polarization)
-
-
-def a_scan(model, cell, settings):
-    """Return the trace of a cell: its own polarization counts, not that of the settings."""
-    settings = dataclasses.replace(settings, polarization=cell.polarization)
-    return EchoSource(model).curve(model.grid.place_of(cell.stop), settings)
-
-
 def b_scan(model, stop, settings):
-    return EchoSource(model).line(model.grid.place_of(stop), settings)
+    return EchoSource(model).section(model.grid.place_of(stop), settings)
 
 
 def c_scan(model, settings):

@@ -7,7 +7,7 @@ import itertools
 
 from candidate_examples import candidate
 from hiding_kit import a_map
-from map_kit import FINER, MARKER
+from map_kit import MARKER
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     FOLDER,
@@ -26,10 +26,9 @@ from window_helpers import click, hold, open_field, show
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
-from gpr20_operator.ground.additions import AdditionsRead, RelatedSurvey
+from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
@@ -234,8 +233,7 @@ def ground(window):
     runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
-    related = RelatedSurvey(FINER, "20261121T061000_7c9e6679", True, Area(120, 150, 60, 80))
-    window.on_event(AdditionsRead(SURVEY, (MARKER,), (related,)))
+    window.on_event(MarkersStored(SURVEY, (MARKER,)))
     window.draw()
 
 
@@ -327,7 +325,7 @@ STOPS = {
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,
-    **{name: on_ground(name) for name in ("layers", "finer", "set_marker")},
+    **{name: on_ground(name) for name in ("layers", "set_marker")},
     "surveys": surveys,
     "the list fails": list_fails,
     "robots": robots,

@@ -6,23 +6,23 @@ import itertools
 import numpy as np
 import pytest
 from candidate_examples import candidate, candidate_list
-from finger import colours, drag, touch
+from finger import colours, touch
+from imported_kit import imported_folder
 from map_kit import DOUBTED, MARKER, SURE, focused
 from PyQt5.QtTest import QTest
 from test_ground_model import cover, image_of
-from view_kit import PAST, SURVEY, make_grid, noise, trace_at
-from window_helpers import click, hold
+from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
+from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.additions import (
-    AdditionsRead,
-    MarkersStored,
-    MarkingFailed,
-)
-from gpr20_operator.ground.model import Layer
-from gpr20_operator.ground.records import Axis, Colours
+from gpr20_operator.ground.additions import MarkersStored, MarkingFailed
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.traces import SurveyRead, SurveysListed, TracesRead
 from gpr20_operator.robot.events import Answer, Request
-from gpr20_survey.radar.soils import Soils
+from gpr20_survey.folder.trace_files import read_trace
+from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.trace.trace_block import TraceBlock
 from gpr20_user_interface.window.rail import TabName
 
 NO_MINE = "No echo does not mean no mine."
@@ -47,7 +47,7 @@ def view(window):
 @pytest.fixture
 def filled(window):
     fill(window)
-    window.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    window.on_event(MarkersStored(SURVEY, (MARKER,)))
     window.additions.pictures.add_image(focused())
     window.draw()
     return window
@@ -63,13 +63,13 @@ def said(view):
 
 
 def test_a_place_that_is_touched_or_shown_from_another_page_is_on_every_picture(filled, view):
-    touch(view.pictures.above, 149.0, 91.0)
+    touch(view.above, 149.0, 91.0)
     assert said(view)[0] == "X 150, Y 90, depth 50 mm"
-    assert view.pictures.above.crosshair == (150.0, 90.0)
-    assert view.pictures.sections[0].labels == ("X mm", "Depth mm, at Y 90 mm")
+    assert view.above.crosshair == (150.0, 90.0)
+    assert view.section.labels == ("X mm", "Depth mm, at Y 90 mm")
     filled.ground.show_place(150.0, 70.0, 120.0)
     filled.draw()
-    assert view.pictures.above.crosshair == (150.0, 70.0)
+    assert view.above.crosshair == (150.0, 70.0)
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
 
 
@@ -78,49 +78,25 @@ def test_candidates_and_markers_are_counted_visited_and_described(filled, view):
     assert "2 places to check, 0 weaker echoes" in "\n".join(said(view))
     click(view.next)
     assert said(view) == ["Candidate 1", "X 125, Y 90, depth 85 mm", "21 dB above the clutter"]
-    touch(view.pictures.above, SURE.x_mm, SURE.y_mm)
+    touch(view.above, SURE.x_mm, SURE.y_mm)
     assert filled.ground.model.mark == DOUBTED
     assert said(view)[0] == "Candidate 2" and said(view)[-1] == "Edge"
-    touch(view.pictures.above, MARKER.x_mm, MARKER.y_mm)
+    touch(view.above, MARKER.x_mm, MARKER.y_mm)
     marker = ["Marker: raíz", "X 175, Y 70, depth 60 mm", "2026-11-21 05:10 UTC Ana"]
     assert said(view) == marker
 
 
 def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     sheet, model = filled.ground.layers, filled.ground.model
-    echoes = filled.traces.live.radar.echoes[0].copy()
-    before = model.settings
+    echoes, before = filled.traces.live.radar.echoes.copy(), model.settings
     sheet.open()
-    for name in ("axis", "scale", "along", "polarization", "background", "follow"):
+    for name in ("along", "polarization", "background", "follow"):
         click(getattr(sheet, name))
-    for key in (sheet.soils[Soils.WET_SAND], sheet.gain.more, sheet.colours[Colours.GREY]):
-        click(key)
     now = dataclasses.asdict(model.settings).items()
-    assert {name for name, value in now if getattr(before, name) == value} == {"depth_m"}
-    section = view.pictures.sections[0]
-    assert section.axis is Axis.DELAY_NS and section.labels[0] == "Y mm"
-    assert not model.follows
-    assert (filled.traces.live.radar.echoes[0] == echoes).all()
-
-
-def test_another_permittivity_is_fitted_by_a_hyperbola(filled, view):
-    model, section = filled.ground.model, view.pictures.sections[0]
-    touch(view.pictures.above, 150.0, 90.0)
-    filled.ground.layers.open()
-    click(filled.ground.layers.fit)
-    assert view.pictures.enlarged is section and not view.layers.isVisible()
-    before = model.hyperbola
-    drag(section, section.grip, (section.grip[0], section.grip[1] + 40.0))
-    drag(refreshed(view).pictures.sections[0], (120.0, 300.0), (115.0, 160.0))
-    fitted = model.hyperbola
-    assert fitted.apex_delay_s > before.apex_delay_s
-    assert fitted.permittivity != before.permittivity
-    click(view.use)
-    assert view.pictures.above.isVisible() and view.layers.isVisible()
-    assert model.settings.permittivity == round(fitted.permittivity, 1)
-    view.begin_fit()
-    filled.traces.live.begin(make_grid(survey_id=PAST))
-    assert not refreshed(view).is_fitting
+    same = {name for name, value in now if getattr(before, name) == value}
+    assert same == {"depth_m", "permittivity", "layer"}
+    assert view.section.labels[0] == "Y mm" and not model.follows
+    assert (filled.traces.live.radar.echoes == echoes).all()
 
 
 def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, view):
@@ -131,37 +107,36 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     cover(model, 40)
     model.set_depth(0.3)
     model.choose_place(150.0, 110.0)
-    section = refreshed(view).pictures.sections[0]
+    section = refreshed(view).section
     assert "loading 25/40" in view.note.text()
-    assert all(one.notice == "" for one in (view.pictures.above, *view.pictures.sections))
+    assert all(one.notice == "" for one in (view.above, view.section))
     # Of the uppermost line nothing has come: its section is patterned as loading.
     loading = colours(section, 150.0, 200.0, reach=8)
     cover(model, 25)
-    assert colours(refreshed(view).pictures.sections[0], 150.0, 200.0, reach=8) != loading
+    assert colours(refreshed(view).section, 150.0, 200.0, reach=8) != loading
     cover(model, 40)
     window.traces.live.take_traces(traces[25:])
     refreshed(view)
-    assert view.pictures.above.notice == f"Nothing above the noise at this depth. {NO_MINE}"
+    assert view.above.notice == f"Nothing above the noise at this depth. {NO_MINE}"
     assert section.notice == f"Nothing above the noise in this section. {NO_MINE}"
     cover(model, 30)
-    assert "A part is not measured." in refreshed(view).pictures.above.notice
+    assert "A part is not measured." in refreshed(view).above.notice
 
 
 def test_the_safety_notice_is_whole_beside_any_picture_and_band(filled, view):
-    pictures = view.pictures
     name = Message("PAST SURVEY: {name}", name="2026-11-21 05:10, " + "El Carmen " * 9)
-    plots = (None, pictures.above, pictures.sections[0], pictures.trace)
+    plots = (None, view.above, view.section)
     for size, band, plot in itertools.product([(480, 320), (800, 480)], (None, name), plots):
         filled.resize(*size)
         view.show_band(band)
-        pictures.enlarge(plot)
+        view._enlarged = plot
         refreshed(view)
         QTest.qWait(1)
         text = view.note.text()
         assert NO_MINE in text and view.note.isVisible()
         assert view.note.fontMetrics().horizontalAdvance(text) <= view.note.width()
         assert view.note.geometry().right() < view.width()
-        texts = (text, view.text.text(), *(one.notice for one in pictures.plots))
+        texts = (text, view.text.text(), view.above.notice, view.section.notice)
         words = " ".join(texts).lower().replace(".", "").split()
         assert not {"clear", "free", "safe"} & set(words)
 
@@ -169,13 +144,19 @@ def test_the_safety_notice_is_whole_beside_any_picture_and_band(filled, view):
 def test_what_is_missing_is_said(window, view):
     window.show_tab(TabName.GROUND)
     window.draw()
-    assert view.pictures.above.notice.startswith("No survey yet. Start one under")
-    for key in (view.next, view.set_marker, view.finer, view.deeper):
-        assert not key.isEnabled()
+    # Without a survey there is one thing to do, and no key that does nothing.
+    assert view.empty.isVisible() and not view.next.isVisible()
+    show(window, snapshot(SurveyState.CHECKING))
+    view.refresh()
+    assert not view.empty.button.isVisible()
+    show(window, snapshot(SurveyState.IDLE))
+    view.refresh()
+    click(view.empty.button)
+    assert window.past.isVisible()
     fill(window, 1, height_m=float("nan"))
     assert view.note.text().startswith(f"SIMULATED. {NO_MINE}")
-    assert "No height was measured" in view.pictures.above.notice
-    assert view.pictures.sections[0].axis is Axis.DELAY_NS and not view.deeper.isEnabled()
+    assert "No height was measured" in view.above.notice
+    assert view.section.axis is Axis.DELAY_NS and not view.deeper.isEnabled()
     assert "The background is not removed from fewer than 8 traces" in view.note.text()
     window.traces.live.radar.give_up(5, verbatim("torn"))
     assert "Cannot be shown: 1" in refreshed(view).note.text()
@@ -186,33 +167,34 @@ def test_over_a_candidate_nothing_is_said_to_be_nothing(window, view):
     faint = candidate_list([candidate(level_db=7.0)], survey_id=SURVEY)
     window.additions.pictures.add_image(image_of(window.traces.live.map.grid, 7.0, faint))
     model = window.ground.model
-    model.switch(Layer.FOCUSED)
+    model.change(layer=Layer.FOCUSED)
     model.choose_mark(faint.candidates[0])
     refreshed(view)
-    assert not model.pictures(()).above.above_noise
-    plots = (view.pictures.above, view.pictures.sections[0])
+    assert not model.pictures().above.above_noise
+    plots = (view.above, view.section)
     assert not any("Nothing above" in plot.notice for plot in plots)
     model.choose_place(200.0, 50.0, 250.0)
     refreshed(view)
     assert all("Nothing above the clutter" in plot.notice for plot in plots)
 
 
-def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled):
-    sheet = filled.ground.finer
-    click(filled.ground.view.next)
-    click(filled.ground.view.finer)
-    click(sheet.sizes[1])
-    click(sheet.use)
+def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
+    show(filled, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
+    filled.show_tab(TabName.GROUND)
+    click(view.next)
+    assert not view.finer.isEnabled()  # while a survey runs none can be planned
+    show(filled, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
+    view.refresh()
+    click(view.finer)
     assert filled.control.isVisible()
-    assert filled.control.parameters == sheet.plan.parameters
+    assert filled.control.parameters == filled.survey.finer.parameters
     assert filled.survey.asked == []
-    assert filled.survey.finer == filled.additions.plan == sheet.plan
     filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
-    assert filled.survey.finer is filled.additions.plan is None
+    assert filled.survey.finer is None
 
 
 def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view):
-    asked, sheet = filled.traces.source.asked, filled.ground.markers
+    asked, confirm = filled.traces.source.asked, filled.ground.confirm
     click(view.next)
     click(view.set_marker)
     filled.ground.note_pad.press("metal")
@@ -221,15 +203,39 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
     assert (kind, survey, marker.text.lower()) == ("add marker", SURVEY, "metal")
     place = (marker.x_mm, marker.y_mm, marker.depth_mm)
     assert place == (SURE.x_mm, SURE.y_mm, SURE.depth_mm)
-    filled.on_event(MarkersStored(SURVEY, (marker,)))
-    filled.draw()
-    filled.ground.layers.open()
-    click(filled.ground.layers.markers)
-    sheet.list.setCurrentRow(0)
+    touch(view.above, MARKER.x_mm, MARKER.y_mm)
+    view.refresh()
     before = len(asked)
-    click(sheet.remove)
-    assert len(asked) == before
-    hold(sheet.confirm.hold)
-    assert asked[-1][:3] == ("remove marker", SURVEY, marker.marker_id)
+    click(view.set_marker)
+    assert confirm.isVisible() and len(asked) == before
+    hold(confirm.hold)
+    assert asked[-1][:3] == ("remove marker", SURVEY, MARKER.marker_id)
     filled.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("the disk is full")))
     assert filled.notice.isVisible()
+
+
+@pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
+def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
+    window, tmp_path, columns, rows
+):
+    folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
+    counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
+    imported = past_survey(folder=folder.name, outcome="imported", **counts)
+    window.show_tab(TabName.SURVEYS)
+    window.on_event(SurveysListed("", (imported,), False))
+    window.past.choose(imported)
+    assert not window.past.resume.isEnabled()
+    click(window.past.open)
+    text = (folder / "survey.json").read_text("ascii")
+    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    shown = window.traces.shown
+    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
+    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    window.refresh()
+    assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
+    assert shown.map.grid.simulated is False and shown.map.grid.plan is None
+    window.show_tab(TabName.GROUND)
+    window.grab()
+    assert not window.ground.view.finer.isEnabled()
+    assert window.traces.past.problem is None
+    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from case_kit import each_case
-from fault_kit import raises_fault
 from finger import colours, drag, pixel_of, touch
 from hiding_kit import a_map
 from hypothesis import given
@@ -11,26 +10,19 @@ from hypothesis import strategies as st
 from map_kit import MARKER
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtTest import QTest
-from view_kit import SURVEY, TRAVEL, description, make_grid
+from view_kit import make_grid
 
-from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import verbatim
-from gpr20_main_control.mid.survey.survey_status import Coverage
-from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.cells import TILES, Cell
 from gpr20_operator.ground.coverage import (
+    Cell,
     CoverageRuns,
     MapModel,
     StopState,
-    coverage_of_stored,
 )
-from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.grid import Stop, grid_from_description
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.plan.survey_state import SampleState
+from gpr20_operator.ground.patterns import TILES
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.widgets.ground_picture import Frame, GroundPicture
+from gpr20_user_interface.widgets.ground_picture import GroundPicture
 
 
 def colour(mark):
@@ -94,15 +86,12 @@ def test_each_stop_is_drawn_where_it_is_measured(application, left, down):
         assert inks[state] <= colours(picture, *place, reach=5), (row, column, state)
 
 
-def test_what_is_loading_missing_or_there_differs_with_and_without_the_states(picture, grid):
+def test_what_is_loading_is_not_shown_as_done(picture, grid):
     loading = np.zeros(grid.shape, bool)
     loading[0, 1] = True
-    before = colours(picture, 125.0, 50.0, reach=6)
     picture.show_coverage(model_of(grid), loading)
-    assert colours(picture, 125.0, 50.0, reach=6) > before
-    picture.show_coverage(model_of(grid), states=False)
-    assert colours(picture, 125.0, 55.0, reach=5) == {colour(Mark.PAPER)}
-    assert colour(Mark.STOP_MISSING) in colours(picture, 126.0, 95.0, reach=6)
+    found = colours(picture, 125.0, 50.0, reach=8)
+    assert colour(Mark.INK) in found and colour(Mark.STOP_DONE) not in found
 
 
 @given(st.integers(2, 12), st.integers(2, 12), st.floats(1.0, 6.0), st.data())
@@ -146,8 +135,6 @@ def test_marks_and_frames_are_seen_over_the_states(picture, grid):
     at = pixel_of(picture, MARKER.x_mm, MARKER.y_mm)
     flag = picture.to_data(QPointF(at.x() + 4, at.y() - 20))
     assert colour(Mark.MARKER) in colours(picture, *flag, reach=2)
-    picture.set_frames([Frame(Area(130.0, 170.0, 60.0, 100.0))])
-    assert colour(Mark.INK) in colours(picture, 150.0, 100.0, reach=1)
     model = model_of(grid)
     model.set_target((150.0, 90.0))  # the stop that is visited
     assert colour(Mark.CURRENT) not in colours(picture, 137.5, 95.0, reach=2)
@@ -191,101 +178,3 @@ def test_a_notice_is_never_cut_off(application, size):
     image = picture.grab().toImage()
     edge = {image.pixel(x, y) for x in range(size[0]) for y in (0, size[1] - 1)}
     assert len(edge) == 1, "the notice reaches the edge"
-
-
-VERDICT = verbatim("INCOMPLETE: some are missing")
-STATES = st.sampled_from(list(SampleState))
-
-
-def runs_of(coverage, survey_id=SURVEY):
-    starts = tuple(start for start, _state in coverage.runs())
-    states = tuple(int(state) for _start, state in coverage.runs())
-    planned = len(coverage.states)
-    return CoverageRuns(survey_id, planned, starts, states, coverage.reasons, VERDICT)
-
-
-@given(
-    st.integers(3, 9),
-    st.integers(3, 9),
-    st.sampled_from([(0.0,), (0.0, 90.0), (-90.0, 0.0, 90.0)]),
-    st.booleans(),
-)
-def test_every_place_of_the_plan_is_where_main_control_goes(columns, rows, rotations, reverse):
-    ends = {"x_start_mm": 200.0, "x_stop_mm": 100.0} if reverse else {}
-    grid = make_grid(columns, rows, rotations, **ends)
-    points = survey_points(grid.plan[0], TRAVEL)
-    assert grid.planned == len(points)
-    indices = np.array([one.index for one in points])
-    positions = np.array([(one.x_mm, one.y_mm, one.z_deg) for one in points])
-    assert grid.holds(grid.cells(indices), positions).all()
-    assert [grid.index(grid.cell(one.index)) for one in points] == indices.tolist()
-
-
-@given(st.lists(STATES, min_size=1, max_size=60))
-def test_coverage_comes_through_as_it_was(states):
-    coverage = Coverage(len(states))
-    for index, state in enumerate(states):
-        if state is SampleState.FAILED:
-            coverage.note_failed(index, verbatim("the VNA: no answer"))
-        elif state is not SampleState.NOT_VISITED:
-            coverage.note_stored(index)
-    runs = runs_of(coverage)
-    assert runs.trace_states().tolist() == states
-    assert runs.failures == coverage.reasons
-    # Of a past survey only what is stored is known.
-    stored = {index for index, state in enumerate(states) if state is not SampleState.NOT_VISITED}
-    past = coverage_of_stored(SURVEY, len(states), {*stored, len(states)})
-    assert set(np.flatnonzero(past.trace_states())) == stored
-
-
-@each_case(
-    "planned,starts,states",
-    [
-        *((5, (), ()), (5, (1,), (0,)), (5, (0, 0), (0, 1)), (5, (0, 5), (0, 1))),
-        *((5, (0, 3, 2), (0, 1, 0)), (5, (0, 3), (0,)), (5, (0,), (4,)), (2**32 - 1, (0,), (0,))),
-    ],
-)
-def test_contradicting_coverage_is_refused(planned, starts, states):
-    with pytest.raises(SurveyNotReadableError):
-        CoverageRuns(SURVEY, planned, starts, states).trace_states()
-
-
-def test_a_stop_is_done_only_with_all_its_polarizations():
-    # 5 columns with 2 polarizations: trace 10 is the first of row 1, at the last column.
-    coverage = Coverage(40, [0, 1, 2, 4, 10, 11])
-    coverage.note_failed(5, verbatim("reason 5"))
-    model = MapModel()
-    model.set_grid(make_grid())
-    model.set_coverage(runs_of(coverage))
-    states = [model.state_at(Stop(row, column)) for row in (0, 1) for column in range(5)]
-    missing = StopState.MISSING
-    first_row = [StopState.DONE, StopState.PARTLY, StopState.FAILED, missing, missing]
-    assert states == [*first_row, *[missing] * 4, StopState.DONE]
-    assert model.reasons_at(Stop(0, 2)) == (verbatim("reason 5"),)
-    assert (model.counts()[StopState.DONE], model.verdict) == (2, VERDICT)
-    for place, stop in (((126.0, 71.0), Stop(1, 1)), ((213.0, 50.0), None), (None, None)):
-        model.set_target(place)
-        assert model.current == stop
-
-
-def test_coverage_is_shown_on_the_plan_of_its_survey_whichever_comes_first():
-    model = MapModel()
-    model.set_coverage(runs_of(Coverage(40, [0, 1])))
-    assert model.stop_states is None
-    model.set_grid(make_grid())
-    assert model.counts()[StopState.DONE] == 1
-    model.set_grid(make_grid(survey_id="7c9e6679-7425-40de-944b-e07fc1f90ae7"))
-    assert (model.stop_states, model.counts(), model.verdict) == (None, None, None)
-    model.set_grid(make_grid())
-    with raises_fault(VERSIONS_DIFFER, 41):
-        model.set_coverage(runs_of(Coverage(41)))
-
-
-def test_the_plan_is_read_from_survey_json():
-    grid = grid_from_description(description(simulated=False))
-    assert (grid.shape, grid.planned, grid.simulated) == ((4, 5), 40, False)
-    # Data of unknown origin count as simulated.
-    assert grid_from_description(description(simulated="no")).simulated
-    for text in ("", "[]", "{}", description(axes=None), "x" * 3_000_000, "[" * 100_000):
-        with pytest.raises(SurveyNotReadableError):
-            grid_from_description(text)

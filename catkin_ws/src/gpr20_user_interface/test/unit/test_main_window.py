@@ -32,7 +32,7 @@ from window_helpers import (
 )
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition

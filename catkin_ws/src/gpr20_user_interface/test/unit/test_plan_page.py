@@ -11,7 +11,7 @@ from view_kit import FOLDER, configured, past_survey, snapshot
 from window_helpers import click, enter, hold, hold_to_start, open_field, show, start, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES, Tile, default_parameters
 from gpr20_operator.plan.form import preview
 from gpr20_operator.robot.events import Answer, Replay, Request

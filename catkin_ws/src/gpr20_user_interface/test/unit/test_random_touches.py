@@ -15,7 +15,7 @@ from view_kit import FOLDER, PAST, description, past_survey, snapshot
 from window_helpers import show, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.trace_events import SurveyRead, SurveysListed
+from gpr20_operator.ground.traces import SurveyRead, SurveysListed
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice

@@ -9,7 +9,7 @@ from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
@@ -275,8 +275,9 @@ def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):
     click(done.rows[0])
     assert "31 dB" in done.place_sheet.text.text() and "125" in done.place_sheet.title.text()
     click(done.place_sheet.finer)
-    assert window.ground.finer.isVisible() and window.ground.finer.plan.refines == SURVEY
-    click(window.ground.finer.close_button)
+    assert window.control.isVisible() and window.survey.finer.refines == SURVEY
+    window.show_tab(TabName.SURVEY)
+    window.survey_tab.show_result("", window.survey.snapshot)
     # The survey that has ended is the one that GROUND shows.
     window.traces.live.begin(make_grid())
     click(done.rows[0])

@@ -27,7 +27,7 @@ from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
-from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, first_name, next_name
 from gpr20_operator.plan.fields import default_parameters

@@ -15,7 +15,7 @@ from window_helpers import click, show
 from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
-from gpr20_operator.ground.trace_events import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.survey_summary import SurveySummary

@@ -13,7 +13,7 @@ from trace_examples import STARTED_US, SURVEY
 from web_kit import route_of
 
 from gpr20_imaging.mid.imaging import Imaging
-from gpr20_operator.ground.trace_events import SurveysListed
+from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Exported, StoredSurvey
 from gpr20_survey.folder.recovery import read_description

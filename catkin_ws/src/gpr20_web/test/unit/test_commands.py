@@ -17,7 +17,7 @@ from web_kit import ManualClock
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot

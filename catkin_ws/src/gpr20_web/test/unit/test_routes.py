@@ -87,14 +87,11 @@ def test_each_route_is_for_the_roles_of_the_table_and_for_no_other_page(
     assert page.done() == before
 
 
-# These change nothing here, or need a search, somebody who asks, or an imaging node that
-# answers: other tests have them.
+# These change nothing here, or need a search or somebody who asks: other tests have them.
 NOT_HERE = (
     "/api/login",
     "/api/logout",
     "/api/control/take",
-    "/api/ground/hide",
-    "/api/ground/cancel",
     f"{S}/found",
 )
 STATES = {"/api/pause": SurveyState.SURVEYING, "/api/resume": SurveyState.PAUSED}

@@ -1,29 +1,26 @@
-"""MAP and RADAR for browsers: the pictures are those of the window, and none shows a wrong one."""
+"""GROUND for browsers: the pictures are those of the window, and none shows a wrong one."""
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from case_kit import each_case
-from hiding_kit import a_map
 from map_kit import MARKER, focused
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.additions import AdditionsRead
-from gpr20_operator.ground.cells import MARKS, TILES, Cell
+from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
-from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
-from gpr20_operator.ground.sources import EchoSource
-from gpr20_operator.ground.trace_events import ReadingFailed, SurveyDescribed, SurveysListed
+from gpr20_operator.ground.grid import Place
+from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colours, shade_numbers
+from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
+from gpr20_operator.ground.traces import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.events import Replay
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
 from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
-from gpr20_web.mid.shown_ground import AGAIN_REFRESHES
+from gpr20_web.mid.shown_ground import AGAIN_REFRESHES, PATTERN_PX
 
 TARGETED = Place(150.0, 90.0)
 
@@ -39,35 +36,28 @@ def radar_of(server):
 
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_map_and_section_have_the_colours_of_the_window(server, along):
-    server.run(permittivity=6.0)
-    source = EchoSource(radar_of(server))
+    grid = server.run(permittivity=6.0)
+    # No row is like another one: nothing may be upside down.
+    for index in range(grid.planned):
+        level = 10.0 ** (-index / 40.0)
+        server.page.on_event(trace_at(grid, index, s21=depth_echo(0.1, level=level)))
+    server.tick()
+    source, colours = EchoSource(radar_of(server)), shade_colours()
     picture = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0))
-    colours = colour_table(Colours.ENVELOPE)
-    expected = colours[shade_numbers(picture.shades[::-1], picture.signed)]
+    expected = colours[shade_numbers(picture.shades[::-1])]
     assert (server.pixels(layer="echoes", depth="100") == expected).all()
-    settings = RadarSettings(
-        polarization=1, permittivity=6.0, gain_db_per_ns=2.0, remove_background=False,
-        along=Axis(along), colours=Colours.GREY,
-    )  # fmt: skip
-    picture = source.line(TARGETED, settings)
-    found = server.pixels(
-        *("section",), section="1", x="150", y="90", along=along, polarization="1",
-        gain="2", background="0", colours=Colours.GREY.value,
-    )  # fmt: skip
-    expected = colour_table(Colours.GREY)[shade_numbers(picture.shades, picture.signed)]
-    assert (found == expected).all()
+    settings = RadarSettings(polarization=1, permittivity=6.0, along=Axis(along))
+    picture = source.section(TARGETED, settings)
+    place = {"x": "150", "y": "90", "along": along, "polarization": "1"}
+    found = server.pixels("section", **place)
+    assert (found == colours[shade_numbers(picture.shades)]).all()
 
 
 def test_the_coverage_has_the_signs_of_the_window(server):
     server.run(stored=4)
     found = server.pixels(layer="coverage", theme=Theme.NIGHT.value)
-    assert found.shape[:2] == (4 * 8, 5 * 8)
-    colours = [(0, 0, 0, 0), *((*bytes.fromhex(one.of(Theme.NIGHT)[1:]), 255) for one in MARKS)]
-    # The first row of the plan is the lowest one of the picture.
-    done, missing = found[-8:, :8], found[:8, :8]
-    for cells, cell in ((done, Cell.DONE), (missing, Cell.MISSING)):
-        tile = TILES[cell][: 8 if cell is Cell.MISSING else None, :8][-8:]
-        assert (cells == np.array(colours)[tile]).all()
+    states = server.page._live.shown.map.stop_states
+    assert (found == pattern_colours(Theme.NIGHT)[pattern(states, PATTERN_PX)]).all()
 
 
 def test_what_loads_is_not_shown_as_missing(server):
@@ -77,29 +67,26 @@ def test_what_loads_is_not_shown_as_missing(server):
     )
     server.tick()
     answer = server.ask(survey=FOLDER)
-    assert "loading" in answer["ground"]["layers"]
     assert any("loading 0/12" in one for one in answer["ground"]["notes"])
-    loading = server.pixels(survey=FOLDER, layer="loading")
-    assert loading[:, :, 3].any()
-    assert not loading[:8, :8, 3].any()
+    loading = server.pixels(survey=FOLDER, layer="coverage")
+    # Dashes on nothing; what is missing is dotted paper.
+    assert (loading[-64:, :, 3] == 0).mean() > 0.5 and (loading[:64, :, 3] == 255).all()
 
 
 def test_no_choice_of_a_browser_changes_what_others_see(server):
     server.run(stored=4)
-    before = server.ask(section="1")
-    pictures = server.pixels(layer="echoes"), server.pixels("section", section="1")
-    ground = server.ask(
-        *("/api/ground",), x="100", y="50", depth="20", polarization="1",
-        layer="echoes", gain="5", background="0", along="y",
-    )["ground"]  # fmt: skip
+    before = server.ask()
+    pictures = server.pixels(layer="echoes"), server.pixels("section")
+    choice = {"x": "100", "y": "50", "depth": "20", "polarization": "1", "along": "y"}
+    ground = server.ask(**choice, layer="echoes")["ground"]
     # A place is said in words.
     assert ground["lines"][0] == "X 100, Y 50, depth 20 mm"
-    assert ground["counts"][0] == ["done", "Done", 2]
+    assert ground["counts"][0] == ["Done", 2]
     far = server.ask(x="200", y="110", layer="echoes")["ground"]
     assert far["lines"][1:] == ["Missing", "No trace to show"]
-    assert server.ask(section="1") == before
+    assert server.ask() == before
     assert (server.pixels(layer="echoes") == pictures[0]).all()
-    assert (server.pixels("section", section="1") == pictures[1]).all()
+    assert (server.pixels("section") == pictures[1]).all()
 
 
 def test_a_past_survey_is_never_shown_as_the_running_one(server):
@@ -126,12 +113,12 @@ def test_a_survey_that_begins_is_not_mixed_with_the_last_one(server):
     server.run()
     server.look()
     server.node.ticket("focus").done(focused())
-    server.page.on_event(AdditionsRead(SURVEY, (MARKER,), ()))
+    server.page.on_event(MarkersStored(SURVEY, (MARKER,)))
     assert len(server.ask()["ground"]["marks"]) == 3
     server.page.on_event(SurveyDescribed(description(survey_id=PAST)))
     after = server.ask()
     assert after["title"] == "Loading…"
-    assert after["ground"]["counts"][0][2] is None
+    assert after["ground"]["counts"][0][1] is None
     assert not after["ground"]["marks"]
     assert server.page.live(str)["ground"]["survey"] == ""
 
@@ -171,8 +158,6 @@ def test_a_replay_is_called_a_replay(server):
     answer = server.ask()
     assert answer["title"].startswith("REPLAY: ")
     assert answer["past"]
-    with pytest.raises(NotNowError):
-        server.ask("/api/ground/hide", "POST")
     assert server.look() == []
 
 
@@ -181,20 +166,20 @@ def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server,
     made = []
     model = server.page._live.model
     pictures = model.pictures
-    monkeypatch.setattr(model, "pictures", lambda alongs: made.append(1) or pictures(alongs))
+    monkeypatch.setattr(model, "pictures", lambda: made.append(1) or pictures())
     for browser in range(5):
         server.page.on_event(trace_at(grid, 20, s21=depth_echo(0.1 + browser / 1000)))
         server.tick(0.0)
-        server.ask(layer="echoes", section="1")
-        server.pixels(layer="echoes", section="1")
-        server.pixels("section", layer="echoes", section="1")
+        server.ask(layer="echoes")
+        server.pixels(layer="echoes")
+        server.pixels("section", layer="echoes")
     assert len(made) == 1
     server.tick(PERIOD_S)
-    revision = server.ask(layer="echoes", section="1")["revision"]
+    revision = server.ask(layer="echoes")["revision"]
     assert len(made) == 2
-    assert "ground" not in server.ask(layer="echoes", section="1", known=revision)
-    server.page.on_event(AdditionsRead(SURVEY, (), ()))
-    assert "ground" in server.ask(layer="echoes", section="1", known=revision)
+    assert "ground" not in server.ask(layer="echoes", known=revision)
+    server.page.on_event(MarkersStored(SURVEY, ()))
+    assert "ground" in server.ask(layer="echoes", known=revision)
 
 
 def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
@@ -219,7 +204,6 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
         assert server.look() == [(SURVEY, 0.0)]
     server.node.ticket("focus").done(focused())
     ground = server.ask(layer="focused")["ground"]
-    assert ground["traces_focused"] == 9
     marks = [one for one in ground["marks"] if one["candidate"]]
     assert {one["number"] for one in marks} == {"1", "2"}
     assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
@@ -261,38 +245,14 @@ def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     assert server.page.live(str)["result"] is None
 
 
-def test_hiding_places_are_said_for_a_target_and_never_searched_beside_a_survey(server):
-    server.run()
-    with pytest.raises(NotNowError):
-        server.ask("/api/ground/hide", "POST")
-    with pytest.raises(NotFoundError):
-        server.pixels(layer="hiding")
-    server.tick(code=SurveyState.FINISHED)
-    server.ask("/api/ground/hide", "POST", target="type-72")
-    assert server.node.of("hide") == [(SURVEY, 0.0, "type-72")]
-    found = a_map([[[10, 0]], [[10, 0]]], np.full((2, 1, 2), 10), survey_id=SURVEY)
-    server.node.ticket("hide").done(found)
-    ground = server.ask()["ground"]
-    assert ground["layers"]["hiding"] == pytest.approx([-50.0, 150.0, -50.0, 50.0])
-    assert ground["hiding"][0].startswith("This map holds for this target only")
-    hatched = server.pixels(layer="hiding")[:, :, 3]
-    assert not hatched[:, :8].any()
-    assert hatched[:, 8:].any()
-    server.ask("/api/ground/hide", "POST")
-    server.tick(0.0, code=SurveyState.SURVEYING)
-    assert server.node.cancelled
-    assert not server.ask()["hide"]["running"]
-    assert "A survey is running" in server.ask()["hide"]["said"]
-
-
 def test_without_a_survey_nothing_is_shown(server):
     server.tick()
-    answer = server.ask(section="1")
+    answer = server.ask()
     assert (answer["title"], answer["ground"]["area"]) == ("No survey yet.", None)
     assert answer["ground"]["section"] is None
     for kind, layer in (("map", "coverage"), ("map", "echoes"), ("section", "echoes")):
         with pytest.raises(NotFoundError):
-            server.pixels(kind, layer=layer, section="1")
+            server.pixels(kind, layer=layer)
 
 
 @each_case(
@@ -301,7 +261,7 @@ def test_without_a_survey_nothing_is_shown(server):
         *(("depth", one) for one in ("nan", "-1", "1e9", "x", "1" * 99)),
         *(("survey", one) for one in ("../etc", "20261121T051000_7c9e6679/..", "a" * 999)),
         *(("x", "1e300"), ("layer", "__class__"), ("along", "z"), ("polarization", "65")),
-        *(("gain", one) for one in ("21", True, [1], {})),
+        *(("depth", one) for one in (True, [1], {})),
     ],
 )
 def test_what_no_page_sends_is_refused(name, value):
@@ -323,3 +283,5 @@ def test_the_folder_of_the_running_survey_is_found_and_not_asked_for_all_the_tim
     assert server.ask()["folder"] == ""
     server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
     assert server.ask()["folder"] == FOLDER
+    server.tick(code=SurveyState.FINISHED)
+    assert server.ask()["title"].startswith("Last survey: 2026-11-21 ")

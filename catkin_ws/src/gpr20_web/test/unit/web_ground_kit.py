@@ -13,7 +13,7 @@ from web_kit import route_of
 
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.trace_events import (
+from gpr20_operator.ground.traces import (
     SurveyDescribed,
     SurveyRead,
     SurveysListed,

@@ -33,7 +33,7 @@ from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.robots import Robots
@@ -43,7 +43,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Person, Role
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
+from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
@@ -94,9 +94,7 @@ class WholePage:
             {
                 "now": NowPage(""),
                 "commands": commands,
-                "ground": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
-                "map": MapPage(),
-                "radar": RadarPage(),
+                "map": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
                 "surveys": SurveysPage(self.surveys.services, self.surveys.data),
                 "robots": RobotsPage(Robots("/", False, nothing), self.clock),
                 "service": ServicePage(nothing, self.clock),
@@ -242,7 +240,6 @@ TABLE = (
     Row("GET", "/api/ground/map.png", WATCH),
     Row("GET", "/api/ground/section.png", WATCH),
     Row("GET", "/api/ground/bar.png", WATCH),
-    Row("GET", "/api/ground/sign.png", WATCH),
     Row("GET", "/api/robots", WATCH),
     Row("GET", "/api/service", WATCH),
     # The stored surveys: search, verdict, candidates, downloads.
@@ -263,9 +260,6 @@ TABLE = (
     Row("POST", "/api/resume", CONTROL, {**PRESS, "survey": SURVEY}),
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
-    # What takes the robot's computer minutes.
-    Row("POST", "/api/ground/hide", CONTROL, {"target": "pmn"}),
-    Row("POST", "/api/ground/cancel", CONTROL),
 )
 
 

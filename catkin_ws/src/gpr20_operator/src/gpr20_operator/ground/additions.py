@@ -1,15 +1,12 @@
-"""Between the storage and GROUND: markers, related surveys, candidates, a finer plan."""
+"""What belongs to the survey that GROUND shows: markers, image, candidates, hiding places."""
 
 from __future__ import annotations
 
 import uuid
 from dataclasses import dataclass
-from functools import singledispatchmethod
 from typing import Callable, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.finer_plan import FinerPlan
-from gpr20_operator.ground.geometry import Area
 from gpr20_operator.jobs.pictures import Pictures
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
@@ -21,38 +18,8 @@ RETRY_REFRESHES = 50
 
 
 @dataclass(frozen=True)
-class RelatedSurvey:
-    """A survey that measured a part of another one more finely, or that other one.
-
-    Attributes:
-        folder: Name of its folder.
-        is_finer: Whether it refines the survey it is related to; else it is refined by that.
-        area: Its first to its last stop.
-    """
-
-    survey_id: str
-    folder: str
-    is_finer: bool
-    area: Area
-
-
-@dataclass(frozen=True)
-class AdditionsRead:
-    """What the storage knows of a survey besides its traces.
-
-    Attributes:
-        markers: Those that were not removed.
-        related: The surveys that refine it, and the one that it refines.
-    """
-
-    survey_id: str
-    markers: Tuple[Marker, ...]
-    related: Tuple[RelatedSurvey, ...]
-
-
-@dataclass(frozen=True)
 class MarkersStored:
-    """The markers of a survey, after one was added or removed durably."""
+    """The markers of a survey that are stored durably, and were not removed."""
 
     survey_id: str
     markers: Tuple[Marker, ...]
@@ -79,7 +46,7 @@ class AdditionsSource(Protocol):
     """Requests to the storage, without waiting; the answers come as events."""
 
     def read_additions(self, survey: str) -> None:
-        """Ask for markers and related surveys of a survey, by its id."""
+        """Ask for the markers of a survey, by its id."""
 
     def add_marker(self, survey: str, marker: Marker) -> None:
         """Ask to store a marker of a survey, by its id."""
@@ -99,23 +66,15 @@ class AdditionsPresenter:
     Attributes:
         survey_id: The survey that is shown; empty: none.
         markers: Its markers.
-        related: The surveys that refine it, and the one that it refines.
-        plan: A finer survey that is planned, but did not begin yet.
         permittivity: That of the image which may be shown; None: any.
     """
 
     def __init__(
-        self,
-        source: AdditionsSource,
-        author: Callable[[], str],
-        pictures: Optional[Pictures] = None,
+        self, source: AdditionsSource, author: Callable[[], str], pictures: Pictures
     ) -> None:
-        self._source, self._author = source, author
-        self.pictures = pictures or Pictures()
+        self._source, self._author, self.pictures = source, author, pictures
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
-        self.related: Tuple[RelatedSurvey, ...] = ()
-        self.plan: Optional[FinerPlan] = None
         self.permittivity: Optional[float] = None
         self._revision = 0
         self._can_read = False
@@ -158,7 +117,7 @@ class AdditionsPresenter:
         """Show what belongs to another survey, if the storage can read it: not that of a replay."""
         if (survey_id, can_read) != (self.survey_id, self._can_read):
             self.survey_id, self._can_read = survey_id, can_read
-            self._take((), ())
+            self._take(())
             self.read_again()
 
     def read_again(self) -> None:
@@ -174,23 +133,13 @@ class AdditionsPresenter:
             if not self._due:
                 self.read_again()
 
-    @singledispatchmethod
     def on_event(self, event: object) -> None:
-        """Take an event about additions; others are ignored."""
-
-    @on_event.register
-    def _(self, event: AdditionsRead) -> None:
-        if event.survey_id == self.survey_id:
-            self._take(event.markers, event.related)
-
-    @on_event.register
-    def _(self, event: MarkersStored) -> None:
-        if event.survey_id == self.survey_id:
-            self._take(event.markers, self.related)
-
-    @on_event.register
-    def _(self, event: AdditionsFailed) -> None:
-        if event.survey_id == self.survey_id:
+        """Take an event about additions of the survey that is shown; others are ignored."""
+        if getattr(event, "survey_id", "") != self.survey_id:
+            return
+        if isinstance(event, MarkersStored):
+            self._take(event.markers)
+        elif isinstance(event, AdditionsFailed):
             self._due = RETRY_REFRESHES
 
     def add_marker(
@@ -210,11 +159,6 @@ class AdditionsPresenter:
         """Ask the storage to remove a marker."""
         self._source.remove_marker(self.survey_id, marker_id, self._author())
 
-    def keep_plan(self, plan: Optional[FinerPlan]) -> None:
-        """Keep a finer survey for later; None: it has begun, or is not wanted."""
-        self.plan = plan
-        self._revision += 1
-
-    def _take(self, markers: Tuple[Marker, ...], related: Tuple[RelatedSurvey, ...]) -> None:
-        self.markers, self.related = markers, related
+    def _take(self, markers: Tuple[Marker, ...]) -> None:
+        self.markers = markers
         self._revision += 1

@@ -11,7 +11,7 @@ import numpy as np
 from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.grid import Cell, Stop, SurveyGrid
+from gpr20_operator.ground.grid import Place, Stop, SurveyGrid
 from gpr20_survey.plan.survey_parameters import MAX_TRACES
 from gpr20_survey.plan.survey_state import SampleState
 
@@ -23,6 +23,23 @@ class StopState(enum.IntEnum):
     PARTLY = 1
     DONE = 2
     FAILED = 3
+
+
+class Cell(enum.IntEnum):
+    """What a cell of the ground is: each has a pattern, and is known without its colours."""
+
+    MISSING = StopState.MISSING
+    PARTLY = StopState.PARTLY
+    DONE = StopState.DONE
+    FAILED = StopState.FAILED
+    LOADING = 4
+    """Stored, but not here yet."""
+    HIDING = 5
+    """A mine could hide here."""
+    HIDING_SHALLOW = 6
+    """A mine could hide here even if it is not deep."""
+    BLANK = 7
+    """Nothing is painted."""
 
 
 @dataclass(frozen=True)
@@ -51,19 +68,11 @@ class CoverageRuns:
         Raises:
             SurveyNotReadableError: The runs contradict each other.
         """
-        if not 0 <= self.planned <= MAX_TRACES:
-            raise SurveyNotReadableError(
-                Message(
-                    "the coverage has {planned} traces; a survey has at most {limit}",
-                    planned=self.planned,
-                    limit=MAX_TRACES,
-                ),
-                fault=VERSIONS_DIFFER,
-            )
         bounds = np.array([*self.starts, self.planned], np.int64)
         known = {int(state) for state in SampleState}
         if (
-            len(self.starts) != len(self.states)
+            not self.planned <= MAX_TRACES
+            or len(self.starts) != len(self.states)
             or bounds[0] != 0
             or (np.diff(bounds) <= 0).any()
             or not known.issuperset(self.states)
@@ -88,21 +97,14 @@ def coverage_of_stored(survey_id: str, planned: int, stored: Iterable[int]) -> C
     return CoverageRuns(survey_id, planned, tuple(starts.tolist()), tuple(states[starts].tolist()))
 
 
-def is_stored(trace_states: np.ndarray) -> np.ndarray:
-    """Return which traces are durably stored (bool, the same shape)."""
-    return trace_states == SampleState.MEASURED
-
-
 def stop_states(grid: SurveyGrid, trace_states: np.ndarray) -> np.ndarray:
     """Return the StopState of every stop (uint8, shape rows x columns).
 
     A stop is done only when each of its polarizations is stored.
     """
-    row, column, polarization = grid.cells(np.arange(grid.planned))
-    stored = np.zeros((*grid.shape, len(grid.rotations_deg)), bool)
-    failed = np.zeros_like(stored)
-    stored[row, column, polarization] = is_stored(trace_states)
-    failed[row, column, polarization] = trace_states == SampleState.FAILED
+    traces = np.zeros((*grid.shape, len(grid.rotations_deg)), np.uint8)
+    traces[grid.cells(np.arange(grid.planned))] = trace_states
+    stored, failed = traces == SampleState.MEASURED, traces == SampleState.FAILED
     states = np.full(grid.shape, StopState.MISSING, np.uint8)
     states[stored.any(axis=2)] = StopState.PARTLY
     states[stored.all(axis=2)] = StopState.DONE
@@ -114,6 +116,7 @@ class MapModel:
     """Joins the plan of a survey and its coverage, whichever comes first.
 
     Attributes:
+        revision: Changes with plan and coverage.
         grid: The plan; None before it is known.
         trace_states: State of every planned trace; None while it is not known.
         stop_states: StopState of every stop (rows x columns); None while it is not known.
@@ -147,38 +150,59 @@ class MapModel:
         if self.grid is not None and place_mm is not None:
             self.current = self.grid.nearest_stop(*place_mm)
 
+    @property
+    def stored(self) -> np.ndarray:
+        """The places in the plan whose traces are durably stored, ascending."""
+        states = self.trace_states
+        return np.flatnonzero(np.zeros(0) if states is None else states == SampleState.MEASURED)
+
     def counts(self) -> Optional[Dict[StopState, int]]:
         """Return how many stops are in which state; None while that is not known."""
         if self.stop_states is None:
             return None
-        numbers = np.bincount(self.stop_states.ravel(), minlength=len(StopState))
-        return {state: int(numbers[state]) for state in StopState}
+        return {one: int(np.count_nonzero(self.stop_states == one)) for one in StopState}
 
     def state_at(self, stop: Stop) -> Optional[StopState]:
         """Return the state of a stop; None while it is not known."""
-        states = self.stop_states
-        return None if states is None else StopState(int(states[stop.row, stop.column]))
+        return None if self.stop_states is None else StopState(int(self.stop_states[stop]))
 
     def reasons_at(self, stop: Stop) -> Tuple[Message, ...]:
         """Return why traces of a stop failed."""
-        if self.grid is None:
+        grid, reasons = self.grid, self._reasons
+        if grid is None:
             return ()
-        count = len(self.grid.rotations_deg)
-        indices = [self.grid.index(Cell(stop, number)) for number in range(count)]
-        return tuple(self._reasons[index] for index in indices if index in self._reasons)
+        indices = [grid.index(stop, one) for one in range(len(grid.rotations_deg))]
+        return tuple(reasons[one] for one in indices if one in reasons)
+
+    def cells(self, loading: Optional[np.ndarray]) -> Optional[np.ndarray]:
+        """Return the Cell of each stop (uint8, both axes ascending); None: not known.
+
+        Args:
+            loading: Which stops are stored but not here yet (bool, rows x columns); None: none.
+        """
+        grid, states = self.grid, self.stop_states
+        if grid is None or states is None:
+            return None
+        cells = states if loading is None else np.where(loading, Cell.LOADING, states)
+        return cells[grid.ascending].astype(np.uint8)
+
+    def failed(self, most: int) -> Tuple[Place, ...]:
+        """Return where stops have failed."""
+        grid, states = self.grid, self.stop_states
+        if grid is None or states is None:
+            return ()
+        found = np.argwhere(states == StopState.FAILED)[:most].tolist()
+        return tuple(grid.place_of(Stop(*one)) for one in found)
 
     def next_problem(self, after: Optional[Stop]) -> Optional[Stop]:
         """Return the next unfinished stop, row by row; None if all are done."""
         if self.stop_states is None:
             return None
-        problems = np.flatnonzero(self.stop_states.ravel() != StopState.DONE)
-        if not problems.size:
-            return None
+        problems = np.flatnonzero(self.stop_states != StopState.DONE)
         columns = self.stop_states.shape[1]
-        place = -1 if after is None else after.row * columns + after.column
-        later = problems[problems > place]
-        row, column = divmod(int(later[0] if later.size else problems[0]), columns)
-        return Stop(row, column)
+        last = -1 if after is None else after.row * columns + after.column
+        found = [*problems[problems > last][:1].tolist(), *problems[:1].tolist()]
+        return Stop(*divmod(found[0], columns)) if found else None
 
     def _combine(self) -> None:
         """Work out the states, once plan and coverage are those of the same survey."""

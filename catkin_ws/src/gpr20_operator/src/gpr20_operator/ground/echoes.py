@@ -1,4 +1,4 @@
-"""The echoes of a survey so far, and pictures of them; bounded in memory."""
+"""The echoes of a survey so far; bounded in memory."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.coverage import is_stored
-from gpr20_operator.ground.grid import Cell, Cells, Stop, SurveyGrid
-from gpr20_operator.ground.level_scale import LevelScale, SteadyScale
-from gpr20_operator.ground.noise import late_kernel, noise_of_survey, noise_of_traces
+from gpr20_operator.ground.grid import Cells, Stop, SurveyGrid
+from gpr20_operator.ground.levels import (
+    LevelScale,
+    SteadyScale,
+    late_kernel,
+    noise_of_survey,
+    noise_of_traces,
+)
 from gpr20_survey.radar.depth import delay_of_depth
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -44,8 +48,7 @@ class RadarModel:
         count: How many traces are here.
         present: Which stops have a trace (bool, polarizations x rows x columns).
         echoes: Their echoes (complex64, the same shape x samples); 0 where no trace is.
-        latest: Where the trace that came last belongs.
-        latest_of: The same for each polarization that has a trace.
+        latest: Stop of the trace that came last of all, or of each polarization that has one.
         given_up: Traces that cannot be shown, and why, by their place in the plan.
     """
 
@@ -57,20 +60,19 @@ class RadarModel:
     def begin(self, grid: Optional[SurveyGrid]) -> None:
         """Forget everything and wait for the traces of another survey."""
         self.grid = grid
-        self._transforms: Optional[Tuple[FrequencyToDelay, np.ndarray]] = None
         self.transform: Optional[FrequencyToDelay] = None
         shape = (0, 0, 0) if grid is None else (len(grid.rotations_deg), *grid.shape)
         self.present = np.zeros(shape, bool)
         self._heights_m = np.full(shape, np.nan, np.float32)
         self.echoes = np.zeros((*shape, 0), np.complex64)
+        self._late = np.zeros((0, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._noises = np.full(shape, np.nan, np.float32)
-        self._scales: Dict[bool, SteadyScale] = {}
-        self._scaled_counts: Dict[bool, int] = {}
+        # By whether the background is removed, with how many traces were here.
+        self._scales: Dict[bool, Tuple[int, SteadyScale]] = {}
         self.count = 0
         self._median_height: Tuple[int, float] = (-1, float("nan"))
-        self.latest: Optional[Cell] = None
-        self.latest_of: Dict[int, Cell] = {}
+        self.latest: Dict[Optional[int], Stop] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
 
@@ -103,28 +105,27 @@ class RadarModel:
         }
         self.given_up.update(wrong)
         if right.any():
-            self._store(block, right, places)
-            self.latest = self.grid.cell(int(block.indices[right][-1]))
+            self._store(block, right, tuple(one[right] for one in places))
         self.revision += 1
         return tuple(wrong.values())
 
     def _store(self, block: TraceBlock, right: np.ndarray, places: Cells) -> None:
-        row, column, polarization = (one[right] for one in places)
+        row, column, polarization = places
         place = (polarization, row, column)
-        transform, late = self._transforms or self._begin_volume(block.frequency_hz)
+        transform = self.transform or self._begin_volume(block.frequency_hz)
         s21 = block.s21[right]
         echoes = transform.transform(s21)
         # Of one that came before, too; where none is, they are 0.
         changes = echoes - self.echoes[place]
-        for number in np.unique(polarization):
+        for number in np.unique(polarization).tolist():
             of_number = polarization == number
             self._sums[number] += changes[of_number].sum(axis=0, dtype=np.complex128)
-            last = Stop(int(row[of_number][-1]), int(column[of_number][-1]))
-            self.latest_of[int(number)] = Cell(last, int(number))
+            self.latest[number] = Stop(int(row[of_number][-1]), int(column[of_number][-1]))
+        self.latest[None] = Stop(int(row[-1]), int(column[-1]))
         self.count += int(np.count_nonzero(~self.present[place]))
         self.echoes[place] = echoes
         self._heights_m[place] = block.heights_m[right]
-        self._noises[place] = noise_of_traces(s21.astype(np.complex64) @ late)
+        self._noises[place] = noise_of_traces(s21.astype(np.complex64) @ self._late)
         self.present[place] = True
         for index in self.given_up.keys() & set(block.indices[right].tolist()):
             del self.given_up[index]
@@ -134,15 +135,13 @@ class RadarModel:
         self.given_up[index] = reason
         self.revision += 1
 
-    def absent(self, trace_states: np.ndarray) -> np.ndarray:
-        """Return the places in the plan that are stored but not here, ascending."""
+    def absent(self, stored: np.ndarray) -> np.ndarray:
+        """Return which of the stored places in the plan are not here, ascending."""
         if self.grid is None:
             return np.zeros(0, np.intp)
-        stored = np.flatnonzero(is_stored(trace_states))
         row, column, polarization = self.grid.cells(stored)
         absent = stored[~self.present[polarization, row, column]]
-        given_up = np.fromiter(self.given_up, np.intp, len(self.given_up))
-        return absent[~np.isin(absent, given_up)]
+        return absent[~np.isin(absent, list(self.given_up))]
 
     def heights_m(self, polarization: int) -> np.ndarray:
         """Return the height of every stop [m]; one that is not known is the median of the rest.
@@ -168,25 +167,21 @@ class RadarModel:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
 
-    def scale(self, remove_background: bool, in_db: bool) -> Optional[LevelScale]:
+    def scale(self, remove_background: bool) -> Optional[LevelScale]:
         """Return the one scale of levels for all pictures; None before the first trace."""
-        if self.transform is None or not self.count:
+        if self.transform is None:
             return None
-        removed = remove_background and self._has_background()
-        steady = self._scales.setdefault(
-            removed, SteadyScale(self.present.size * self.transform.samples)
-        )
-        before = self._scaled_counts.get(removed, 0)
-        complete = self.count == self.present.size
-        if self.count >= SCALE_GROWTH * before + 1 or (complete and before < self.count):
-            self._scaled_counts[removed] = self.count
-            steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
-        return steady.scale(in_db)
-
-    def _has_background(self) -> bool:
-        """Return whether every polarization that has traces has a background."""
         counts = np.count_nonzero(self.present, axis=(1, 2))
-        return bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
+        # Only where every polarization that has traces has a background.
+        removed = remove_background and bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
+        samples, complete = self.present.size, self.count == self.present.size
+        before, steady = self._scales.get(
+            removed, (0, SteadyScale(samples * self.transform.samples))
+        )
+        if self.count >= SCALE_GROWTH * before + 1 or (complete and before < self.count):
+            steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
+            self._scales[removed] = self.count, steady
+        return steady.scale()
 
     def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:
         """Return the amplitude of the strong echoes from just above the surface on."""
@@ -207,15 +202,14 @@ class RadarModel:
                 strongest = max(strongest, float(np.quantile(peaks, STRONG_PART)))
         return strongest
 
-    def _begin_volume(self, frequency_hz: np.ndarray) -> Tuple[FrequencyToDelay, np.ndarray]:
+    def _begin_volume(self, frequency_hz: np.ndarray) -> FrequencyToDelay:
         room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self.present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
-        self.transform, self._transforms = transform, (transform, late_kernel(frequency_hz))
-        samples = transform.samples
+        self.transform, self._late = transform, late_kernel(frequency_hz)
         # Zeros are given by the system page by page when they are written.
-        self.echoes = np.zeros((*self.present.shape, samples), np.complex64)
-        self._sums = np.zeros((len(self.present), samples), np.complex128)
-        return self._transforms
+        self.echoes = np.zeros((*self.present.shape, transform.samples), np.complex64)
+        self._sums = np.zeros((len(self.present), transform.samples), np.complex128)
+        return transform
 
 
 def _misfit(grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool) -> Message:
@@ -225,10 +219,12 @@ def _misfit(grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool) ->
         return Message(
             "the frequencies of trace {index} differ from those of the first trace", index=index
         )
-    try:
-        grid.cell(index)
-    except SurveyNotReadableError as error:
-        return error.message
+    if index >= grid.planned:
+        return Message(
+            "trace {index} was not planned; the plan has {planned} traces",
+            index=index,
+            planned=grid.planned,
+        )
     x_mm, y_mm, z_deg = block.positions[number].tolist()
     return Message(
         "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this is "

@@ -1,4 +1,4 @@
-"""A small survey around a place of another one, with its stops closer together."""
+"""A small survey around a place of another one, with its stops half as far apart."""
 
 from __future__ import annotations
 
@@ -8,8 +8,7 @@ from typing import Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.ground.grid import Area, SurveyGrid
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     SurveyParameters,
@@ -18,29 +17,23 @@ from gpr20_survey.plan.survey_parameters import (
     coordinate_limits_mm,
 )
 
-SIZES_MM = (100.0, 150.0, 200.0)
+# Width and height; the plan can be changed before it starts.
+SIZE_MM = 100.0
 SMALLEST_SPACING_MM = 1.0
-SPACING_STEP_MM = 1.0
 # Coordinates that people can read; finer than a motor step is none.
 DECIMALS = 2
 
 
 @dataclass(frozen=True)
 class FinerPlan:
-    """What to measure around a place (X, Y).
+    """What to measure around a place.
 
     Attributes:
         refines: Id of the survey in which the place was found.
-        size_mm: Width and height that were chosen; travel may allow less.
-        spacing_mm: Distance of two stops that was chosen.
         parameters: Those of that survey, but for area and points.
     """
 
     refines: str
-    x_mm: float
-    y_mm: float
-    size_mm: float
-    spacing_mm: float
     parameters: SurveyParameters
 
     @property
@@ -54,33 +47,15 @@ class FinerPlan:
 
         Spacing and sweep may have been changed meanwhile, the area may have been made smaller.
         """
-        p, area = parameters, self.area.grown(1e-6)
+        p, area = parameters, self.area.grown(1e-6, 1e-6)
         first, last = area.holds(p.x_start_mm, p.y_start_mm), area.holds(p.x_stop_mm, p.y_stop_mm)
         return self.refines if first and last else ""
 
 
-def spacing_of(grid: SurveyGrid) -> float:
-    """Return the distance of two stops of a survey, the smaller one of X and Y [mm]."""
-    return float(min(abs(axis[1] - axis[0]) for axis in (grid.xs_mm, grid.ys_mm)))
-
-
-def proposed_spacing(grid: SurveyGrid) -> float:
-    """Return half the distance of two stops of a survey [mm]."""
-    return clipped_spacing(round(spacing_of(grid) / 2.0, DECIMALS))
-
-
-def clipped_spacing(spacing_mm: float) -> float:
-    """Return a distance of stops that makes sense [mm]: at least 1 mm."""
-    return max(spacing_mm, SMALLEST_SPACING_MM)
-
-
-def plan_finer(
-    grid: SurveyGrid, x_mm: float, y_mm: float, size_mm: float, spacing_mm: float
-) -> FinerPlan:
+def plan_finer(grid: SurveyGrid, x_mm: float, y_mm: float) -> FinerPlan:
     """Return the plan of a survey around a place, within the travel of the robot.
 
-    It has at least three stops along X and Y: the area is larger than chosen, or moved, where
-    it must be.
+    It has at least three stops along X and Y: it is larger than usual, or moved, where it must be.
 
     Raises:
         InvalidValueError: The robot cannot measure it.
@@ -90,9 +65,9 @@ def plan_finer(
             Message("an imported survey has no plan that could be measured more finely")
         )
     own, travel = grid.plan
-    spacing_mm = clipped_spacing(spacing_mm)
-    x_start_mm, x_stop_mm, x_points = _stops(x_mm, size_mm, spacing_mm, travel.x)
-    y_start_mm, y_stop_mm, y_points = _stops(y_mm, size_mm, spacing_mm, travel.y)
+    spacing_mm = max(round(min(grid.spacing_mm) / 2.0, DECIMALS), SMALLEST_SPACING_MM)
+    x_start_mm, x_stop_mm, x_points = _stops(x_mm, spacing_mm, travel.x)
+    y_start_mm, y_stop_mm, y_points = _stops(y_mm, spacing_mm, travel.y)
     parameters = replace(
         own,
         x_start_mm=x_start_mm,
@@ -103,20 +78,15 @@ def plan_finer(
         y_points=y_points,
     )
     check(parameters, travel)
-    return FinerPlan(grid.survey_id, x_mm, y_mm, size_mm, spacing_mm, parameters)
+    return FinerPlan(grid.survey_id, parameters)
 
 
-def _stops(
-    centre_mm: float, size_mm: float, spacing_mm: float, travel: Travel
-) -> Tuple[float, float, int]:
+def _stops(centre_mm: float, spacing_mm: float, travel: Travel) -> Tuple[float, float, int]:
     """Return first and last stop of an axis [mm], and their number."""
     lowest_mm, highest_mm = coordinate_limits_mm(travel)
-    centre_mm = min(max(centre_mm, lowest_mm), highest_mm)
-    low_mm = max(centre_mm - size_mm / 2.0, lowest_mm)
-    high_mm = min(centre_mm + size_mm / 2.0, highest_mm)
-    gaps = max(math.floor((high_mm - low_mm) / spacing_mm + 1e-6), MIN_GRID_POINTS - 1)
-    span_mm = min(gaps * spacing_mm, highest_mm - lowest_mm)
-    start_mm = (low_mm + high_mm - span_mm) / 2.0
-    start_mm = min(max(start_mm, lowest_mm), highest_mm - span_mm)
+    most_mm = highest_mm - lowest_mm
+    gaps = max(math.floor(min(SIZE_MM, most_mm) / spacing_mm + 1e-6), MIN_GRID_POINTS - 1)
+    span_mm = min(gaps * spacing_mm, most_mm)
+    start_mm = min(max(centre_mm - span_mm / 2.0, lowest_mm), highest_mm - span_mm)
     stop_mm = min(round(start_mm + span_mm, DECIMALS), highest_mm)
     return max(round(start_mm, DECIMALS), lowest_mm), stop_mm, gaps + 1

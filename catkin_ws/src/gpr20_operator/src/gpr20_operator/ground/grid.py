@@ -1,17 +1,16 @@
-"""Where the planned traces of a survey lie: places in the plan, rows, columns and polarizations."""
+"""Places of the ground, areas, and where the planned traces of a survey lie."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.records import Place, ascending
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.soil_note import soil_of_survey
@@ -21,25 +20,53 @@ from gpr20_survey.plan.recorded_plan import recorded_plan
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
 from gpr20_survey.plan.survey_points import grid, on_step
 
+# How wide a single line is drawn, as a part of its length.
+LINE_PART = 0.1
+
 
 @dataclass(frozen=True)
-class Stop:
+class Area:
+    """A rectangle of the ground [mm]."""
+
+    left_mm: float
+    right_mm: float
+    low_mm: float
+    high_mm: float
+
+    @property
+    def width_mm(self) -> float:
+        return self.right_mm - self.left_mm
+
+    @property
+    def height_mm(self) -> float:
+        return self.high_mm - self.low_mm
+
+    def grown(self, x_mm: float, y_mm: float) -> Area:
+        """Return a rectangle that is larger on each side."""
+        return Area(
+            self.left_mm - x_mm, self.right_mm + x_mm, self.low_mm - y_mm, self.high_mm + y_mm
+        )
+
+    def holds(self, x_mm: float, y_mm: float) -> bool:
+        return self.left_mm <= x_mm <= self.right_mm and self.low_mm <= y_mm <= self.high_mm
+
+
+class Place(NamedTuple):
+    """A place above the ground [mm]."""
+
+    x_mm: float
+    y_mm: float
+
+
+class Stop(NamedTuple):
     """One stop of the antennas: its row along Y and its column along X, from 0."""
 
     row: int
     column: int
 
 
-@dataclass(frozen=True)
-class Cell:
-    """One planned trace: a stop and the number of its polarization, from 0."""
-
-    stop: Stop
-    polarization: int
-
-
 Cells = Tuple[np.ndarray, np.ndarray, np.ndarray]
-"""Row, column and polarization of many cells (whole numbers, each of shape n)."""
+"""Row, column and polarization of many planned traces (whole numbers, each of shape n)."""
 
 
 @dataclass(eq=False)
@@ -76,6 +103,21 @@ class SurveyGrid:
         """Number of planned traces."""
         return len(self.ys_mm) * len(self.xs_mm) * len(self.rotations_deg)
 
+    @property
+    def spacing_mm(self) -> Tuple[float, float]:
+        """Distance of two stops along X and Y, which is even.
+
+        That of a single line, which was imported, is a part of its length.
+        """
+        return _spacing_mm(self.xs_mm, self.ys_mm), _spacing_mm(self.ys_mm, self.xs_mm)
+
+    @property
+    def area(self) -> Area:
+        """The stops, each with its share of the ground around it."""
+        xs_mm, ys_mm, (x_mm, y_mm) = self.xs_mm, self.ys_mm, self.spacing_mm
+        stops = Area(*map(float, (xs_mm.min(), xs_mm.max(), ys_mm.min(), ys_mm.max())))
+        return stops.grown(x_mm / 2.0, y_mm / 2.0)
+
     def cells(self, indices: np.ndarray) -> Cells:
         """Return row, column and polarization of places in the plan (whole numbers, shape n).
 
@@ -89,30 +131,13 @@ class SurveyGrid:
         column = np.where(row % 2 == 0, column, columns - 1 - column)
         return row, column, polarization
 
-    def cell(self, index: int) -> Cell:
-        """Return where a place in the plan is.
-
-        Raises:
-            SurveyNotReadableError: The plan has no such place.
-        """
-        if not 0 <= index < self.planned:
-            raise SurveyNotReadableError(
-                Message(
-                    "trace {index} was not planned; the plan has {planned} traces",
-                    index=index,
-                    planned=self.planned,
-                )
-            )
-        row, column, polarization = self.cells(np.array([index]))
-        return Cell(Stop(int(row[0]), int(column[0])), int(polarization[0]))
-
-    def index(self, cell: Cell) -> int:
-        """Return the place in the plan of a cell."""
+    def index(self, stop: Stop, polarization: int) -> int:
+        """Return the place in the plan of a stop's trace."""
         columns, polarizations = len(self.xs_mm), len(self.rotations_deg)
-        row, column = cell.stop.row, cell.stop.column
-        stop = row * columns + (column if row % 2 == 0 else columns - 1 - column)
-        polarization = cell.polarization if stop % 2 == 0 else polarizations - 1 - cell.polarization
-        return stop * polarizations + polarization
+        row, column = stop
+        number = row * columns + (column if row % 2 == 0 else columns - 1 - column)
+        polarization = polarization if number % 2 == 0 else polarizations - 1 - polarization
+        return number * polarizations + polarization
 
     @property
     def ascending(self) -> Tuple[slice, slice]:
@@ -130,15 +155,10 @@ class SurveyGrid:
 
     def nearest_stop(self, x_mm: float, y_mm: float) -> Optional[Stop]:
         """Return the stop in whose share of the ground a place lies; None: it lies off the grid."""
-        stop = self.closest_stop(x_mm, y_mm)
-        own = self.place_of(stop)
-        for places_mm, away_mm in ((self.xs_mm, own.x_mm - x_mm), (self.ys_mm, own.y_mm - y_mm)):
-            # A line that was imported is near to every place beside it.
-            spacing_mm = abs(places_mm[1] - places_mm[0]) if len(places_mm) > 1 else math.inf
-            # Written so that NaN, which fails every comparison, is off the grid too.
-            if not abs(away_mm) <= spacing_mm / 2 + 1e-9:
-                return None
-        return stop
+        rows, columns = self.shape
+        # A line that was imported is near to every place beside it.
+        share = self.area.grown(*(math.inf if one == 1 else 1e-9 for one in (columns, rows)))
+        return self.closest_stop(x_mm, y_mm) if share.holds(x_mm, y_mm) else None
 
     def holds(self, cells: Cells, positions: np.ndarray) -> np.ndarray:
         """Return which positions are those of their cells, to half a motor step (bool, shape n).
@@ -152,6 +172,12 @@ class SurveyGrid:
         own = np.stack((self.xs_mm[column], self.ys_mm[row], rotations_deg[polarization]), axis=1)
         near: np.ndarray = (np.abs(own - positions) <= self.tolerances).all(axis=1)
         return near
+
+
+def _spacing_mm(places_mm: np.ndarray, others_mm: np.ndarray) -> float:
+    if len(places_mm) > 1:
+        return float(abs(places_mm[1] - places_mm[0]))
+    return max(LINE_PART * float(np.ptp(others_mm)), 1.0)
 
 
 def planned_grid(
@@ -184,18 +210,24 @@ def grid_from_description(text: str) -> SurveyGrid:
         # Data of unknown origin are never shown as those of real ground.
         simulated = values.get("simulated") is not False
         soil = soil_of_survey(values)
-        permittivity = None if soil is None else soil.permittivity
-        if not is_imported(values):
+        if is_imported(values):
+            found = imported_grid(values)
+            places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
+            own = SurveyGrid(survey_id, simulated, *places, (TOLERANCE, TOLERANCE, TOLERANCE))
+        else:
             own = planned_grid(survey_id, simulated, *recorded_plan(values))
-            own.permittivity = permittivity
-            return own
-        found = imported_grid(values)
     except (InvalidValueError, SurveyRefusedError) as error:
         raise SurveyNotReadableError(
             Message(
                 "the survey's plan cannot be read: {reason}", reason=error.message
             ).reporting_only(DAMAGED)
         ) from error
-    places = np.array(found.x_mm), np.array(found.y_mm), found.polarization_deg
-    tolerances = (TOLERANCE, TOLERANCE, TOLERANCE)
-    return SurveyGrid(survey_id, simulated, *places, tolerances, permittivity=permittivity)
+    own.permittivity = None if soil is None else soil.permittivity
+    return own
+
+
+def ascending(places_mm: np.ndarray) -> Tuple[slice, Tuple[float, float]]:
+    """Return the order in which places ascend, and the outer edges of their cells."""
+    order = slice(None) if places_mm[0] <= places_mm[-1] else slice(None, None, -1)
+    half = abs(places_mm[1] - places_mm[0]) / 2.0 if len(places_mm) > 1 else 0.5
+    return order, (float(places_mm.min() - half), float(places_mm.max() + half))

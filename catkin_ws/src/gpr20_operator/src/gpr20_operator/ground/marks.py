@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Tuple
 
-from gpr20_operator.ground.model import IMAGES, Found, GroundModel, Layer
-from gpr20_operator.ground.records import Axis, Place
+from gpr20_operator.ground.model import Found, GroundModel
+from gpr20_operator.ground.sources import Axis
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 
@@ -42,51 +42,42 @@ class GroundMark:
 
 def marks_above(model: GroundModel) -> Tuple[GroundMark, ...]:
     """Return what is marked from above; what must not be overlooked comes last."""
-    depth_mm = model.settings.depth_m * 1000.0
-    images = bool(model.layers & IMAGES)
     found = []
     for one in _marked(model):
-        near = not images or one.depth_mm is None or abs(one.depth_mm - depth_mm) <= NEAR_MM
+        near = not model.has_depth or one.depth_mm is None or lies_at_depth(model, one)
         # A candidate that is not doubtful has its number at every depth.
         sure = isinstance(one, Candidate) and not one.is_doubtful
         found.append(_mark(model, one, one.x_mm, one.y_mm, near or sure or one == model.mark))
     return tuple(found)
 
 
-def marks_in_section(model: GroundModel, along: Axis) -> Tuple[GroundMark, ...]:
-    """Return what is marked in the section along an axis; what is far from it is left out."""
-    place = model.place
-    if place is None or model.hyperbola is not None:
-        # Nothing lies over the hyperbola while it is fitted.
-        return ()
+def marks_in_section(model: GroundModel) -> Tuple[GroundMark, ...]:
+    """Return what is marked in the section; what is far from it is left out."""
+    along_x = model.settings.along is Axis.X_MM
     return tuple(
-        _mark(model, one, one.x_mm if along is Axis.X_MM else one.y_mm, one.depth_mm, True)
+        _mark(model, one, one.x_mm if along_x else one.y_mm, one.depth_mm, True)
         for one in _marked(model)
-        if one.depth_mm is not None and _lies_in(one, place, along)
+        if one.depth_mm is not None and lies_in_section(model, one)
     )
 
 
-def has_candidate(model: GroundModel, along: Optional[Axis]) -> bool:
-    """Return whether a candidate lies in the section along an axis; None: at the depth shown."""
-    place, depth_mm = model.place, model.settings.depth_m * 1000.0
-    return any(
-        abs(one.depth_mm - depth_mm) <= NEAR_MM
-        if along is None
-        else place is not None and _lies_in(one, place, along)
-        for one in model.additions.candidates
-    )
+def lies_at_depth(model: GroundModel, one: Found) -> bool:
+    """Return whether a candidate or marker lies in the view from above."""
+    depth_mm = model.settings.depth_m * 1000.0
+    return one.depth_mm is not None and abs(one.depth_mm - depth_mm) <= NEAR_MM
 
 
-def _lies_in(one: Found, place: Place, along: Axis) -> bool:
-    away_mm = one.y_mm - place.y_mm if along is Axis.X_MM else one.x_mm - place.x_mm
-    return abs(away_mm) <= NEAR_MM
+def lies_in_section(model: GroundModel, one: Found) -> bool:
+    """Return whether a candidate or marker lies in the section."""
+    place, along_x = model.place, model.settings.along is Axis.X_MM
+    if place is None:
+        return False
+    return abs(one.y_mm - place.y_mm if along_x else one.x_mm - place.x_mm) <= NEAR_MM
 
 
 def _marked(model: GroundModel) -> Tuple[Found, ...]:
     """Return candidates and markers, those that must not be overlooked last."""
-    additions, layers = model.additions, model.layers
-    found: Tuple[Found, ...] = additions.markers if Layer.MARKERS in layers else ()
-    found += additions.candidates[::-1] if Layer.CANDIDATES in layers else ()
+    found: Tuple[Found, ...] = (*model.additions.markers, *model.additions.candidates[::-1])
     last = sorted(
         found, key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False)
     )

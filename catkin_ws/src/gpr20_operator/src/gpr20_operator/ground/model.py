@@ -1,52 +1,36 @@
-"""The GROUND page without its widgets: what is chosen, where the crosshair is, what is shown."""
+"""GROUND without widgets: what is chosen, where the crosshair is, and what is shown."""
 
 from __future__ import annotations
 
 import dataclasses
-import enum
 import math
 from dataclasses import dataclass
-from typing import Any, FrozenSet, Optional, Tuple, Union
+from typing import Any, Optional, Tuple, Union
 
 import numpy as np
 
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.coverage import StopState, is_stored
-from gpr20_operator.ground.grid import Stop
-from gpr20_operator.ground.hyperbola import Hyperbola
-from gpr20_operator.ground.records import Axis, Curve, Picture, Place, RadarSettings
-from gpr20_operator.ground.shown_survey import ShownSurvey
-from gpr20_operator.ground.sources import DEPTH_STEP_M, EchoSource, FocusedSource, RadarSource
+from gpr20_operator.ground.coverage import StopState
+from gpr20_operator.ground.grid import Place, Stop
+from gpr20_operator.ground.sources import (
+    DEPTH_STEP_M,
+    Axis,
+    EchoSource,
+    FocusedSource,
+    Layer,
+    Picture,
+    RadarSettings,
+    RadarSource,
+)
+from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, Wanted
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.radar.depth import (
-    delay_of_depth,
-    depth_of_delay_m,
-    one_way_path_m,
-    two_way_delay_s,
-)
+from gpr20_survey.radar.depth import delay_of_depth, depth_of_delay_m
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 
-# Points of the hyperbola that are drawn.
-HYPERBOLA_POINTS = 81
-
 Found = Union[Candidate, Marker]
-
-
-class Layer(enum.Enum):
-    """What is drawn of the ground from above; of both images one at most."""
-
-    COVERAGE = "coverage"
-    ECHOES = "echoes"
-    FOCUSED = "focused"
-    CANDIDATES = "candidates"
-    MARKERS = "markers"
-    HIDING = "hiding"
-
-
-IMAGES = frozenset({Layer.ECHOES, Layer.FOCUSED})
 
 
 @dataclass(frozen=True)
@@ -55,20 +39,13 @@ class Shown:
 
     Attributes:
         level_db: Level at the crosshair [dB above noise].
-        curve: The trace at the crosshair.
-        sections: The sections through the crosshair, along each axis that was asked for.
+        section: The section through the crosshair.
         above: The image from above, at the depth of the crosshair.
     """
 
     level_db: Optional[float]
-    curve: Optional[Curve]
-    sections: Tuple[Optional[Picture], ...]
+    section: Optional[Picture]
     above: Optional[Picture]
-
-    @property
-    def first(self) -> Optional[Picture]:
-        """One of the pictures, of which all have the same scale."""
-        return next((one for one in (self.above, *self.sections) if one is not None), None)
 
 
 class GroundModel:
@@ -78,21 +55,18 @@ class GroundModel:
     focused image, and once everything is measured, it is at the first candidate.
 
     Attributes:
+        survey: What is shown.
+        settings: How it is shown.
         mark: The candidate or marker that was touched; None: a place, or nothing.
-        hyperbola: The hyperbola that is being fitted.
     """
 
     def __init__(self, survey: ShownSurvey, additions: AdditionsPresenter) -> None:
         self.additions = additions
         self.settings = RadarSettings()
-        self.layers: FrozenSet[Layer] = frozenset(Layer) - {Layer.FOCUSED}
         self._focused: Optional[FocusedSource] = None
-        self._soil: Tuple[str, Optional[float]] = ("", None)
-        self._chosen_permittivity: Optional[float] = None
         self._placed: Tuple[object, Optional[Place]] = (None, None)
         self._chosen: Optional[Place] = None
         self.mark: Optional[Found] = None
-        self.hyperbola: Optional[Hyperbola] = None
         self.show_survey(survey)
 
     def show_survey(self, survey: ShownSurvey) -> None:
@@ -101,26 +75,20 @@ class GroundModel:
         self._echoes = EchoSource(survey.radar)
         self._forget("")
 
-    def show(
-        self,
-        settings: RadarSettings,
-        layers: FrozenSet[Layer],
-        place: Optional[Place],
-    ) -> None:
+    def show(self, settings: RadarSettings, place: Optional[Place]) -> None:
         """Show what another client chose, and nothing of what was chosen before.
 
         Args:
             settings: All but their permittivity.
-            layers: What is drawn.
             place: Where the crosshair is; None: it follows.
         """
         self.follow(True)
-        self.settings, self.layers, self.hyperbola = settings, layers, None
-        self.take_soil(*self._soil)
+        permittivity = self.settings.permittivity
+        self.settings = dataclasses.replace(settings, permittivity=permittivity)
         self.notice_survey()
         self.set_depth(settings.depth_m)
         if place is not None:
-            self.choose_place(place.x_mm, place.y_mm)
+            self.choose_place(*place)
 
     def notice_survey(self) -> None:
         """Begin again if another survey has begun, and leave a mark that is gone."""
@@ -135,7 +103,7 @@ class GroundModel:
 
     def _forget(self, survey_id: str) -> None:
         self._survey_id = survey_id
-        self._chosen = self.mark = self.hyperbola = None
+        self._chosen = self.mark = None
 
     @property
     def state(self) -> Tuple[object, ...]:
@@ -143,8 +111,8 @@ class GroundModel:
         shown = self.survey
         return (
             *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
-            *(self.settings, self.layers, self._chosen, self.mark, self.hyperbola),
-            *(self.additions.revision, id(self.image), self.other_permittivity),
+            *(self.settings, self._chosen, self.mark),
+            *(self.additions.revision, self.additions.permittivity),
         )
 
     @property
@@ -154,15 +122,18 @@ class GroundModel:
 
     def keep_image(self, imaging: Imaging) -> None:
         """Ask for a newer image of the survey, while it is looked at."""
-        states = self.survey.map.trace_states
-        if states is not None:
-            stored = int(np.count_nonzero(is_stored(states)))
-            imaging.keep(Wanted(self.survey.survey_id, stored, self.wanted_permittivity))
+        stored = len(self.survey.map.stored)
+        imaging.keep(Wanted(self.survey.survey_id, stored, self.additions.permittivity))
 
     @property
     def shows_focused(self) -> bool:
         """Whether the pictures are those of the focused image."""
-        return Layer.FOCUSED in self.layers and self.image is not None
+        return self.settings.layer is Layer.FOCUSED and self.image is not None
+
+    @property
+    def has_depth(self) -> bool:
+        """Whether the view from above is that of a depth."""
+        return self.settings.layer is not Layer.COVERAGE
 
     @property
     def waiting(self) -> Optional[np.ndarray]:
@@ -171,13 +142,15 @@ class GroundModel:
         waiting = self.survey.loading.waiting[number : number + 1]
         return waiting[0] if waiting.any() and not self.shows_focused else None
 
-    def waiting_along(self, along: Axis) -> np.ndarray:
-        """Return which traces of a section wait, in the order of its places; empty: none."""
+    @property
+    def waiting_along(self) -> np.ndarray:
+        """Which traces of the section wait, in the order of its places; empty: none."""
         grid, stop, waiting = self.survey.map.grid, self.stop, self.waiting
         if grid is None or stop is None or waiting is None:
             return np.zeros(0, bool)
         rows, columns = grid.ascending
-        return waiting[stop.row, columns] if along is Axis.X_MM else waiting[rows, stop.column]
+        along_x = self.settings.along is Axis.X_MM
+        return waiting[stop.row, columns] if along_x else waiting[rows, stop.column]
 
     @property
     def is_partial(self) -> bool:
@@ -188,36 +161,19 @@ class GroundModel:
     @property
     def _source(self) -> RadarSource:
         image = self.image
-        if image is None or Layer.FOCUSED not in self.layers:
+        if image is None or self.settings.layer is not Layer.FOCUSED:
             return self._echoes
         if self._focused is None or self._focused.image is not image:
             self._focused = FocusedSource(image, self._focused)
         return self._focused
 
-    def pictures(self, alongs: Tuple[Axis, ...]) -> Shown:
-        """Return what is shown now, with sections in some directions."""
+    def pictures(self) -> Shown:
+        """Return what is shown now."""
         source, settings, place = self._source, self.settings, self.place
-        above = source.slice(settings) if self.layers & IMAGES else None
-        if above is not None:
-            above = self._coarse(above)
+        above = source.slice(settings) if self.has_depth else None
         if place is None:
-            return Shown(None, None, (None,) * len(alongs), above)
-        each = (dataclasses.replace(settings, along=one) for one in alongs)
-        sections = tuple(source.line(place, one) for one in each)
-        return Shown(
-            source.level_db(place, settings), source.curve(place, settings), sections, above
-        )
-
-    def _coarse(self, picture: Picture) -> Picture:
-        """Return a picture in which stops that are not loaded look like one near them."""
-        step, grid, waiting = self.survey.loading.step, self.survey.map.grid, self.waiting
-        if grid is None or waiting is None or step < 2:
-            return picture
-        # In the order of the plan: stops of every so many rows and columns are here first.
-        shades = picture.shades[grid.ascending]
-        near = shades[np.ix_(*(np.arange(count) // step * step for count in grid.shape))]
-        shades = np.where(waiting, near, shades)[grid.ascending]
-        return dataclasses.replace(picture, shades=shades)
+            return Shown(None, None, above)
+        return Shown(source.level_db(place, settings), source.section(place, settings), above)
 
     @property
     def follows(self) -> bool:
@@ -227,11 +183,7 @@ class GroundModel:
     @property
     def place(self) -> Optional[Place]:
         """Where the crosshair is; None before the first trace."""
-        shown = self.survey
-        state = (
-            *(shown, shown.radar.revision, shown.map.revision, self._chosen, self.layers),
-            *(self.settings.polarization, self.additions.revision, self.additions.permittivity),
-        )
+        state = self.state
         if state != self._placed[0]:
             self._placed = state, self._find_place()
         return self._placed[1]
@@ -242,18 +194,16 @@ class GroundModel:
             # The newest stop may not be in the image yet.
             place = Place(candidates[0].x_mm, candidates[0].y_mm)
         # Of this polarization: the other one may not be measured yet at the newest stop.
-        latest = radar.latest_of.get(self.settings.polarization, radar.latest)
+        latest = radar.latest.get(self.settings.polarization, radar.latest.get(None))
         if place is None and radar.grid is not None and latest is not None:
-            place = radar.grid.place_of(latest.stop)
+            place = radar.grid.place_of(latest)
         return None if place is None else self._source.nearest(place)
 
     @property
     def stop(self) -> Optional[Stop]:
         """The stop nearest to the crosshair."""
         grid, place = self.survey.map.grid, self._chosen or self.place
-        if grid is None or place is None:
-            return None
-        return grid.closest_stop(place.x_mm, place.y_mm)
+        return None if grid is None or place is None else grid.closest_stop(*place)
 
     @property
     def point(self) -> Optional[Tuple[float, float, Optional[float]]]:
@@ -263,7 +213,7 @@ class GroundModel:
         place = self.place or self._chosen
         if place is None:
             return None
-        depth_mm = self.settings.depth_m * 1000.0 if self.layers & IMAGES else None
+        depth_mm = self.settings.depth_m * 1000.0 if self.has_depth else None
         return place.x_mm, place.y_mm, depth_mm
 
     def choose_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
@@ -281,94 +231,57 @@ class GroundModel:
         self.choose_place(mark.x_mm, mark.y_mm, mark.depth_mm)
         self.mark = mark
 
-    @property
-    def visits_candidates(self) -> bool:
-        """Whether it goes from candidate to candidate; else from one unfinished stop to another."""
-        return Layer.CANDIDATES in self.layers and bool(self.additions.candidates)
-
     def choose_next(self) -> None:
         """Go to the candidate, or the unfinished stop, after the one that is chosen."""
-        if not self.visits_candidates:
-            self.choose_next_problem()
-            return
         candidates = self.additions.candidates
-        number = candidates.index(self.mark) + 1 if self.mark in candidates else 0
-        self.choose_mark(candidates[number % len(candidates)])
+        if candidates:
+            number = candidates.index(self.mark) + 1 if self.mark in candidates else 0
+            self.choose_mark(candidates[number % len(candidates)])
+        else:
+            self.choose_next_problem()
 
     def choose_next_problem(self) -> None:
         """Go to the unfinished stop after the one that is chosen."""
         ground = self.survey.map
         stop = ground.next_problem(None if self.follows else self.stop)
         if stop is not None and ground.grid is not None:
-            place = ground.grid.place_of(stop)
-            self.choose_place(place.x_mm, place.y_mm)
+            self.choose_place(*ground.grid.place_of(stop))
 
     def follow(self, follows: bool) -> None:
         """Let the crosshair follow the trace that came last, or stay where it is."""
         self.mark, self._chosen = None, None if follows else self.place
 
-    def touch_section(self, along: Axis, across_mm: float, second: float, axis: Axis) -> None:
-        """Move the crosshair to a place of a section, and to a depth [mm] or delay [ns]."""
-        place = self.place
-        if place is not None and along is Axis.X_MM:
+    def touch_section(self, across_mm: float, second: float, axis: Axis) -> None:
+        """Move the crosshair to a place of the section, and to a depth [mm] or delay [ns]."""
+        place, height_m = self.place, self.survey.radar.typical_height_m()
+        if place is not None and self.settings.along is Axis.X_MM:
             self.choose_place(across_mm, place.y_mm)
         elif place is not None:
             self.choose_place(place.x_mm, across_mm)
-        self.touch_depth(second, axis)
-
-    def touch_depth(self, second: float, axis: Axis) -> None:
-        """Move the crosshair to a depth [mm] or delay [ns]."""
-        height_m = self.survey.radar.typical_height_m()
         if axis is Axis.DEPTH_MM:
-            depth_m = second / 1000.0
+            self.set_depth(second / 1000.0)
         elif math.isfinite(height_m):
-            depth_m = depth_of_delay_m(second * 1e-9, height_m, self.settings.permittivity)
-        else:
-            return
-        self.mark = None
-        self.set_depth(depth_m)
-
-    def switch(self, layer: Layer) -> None:
-        """Show or hide a layer; an image takes the place of the other one."""
-        if layer in self.layers:
-            self.layers -= {layer}
-        else:
-            self.layers = (self.layers - IMAGES if layer in IMAGES else self.layers) | {layer}
+            permittivity = self.settings.permittivity
+            self.set_depth(depth_of_delay_m(second * 1e-9, height_m, permittivity))
 
     def change(self, **changes: Any) -> None:
         """Change some of the settings, by their names."""
         self.settings = dataclasses.replace(self.settings, **changes)
-        if "permittivity" in changes:
-            self._chosen_permittivity = self.settings.permittivity
-            self.take_soil(*self._soil)
-            self.set_depth(self.settings.depth_m)
 
-    def take_soil(self, survey_id: str, permittivity: Optional[float]) -> None:
-        """Use the permittivity of the survey that is shown; None: it is not known.
-
-        One that is chosen here stays until the survey has another one.
-        """
-        if (survey_id, permittivity) != self._soil:
-            self._soil, self._chosen_permittivity = (survey_id, permittivity), None
-        used = self.wanted_permittivity
-        self.additions.permittivity = used
+    def take_soil(self, permittivity: Optional[float]) -> None:
+        """Use the permittivity of the survey that is shown; None: it is not known."""
+        self.additions.permittivity = used = permittivity
         if used is None:
             image = self.additions.image
             used = ANY_SOIL.permittivity if image is None else image.found.permittivity
         if used != self.settings.permittivity:
-            self.settings = dataclasses.replace(self.settings, permittivity=used)
+            self.change(permittivity=used)
             self.set_depth(self.settings.depth_m)
 
-    @property
-    def wanted_permittivity(self) -> Optional[float]:
-        """That of images: the one chosen here, or else that of the survey; None: not known."""
-        return self._chosen_permittivity or self._soil[1]
-
-    @property
-    def other_permittivity(self) -> Optional[float]:
-        """That of the survey, if another one was chosen here; None: it is used, or not known."""
-        known = self._soil[1]
-        return None if known == self.wanted_permittivity else known
+    def turn(self) -> None:
+        """Show the section along the other axis."""
+        along_x = self.settings.along is Axis.X_MM
+        self.change(along=Axis.Y_MM if along_x else Axis.X_MM)
 
     def next_polarization(self) -> None:
         """Show the next antenna rotation."""
@@ -386,21 +299,24 @@ class GroundModel:
         deepest = self.deepest_m
         steps = round(depth_m / DEPTH_STEP_M)
         last = steps if deepest is None else int(deepest / DEPTH_STEP_M + 1e-6)
-        depth_m = round(max(0, min(steps, last)) * DEPTH_STEP_M, 4)
-        self.settings = dataclasses.replace(self.settings, depth_m=depth_m)
+        self.change(depth_m=round(max(0, min(steps, last)) * DEPTH_STEP_M, 4))
 
     def step_depth(self, steps: int) -> None:
         """Move the depth by steps."""
         self.mark = None
         self.set_depth(self.settings.depth_m + steps * DEPTH_STEP_M)
 
-    def second_of(self, depth_m: float, axis: Axis) -> Optional[float]:
-        """Return where a depth [m] is on a second axis; None if it is not known."""
-        if axis is Axis.DEPTH_MM:
-            return depth_m * 1000.0
+    def crosshair_in(self, section: Picture) -> Tuple[Optional[float], Optional[float]]:
+        """Return the crosshair on both axes of the section; None: not known."""
+        place, settings = self.place, self.settings
+        across_mm = None
+        if place is not None:
+            across_mm = place.x_mm if settings.along is Axis.X_MM else place.y_mm
+        if section.axis is Axis.DEPTH_MM:
+            return across_mm, settings.depth_m * 1000.0
         height_m = self.survey.radar.typical_height_m()
-        delay_ns = float(delay_of_depth(depth_m, height_m, self.settings.permittivity)) * 1e9
-        return delay_ns if math.isfinite(delay_ns) else None
+        delay_ns = float(delay_of_depth(settings.depth_m, height_m, settings.permittivity)) * 1e9
+        return across_mm, delay_ns if math.isfinite(delay_ns) else None
 
     def is_measured(self, x_mm: float, y_mm: float) -> bool:
         """Return whether something is stored of the ground at a place."""
@@ -408,52 +324,4 @@ class GroundModel:
         if grid is None or states is None:
             return True
         stop = grid.nearest_stop(x_mm, y_mm)
-        if stop is None:
-            return False
-        return bool(states[stop.row, stop.column] in (StopState.DONE, StopState.PARTLY))
-
-    def begin_hyperbola(self) -> None:
-        """Put a hyperbola at the crosshair, if it can be put there."""
-        # It is one of echoes: a focused image has none.
-        self.layers -= {Layer.FOCUSED}
-        settings, place = self.settings, self.place
-        delay_ns = self.second_of(settings.depth_m, Axis.DELAY_NS)
-        if place is not None and delay_ns is not None:
-            at_mm, height_m = place.along(settings.along), self.survey.radar.typical_height_m()
-            self.hyperbola = Hyperbola(at_mm, delay_ns * 1e-9, height_m, settings.permittivity)
-
-    def drag_hyperbola(self, by_apex: bool, across_mm: float, second: float, axis: Axis) -> None:
-        """Move the apex to a point of the section, or bend the hyperbola through it."""
-        hyperbola = self.hyperbola
-        if hyperbola is None:
-            return
-        delay_s = second * 1e-9
-        if axis is Axis.DEPTH_MM:
-            permittivity = self.settings.permittivity
-            delay_s = float(delay_of_depth(second / 1000.0, hyperbola.height_m, permittivity))
-        self.hyperbola = (
-            dataclasses.replace(hyperbola, across_mm=across_mm, apex_delay_s=delay_s)
-            if by_apex
-            else hyperbola.through(across_mm, delay_s)
-        )
-
-    def hyperbola_points(self, section: Picture) -> Optional[Tuple[np.ndarray, np.ndarray]]:
-        """Return the hyperbola on a section: places along it [mm], and along its second axis."""
-        hyperbola = self.hyperbola
-        if hyperbola is None:
-            return None
-        across_mm = np.linspace(*section.across_mm, HYPERBOLA_POINTS)
-        # With the apex, which may lie between two points.
-        across_mm = np.sort(np.append(across_mm, hyperbola.across_mm))
-        delays_s = hyperbola.delays_s(across_mm)
-        if section.axis is Axis.DELAY_NS:
-            return across_mm, delays_s * 1e9
-        in_ground_s = delays_s - two_way_delay_s(hyperbola.height_m)
-        return across_mm, 1000.0 * one_way_path_m(in_ground_s, self.settings.permittivity)
-
-    def end_hyperbola(self, use: bool) -> None:
-        """Remove the hyperbola; if it is to be used, take its permittivity and go to its apex."""
-        hyperbola, self.hyperbola = self.hyperbola, None
-        if use and hyperbola is not None:
-            self.change(permittivity=round(hyperbola.permittivity, 1))
-            self.set_depth(hyperbola.depth_m)
+        return stop is not None and bool(states[stop] in (StopState.DONE, StopState.PARTLY))

@@ -7,10 +7,9 @@ from typing import Dict, Optional, Tuple
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES
-from gpr20_operator.ground.grid import Cell
-from gpr20_operator.ground.marks import has_candidate
-from gpr20_operator.ground.model import IMAGES, GroundModel, Layer, Shown
-from gpr20_operator.ground.records import Axis, Picture
+from gpr20_operator.ground.marks import lies_at_depth, lies_in_section
+from gpr20_operator.ground.model import GroundModel, Shown
+from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.trace.utc_time import moment_text
@@ -22,6 +21,9 @@ STATE_NAMES: Dict[StopState, Message] = {
     StopState.FAILED: Message("Failed"),
 }
 NO_CLEARANCE = Message("No echo does not mean no mine.")
+NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored one.")
+# While one begins: its plan comes with its first trace.
+BEGINS = Message("The survey begins. Nothing of it is measured yet.")
 # By whether it is a slice, else a section, and whether it is of the focused image.
 NOTHING = {
     (True, False): Message("Nothing above the noise at this depth."),
@@ -85,11 +87,6 @@ def summary_lines(model: GroundModel) -> Lines:
                 weaker=found.weaker,
             )
         )
-    for one in additions.related:
-        if one.is_finer:
-            lines.append(Message("Frame: finer survey {survey}", survey=one.folder))
-        else:
-            lines.append(Message("This survey refines survey {survey}", survey=one.folder))
     return tuple(lines)
 
 
@@ -107,7 +104,7 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
 
 def _level(model: GroundModel, shown: Shown) -> Lines:
     """Return the level at the crosshair; empty if it is not known."""
-    picture, focused, level_db = shown.first, model.shows_focused, shown.level_db
+    picture, focused, level_db = shown.above or shown.section, model.shows_focused, shown.level_db
     if level_db is None or picture is None:
         return ()
     if level_db <= picture.scale.threshold_db:
@@ -119,18 +116,18 @@ def _level(model: GroundModel, shown: Shown) -> Lines:
 
 def _state(model: GroundModel) -> Lines:
     """Return what a person should know of a stop; nothing of one that is done and shown."""
-    ground, radar, stop = model.survey.map, model.survey.radar, model.stop
+    survey, stop, number = model.survey, model.stop, model.settings.polarization
+    ground, radar = survey.map, survey.radar
     if ground.grid is None or stop is None:
         return ()
-    state, number = ground.state_at(stop), model.settings.polarization
+    state, trace = ground.state_at(stop), (number, *stop)
     lines = [] if state in (None, StopState.DONE) else [STATE_NAMES[state]]
     lines.extend(ground.reasons_at(stop))
-    if radar.grid is None or not radar.present[number, stop.row, stop.column]:
-        if model.survey.loading.waiting[number, stop.row, stop.column]:
-            lines.append(Message("this trace is being loaded"))
-        else:
-            index = ground.grid.index(Cell(stop, number))
-            lines.append(radar.given_up.get(index, Message("no trace to show")))
+    if survey.loading.waiting[trace]:
+        lines.append(Message("this trace is being loaded"))
+    elif not radar.present[trace]:
+        index = ground.grid.index(stop, number)
+        lines.append(radar.given_up.get(index, Message("no trace to show")))
     return tuple(lines)
 
 
@@ -150,14 +147,8 @@ def remark(model: GroundModel) -> Message:
         return Message(
             "Dashes: loading {loaded}/{stored}.", loaded=loading.loaded, stored=loading.stored
         )
-    if Layer.HIDING in model.layers and model.additions.hiding is not None:
+    if settings.layer is Layer.HIDING and model.additions.hiding is not None:
         return Message("Hatched: a mine could hide here.")
-    if model.other_permittivity is not None:
-        return Message(
-            "Depths with permittivity {value:g}; the survey has {own:g}.",
-            value=settings.permittivity,
-            own=model.other_permittivity,
-        )
     if radar.given_up:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
     if model.shows_focused and model.image is not None:
@@ -174,44 +165,39 @@ def remark(model: GroundModel) -> Message:
 def above_notice(model: GroundModel, shown: Shown, problem: Optional[Message]) -> Lines:
     """Return what to write over the view from above; `problem`: why there is no newer image."""
     if model.survey.map.grid is None:
-        return (
-            Message("No survey yet."),
-            Message("Start one under Survey, or open a stored one under Archive."),
-        )
-    if Layer.FOCUSED in model.layers and not model.shows_focused:
+        return (NO_SURVEY,)
+    if model.settings.layer is Layer.FOCUSED and not model.shows_focused:
         echoes = Message("The image is not focused yet. These are the echoes.")
         return (echoes,) if problem is None else (problem, echoes)
-    if not IMAGES & model.layers or not model.survey.radar.count:
+    if not model.has_depth or not model.survey.radar.count:
         return ()
     if shown.above is None:
         return (Message("No height was measured: the depth is unknown."),)
-    return nothing_in(model, shown.above, None)
+    return nothing_in(model, shown.above, False)
 
 
-def nothing_in(model: GroundModel, picture: Picture, along: Optional[Axis]) -> Lines:
-    """Return that nothing is seen in a section, or in the view from above if `along` is None.
+def nothing_in(model: GroundModel, picture: Picture, in_section: bool) -> Lines:
+    """Return that nothing is seen in the section, or in the view from above.
 
     Never while a part of it is not here, nor over a candidate: a list has fainter ones, too.
     """
     if not picture.measured or picture.above_noise or model.waiting is not None:
         return ()
-    if has_candidate(model, along):
+    lies = lies_in_section if in_section else lies_at_depth
+    if any(lies(model, one) for one in model.additions.candidates):
         return ()
     partial = (Message("A part is not measured."),) if model.is_partial else ()
-    return (NOTHING[along is None, model.shows_focused], *partial, NO_CLEARANCE)
+    return (NOTHING[not in_section, model.shows_focused], *partial, NO_CLEARANCE)
 
 
-def section_title(model: GroundModel, along: Axis, in_time: bool) -> Tuple[str, Message]:
-    """Return the titles of both axes of a section, with where it is."""
-    at = 0.0 if model.place is None else model.place.y_mm
-    if along is Axis.X_MM:
-        if in_time:
-            return "X mm", Message("Delay ns, at Y {at:.0f} mm", at=at)
-        return "X mm", Message("Depth mm, at Y {at:.0f} mm", at=at)
-    at = 0.0 if model.place is None else model.place.x_mm
+def section_title(model: GroundModel, in_time: bool) -> Tuple[str, Message]:
+    """Return the titles of both axes of the section, with where it is."""
+    place, along_x = model.place, model.settings.along is Axis.X_MM
+    across, other = ("X mm", "Y") if along_x else ("Y mm", "X")
+    at_mm = 0.0 if place is None else place.y_mm if along_x else place.x_mm
     if in_time:
-        return "Y mm", Message("Delay ns, at X {at:.0f} mm", at=at)
-    return "Y mm", Message("Depth mm, at X {at:.0f} mm", at=at)
+        return across, Message("Delay ns, at {axis} {at:.0f} mm", axis=other, at=at_mm)
+    return across, Message("Depth mm, at {axis} {at:.0f} mm", axis=other, at=at_mm)
 
 
 def depth_title(model: GroundModel, has_image: bool) -> Message:

@@ -1,29 +1,188 @@
-"""Between the storage and the pages: which survey they show, and what is known of it."""
+"""The traces of surveys, running and past: what is shown of which, and what is still to be read."""
 
 from __future__ import annotations
 
-from typing import Callable, List, Optional, Protocol, Tuple
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
+
+import numpy as np
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.additions import AdditionsSource
-from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
-from gpr20_operator.ground.grid import grid_from_description
+from gpr20_operator.ground.coverage import CoverageRuns, MapModel, coverage_of_stored
+from gpr20_operator.ground.echoes import RadarModel
+from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.ground.past_surveys import PastSurveys, past_band, survey_label
-from gpr20_operator.ground.shown_survey import ShownSurvey
-from gpr20_operator.ground.trace_events import (
-    ReadingFailed,
-    SurveyDescribed,
-    SurveyRead,
-    SurveysListed,
-    TracesRead,
-)
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import local_time
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace_block import TraceBlock
 
+# What the storage answers at once at most.
+TRACES_PER_BLOCK = 1000
 # How long to wait for traces, in refreshes, before it is requested again.
 RETRY_REFRESHES = 80
+
+
+@dataclass(frozen=True)
+class SurveyDescribed:
+    """The storage has opened a survey; its survey.json as it was then."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class SurveyRead:
+    """The plan of a past survey, and which of its traces are stored."""
+
+    folder: str
+    text: str
+    stored_indices: Tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class TracesRead:
+    """Stored traces, from a place in the plan on, and why others cannot be read, by theirs."""
+
+    first_index: int
+    block: TraceBlock
+    unreadable: Mapping[int, Message]
+
+
+@dataclass(frozen=True)
+class SurveysListed:
+    """A page of the list of past surveys, the newest first."""
+
+    before: str
+    surveys: Tuple[SurveySummary, ...]
+    more: bool
+
+
+@dataclass(frozen=True)
+class ReadingFailed:
+    """Something that was requested cannot be read now."""
+
+    reason: Message
+
+
+TraceEvent = Union[
+    Trace,
+    CoverageRuns,
+    SurveyDescribed,
+    SurveyRead,
+    TracesRead,
+    SurveysListed,
+    ReadingFailed,
+]
+
+
+@dataclass(frozen=True)
+class Loading:
+    """How far the stored traces of a survey have been read.
+
+    A stop that waits is "loading", never "not measured": what is not here yet says nothing about
+    the ground. It is over when `loaded` is `stored`. A trace that a running survey has just stored
+    waits, too, for a fraction of a second.
+
+    Attributes:
+        loaded: How many traces are here.
+        stored: How many will be: all that are stored, but those that cannot be shown
+            (`RadarModel.given_up`).
+        waiting: Which stored traces are not here yet (bool, polarizations x rows x columns).
+    """
+
+    loaded: int
+    stored: int
+    waiting: np.ndarray
+
+
+class ShownSurvey:
+    """A MapModel and a RadarModel of the same survey.
+
+    Traces that the coverage lists as stored and the radar lacks are read from the storage: those
+    from before this window was started, and those that the topic lost.
+    """
+
+    def __init__(self) -> None:
+        self.map = MapModel()
+        self.radar = RadarModel()
+        self._lacking = np.zeros(0, np.intp)
+        self._loading: Tuple[object, Loading] = None, Loading(0, 0, np.zeros((0, 0, 0), bool))
+
+    @property
+    def survey_id(self) -> str:
+        """UUID; empty while no plan is known."""
+        grid = self.map.grid
+        return "" if grid is None else grid.survey_id
+
+    def begin(self, grid: SurveyGrid) -> None:
+        """Show the survey of a plan; one that is shown already stays as it is.
+
+        Raises:
+            SurveyNotReadableError: Its coverage contradicts the plan.
+        """
+        own = self.map.grid
+        if own is None or (own.survey_id, own.plan) != (grid.survey_id, grid.plan):
+            self._lacking = self._lacking[:0]
+            self.radar.begin(grid)
+            self.map.set_grid(grid)
+        else:
+            own.permittivity = grid.permittivity
+
+    def take_traces(self, traces: Iterable[Trace]) -> Tuple[Message, ...]:
+        """Take those traces that are of this survey; return why some of them cannot be shown.
+
+        Many at once take hardly longer than one.
+        """
+        # One that came twice is in no block twice: the last one counts.
+        own = {one.index: one for one in traces if one.survey_id == self.survey_id}
+        problems: List[Message] = []
+        for _same, some in groupby(own.values(), lambda one: one.frequency_hz.tobytes()):
+            problems += self.radar.add_block(TraceBlock.of(self.survey_id, list(some)))
+        return tuple(problems)
+
+    def take_block(self, read: TracesRead) -> Tuple[Message, ...]:
+        """Take traces that were read; return why some of them cannot be shown."""
+        if read.block.survey_id != self.survey_id:
+            return ()
+        unreadable = dict(read.unreadable)
+        problems = [*self.radar.add_block(read.block)]
+        # Whatever the answer was, the same place is not requested again and again.
+        if read.first_index in self._absent() and read.first_index not in unreadable:
+            unreadable[read.first_index] = Message("the storage has no file of this trace")
+        for index, reason in unreadable.items():
+            self.radar.give_up(index, reason)
+            problems.append(Message("trace {index}: {reason}", index=index, reason=reason))
+        return tuple(problems)
+
+    def due(self) -> Tuple[int, ...]:
+        """Return the places in the plan whose traces to read now; empty: all are here.
+
+        A trace that was stored just now may still come on the topic: it is due only if it is
+        absent at two calls in a row.
+        """
+        absent = self._absent()
+        due = absent[np.isin(absent, self._lacking)]
+        self._lacking = absent
+        return tuple(due[:TRACES_PER_BLOCK].tolist())
+
+    @property
+    def loading(self) -> Loading:
+        """How much of what is stored is here."""
+        grid, revisions = self.map.grid, (self.map.revision, self.radar.revision)
+        if grid is not None and self._loading[0] != revisions:
+            absent, count = self._absent(), self.radar.count
+            waiting = np.zeros((len(grid.rotations_deg), *grid.shape), bool)
+            row, column, polarization = grid.cells(absent)
+            waiting[polarization, row, column] = True
+            self._loading = revisions, Loading(count, count + len(absent), waiting)
+        return self._loading[1]
+
+    def _absent(self) -> np.ndarray:
+        return self.radar.absent(self.map.stored)
 
 
 class TraceSource(AdditionsSource, Protocol):

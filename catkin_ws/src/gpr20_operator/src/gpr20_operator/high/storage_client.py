@@ -20,18 +20,9 @@ from gpr20_doctor.mid.findings import examine
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_msgs import srv
 from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
-from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.additions import (
-    AdditionsFailed,
-    AdditionsRead,
-    MarkersStored,
-    MarkingFailed,
-    RelatedSurvey,
-)
+from gpr20_operator.ground.additions import AdditionsFailed, MarkersStored, MarkingFailed
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.geometry import Area
-from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.trace_events import (
+from gpr20_operator.ground.traces import (
     ReadingFailed,
     SurveyDescribed,
     SurveyRead,
@@ -41,7 +32,6 @@ from gpr20_operator.ground.trace_events import (
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
-    RequestError,
     RosEvents,
     accepted,
     call,
@@ -55,7 +45,6 @@ from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
-from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
@@ -80,7 +69,6 @@ MOVE_TIMEOUT_S = 1200.0
 HEIGHT_TIMEOUT_S = 10.0
 # Several requests to the VNA, of which each has its own limit in the main control.
 ANALYZER_TIMEOUT_S = 300.0
-# A finer survey follows the one that it refines: it is searched for among the newest ones, too.
 SURVEYS_PER_PAGE = 50
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
@@ -236,13 +224,12 @@ class StorageClient(RosEvents):
         self._emit_answer(ask, ReadingFailed)
 
     def read_additions(self, survey: str) -> None:
-        """Ask for markers and related surveys of a survey, by its id."""
+        """Ask for the markers of a survey, by its id."""
 
-        def ask() -> AdditionsRead:
+        def ask() -> MarkersStored:
             text = self._read(survey).metadata_json
             description = parse_object(text, "metadata_json", MAX_FILE_BYTES)
-            markers = present_markers(description)
-            return AdditionsRead(survey, markers, tuple(self._related(survey, description)))
+            return MarkersStored(survey, present_markers(description))
 
         self._emit_answer(ask, partial(AdditionsFailed, survey))
 
@@ -262,27 +249,6 @@ class StorageClient(RosEvents):
             return MarkersStored(answer.survey_id, markers)
 
         self._emit_answer(ask, partial(MarkingFailed, survey, values["marker_id"]))
-
-    def _related(self, survey: str, description: Any) -> List[RelatedSurvey]:
-        found = []
-        coarse = refines_of(description)
-        for one in self._listed("").surveys:
-            is_finer = one.refines == survey
-            if one.survey_id != survey and (is_finer or one.survey_id == coarse):
-                found += self._area(one.survey_id, one.folder, is_finer)
-        if coarse and coarse not in {one.survey_id for one in found}:
-            found += self._area(coarse, coarse, False)
-        return found
-
-    def _area(self, survey: str, folder: str, is_finer: bool) -> List[RelatedSurvey]:
-        """Return a related survey; none if it is no longer there or cannot be read."""
-        try:
-            grid = grid_from_description(self._read(survey).metadata_json)
-        except (RequestError, SurveyNotReadableError):
-            return []
-        xs_mm, ys_mm = grid.xs_mm, grid.ys_mm
-        area = Area(float(xs_mm.min()), float(xs_mm.max()), float(ys_mm.min()), float(ys_mm.max()))
-        return [RelatedSurvey(survey, folder, is_finer, area)]
 
     def _listed(self, before: str) -> Any:
         return accepted(self._call(Service.LIST, before=before, max_surveys=SURVEYS_PER_PAGE))

@@ -52,6 +52,10 @@ class Refused(enum.Enum):
         Message("The markers of the survey were not changed."),
         Message("Next: remove the cause, then set or remove the marker again."),
     )
+    FINER = (
+        Message("This place cannot be measured more finely."),
+        Message("Next: choose another place."),
+    )
 
 
 _FAULTS = {

@@ -12,7 +12,6 @@ from PyQt5.QtGui import (
     QImage,
     QMouseEvent,
     QPainter,
-    QPixmap,
     QPolygonF,
     QResizeEvent,
     QTransform,
@@ -21,8 +20,8 @@ from PyQt5.QtGui import (
 from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy
 
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_operator.ground.records import Colours, Picture
-from gpr20_operator.ground.shade_colours import colour_table, shade_numbers
+from gpr20_operator.ground.patterns import shade_colours, shade_numbers
+from gpr20_operator.ground.sources import Picture
 from gpr20_user_interface.look.look import Look, Mark, look_of
 from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.widgets.ink import (
@@ -53,6 +52,15 @@ def extent_of(picture: Picture) -> QRectF:
     """Return the outer edges of a picture, in units of its axes."""
     (left, right), (low, high) = picture.across_mm, picture.range
     return QRectF(left, low, right - left, high - low)
+
+
+def image_of(numbers: np.ndarray, colours: np.ndarray) -> QImage:
+    """Return a picture of numbers, each of which has a colour (uint8, n x 4)."""
+    pixels = colours[numbers]
+    height, width = numbers.shape
+    image = QImage(pixels.tobytes(), width, height, 4 * width, QImage.Format.Format_RGBA8888)
+    # Its own memory, in the one format that Qt enlarges fast.
+    return image.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
 
 
 class ShadeItem(pyqtgraph.ImageItem):
@@ -89,8 +97,6 @@ class Plot(pyqtgraph.GraphicsView):
     dragged = pyqtSignal(float, float)
     double_tapped = pyqtSignal()
     pressed = pyqtSignal()
-    # What is shown of both axes has changed.
-    moved = pyqtSignal()
 
     def __init__(
         self,
@@ -103,6 +109,7 @@ class Plot(pyqtgraph.GraphicsView):
         self._to_scale, self._downwards, self._scrubs = to_scale, downwards, scrubs
         self._box = pyqtgraph.ViewBox(enableMenu=False, invertY=downwards, defaultPadding=0.0)
         self._image = ShadeItem(axisOrder="row-major")
+        self._image.setLookupTable(shade_colours())
         self._box.addItem(self._image, ignoreBounds=True)
         self.setCentralItem(self._box)
         self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
@@ -119,25 +126,19 @@ class Plot(pyqtgraph.GraphicsView):
         self.marks: Tuple[GroundMark, ...] = ()
         self.crosshair: Tuple[Optional[float], Optional[float]] = (None, None)
         self.notice, self.labels = "", ("", "")
-        self._colours: Optional[Colours] = None
         self._zoom, self._centre = 1.0, QPointF()
         self._pressed: Optional[QPointF] = None
         self._finger: Optional[QPointF] = None
         self._pressed_ms = 0
-        self._overlaid: Tuple[object, QPixmap] = (None, QPixmap())
         self._place()
 
-    def show_picture(self, picture: Optional[Picture], colours: Colours) -> None:
-        """Draw a picture, in colours with a sign only if it has one; None: nothing."""
+    def show_picture(self, picture: Optional[Picture]) -> None:
+        """Draw a picture; None: nothing."""
         self.numbers = None
         if picture is None or not picture.measured:
             self._image.clear()
             return
-        used = colours if picture.signed else Colours.ENVELOPE
-        if used is not self._colours:
-            self._colours = used
-            self._image.setLookupTable(colour_table(used))
-        self.numbers = shade_numbers(picture.shades, picture.signed)
+        self.numbers = shade_numbers(picture.shades)
         self._image.setImage(self.numbers, autoLevels=False)
         self._image.setRect(extent_of(picture))
 
@@ -149,10 +150,8 @@ class Plot(pyqtgraph.GraphicsView):
 
     def set_marks(self, marks: Sequence[GroundMark]) -> None:
         """Mark places; later ones are painted over earlier ones."""
-        # The same ones stay the same object: then they are not painted again.
-        if tuple(marks) != self.marks:
-            self.marks = tuple(marks)
-            self.scene().update()
+        self.marks = tuple(marks)
+        self.scene().update()
 
     def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
         """Mark a place on each axis; None: nowhere."""
@@ -168,16 +167,6 @@ class Plot(pyqtgraph.GraphicsView):
         """Show everything again after moving and zooming."""
         self._zoom, self._centre = 1.0, (self.extent or UNIT).center()
         self._place()
-
-    def fill(self) -> None:
-        """Zoom until the picture fills the room, around the crosshair."""
-        area, room = self.area, self.viewport()
-        if not area.isEmpty():
-            self._zoom *= max(room.width() / area.width(), room.height() / area.height())
-            (across, second), middle = self.crosshair, self._centre
-            self.centre_on(
-                middle.x() if across is None else across, middle.y() if second is None else second
-            )
 
     def centre_on(self, across: float, second: float) -> None:
         """Bring a place to the middle, as far as there is something around it."""
@@ -201,15 +190,14 @@ class Plot(pyqtgraph.GraphicsView):
         """Return the pixel of a place."""
         return self._map.map(QPointF(across, second))
 
+    def pixels_of(self, place: QRectF) -> QRectF:
+        """Return the pixels of a rectangle of places."""
+        return self._map.mapRect(place)
+
     def to_data(self, pixel: QPointF) -> Tuple[float, float]:
         """Return the place of a pixel."""
         place = self._back.map(pixel)
         return place.x(), place.y()
-
-    def polygon(self, across: np.ndarray, second: np.ndarray) -> QPolygonF:
-        """Return the pixels of places."""
-        points = zip(across.tolist(), second.tolist())
-        return self._map.map(QPolygonF([QPointF(x, y) for x, y in points]))
 
     def _pull(self, before: QPointF, after: QPointF) -> None:
         """Move what is below one pixel to another one."""
@@ -235,7 +223,6 @@ class Plot(pyqtgraph.GraphicsView):
         self._box.setRange(shown, padding=0.0)
         self.resetCachedContent()
         self.scene().update()
-        self.moved.emit()
 
     def resizeEvent(self, event: Optional[QResizeEvent]) -> None:  # noqa: N802 (Qt's name)
         """Qt: it has another size."""
@@ -249,7 +236,6 @@ class Plot(pyqtgraph.GraphicsView):
         if event.button() == Qt.MouseButton.LeftButton and self.extent is not None:
             self._pressed = self._finger = event.localPos()
             self._pressed_ms = event.timestamp()
-            self._begin_drag(event.localPos())
             self.pressed.emit()
 
     def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
@@ -297,9 +283,6 @@ class Plot(pyqtgraph.GraphicsView):
                 return True
         return bool(super().viewportEvent(event))
 
-    def _begin_drag(self, place: QPointF) -> None:
-        """Note where a finger has come."""
-
     def _touch(self, place: QPointF) -> None:
         self.touched.emit(*self.to_data(place))
 
@@ -332,7 +315,9 @@ class Plot(pyqtgraph.GraphicsView):
         if self.extent is not None:
             self._paint_above(painter, look)
             self._paint_crosshair(painter, look)
-            painter.drawPixmap(0, 0, self._overlay(look))
+            for one in self.marks:
+                paint_mark(painter, look, one, self.to_screen(one.across_mm, one.second_mm))
+            paint_axes(painter, look, self.area, self.labels, self._ticks(look))
         if self.notice:
             paint_notice(painter, look, QRectF(self.viewport().rect()), self.notice)
         painter.restore()
@@ -357,27 +342,6 @@ class Plot(pyqtgraph.GraphicsView):
         for x, y, to_x, to_y in lines:
             stroke(painter, look, Mark.SELECTED, QPolygonF([QPointF(x, y), QPointF(to_x, to_y)]))
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-
-    def _overlay(self, look: Look) -> QPixmap:
-        """Return marks and numbers; they are painted again only after a change."""
-        size = self.viewport().size()
-        state = (self.marks, self._map, size, self.labels, look, self._ticks_state())
-        if state != self._overlaid[0]:
-            pixmap = QPixmap(size)
-            pixmap.fill(Qt.GlobalColor.transparent)
-            painter = QPainter(pixmap)
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-            painter.setFont(self.font())
-            for one in self.marks:
-                paint_mark(painter, look, one, self.to_screen(one.across_mm, one.second_mm))
-            paint_axes(painter, look, self.area, self.labels, self._ticks(look))
-            painter.end()
-            self._overlaid = state, pixmap
-        return self._overlaid[1]
-
-    def _ticks_state(self) -> object:
-        """Return what else the numbers of the axes depend on: the language."""
-        return shown_number(0.5)
 
     def _ticks(self, look: Look) -> Tuple[Ticks, Ticks]:
         """Return the numbers of both axes, with their pixels."""

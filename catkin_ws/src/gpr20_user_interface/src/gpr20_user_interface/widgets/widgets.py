@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Callable, Sequence
+from typing import Callable
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import (
     QBoxLayout,
     QFrame,
-    QHBoxLayout,
-    QLabel,
     QLayout,
     QPushButton,
     QScrollArea,
@@ -17,7 +15,6 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
@@ -82,52 +79,3 @@ def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:
         return text
     middle = min(spaces, key=lambda place: abs(2 * place - len(text)))
     return text[:middle] + "\n" + text[middle + 1 :]
-
-
-class Stepper(QWidget):
-    """Shows a number between a button for the next smaller and one for the next larger one."""
-
-    changed = pyqtSignal(float)
-
-    def __init__(self, values: Sequence[float], start: float) -> None:
-        super().__init__()
-        self._values = sorted(values)
-        self._value = start
-        self._title, self._unit = "", ""
-        self.less = new_button(lambda: self._step(-1), "\N{MINUS SIGN}")
-        self.more = new_button(lambda: self._step(+1), "+")
-        self._label = QLabel()
-        self._label.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        layout = QHBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self.less)
-        layout.addWidget(self._label, 1)
-        layout.addWidget(self.more)
-        self._show()
-
-    @property
-    def text(self) -> str:
-        """What is written between the buttons."""
-        return self._label.text()
-
-    def set_texts(self, title: str, unit: str = "") -> None:
-        """Set the title and what stands behind the number."""
-        self._title, self._unit = title, unit
-        self._show()
-
-    def set_value(self, value: float) -> None:
-        """Show a number, also one between those to choose from."""
-        self._value = value
-        self._show()
-
-    def _step(self, direction: int) -> None:
-        beyond = [one for one in self._values if (one - self._value) * direction > 1e-9]
-        if beyond:
-            self._value = beyond[0] if direction > 0 else beyond[-1]
-            self._show()
-            self.changed.emit(self._value)
-
-    def _show(self) -> None:
-        self._label.setText(f"{self._title}\n{shown_number(self._value)}{self._unit}")
-        self.less.setEnabled(self._value > self._values[0])
-        self.more.setEnabled(self._value < self._values[-1])

@@ -222,10 +222,11 @@ class MainWindow(TranslatedWidget):
             *(self._imaging, self.alerts.show_refusal),
         )
         self.result.show_wanted.connect(self.ground.show_place_of)
-        self.result.finer_wanted.connect(self.ground.finer.show_place)
+        self.result.finer_wanted.connect(self.ground.measure_finer)
         self.result.plan_wanted.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
         self.ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
         self.ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
+        self.ground.view.surveys_wanted.connect(lambda: self.show_tab(TabName.SURVEYS))
         self._pages: Dict[TabName, QWidget] = {
             TabName.SURVEY: self.survey_tab,
             TabName.GROUND: self.ground.view,

@@ -41,7 +41,7 @@ from gpr20_web.low.notifier import Notifier
 from gpr20_web.low.outbox import Outbox
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands, Robot
-from gpr20_web.mid.ground_page import GroundPage, MapPage, RadarPage
+from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
@@ -173,9 +173,7 @@ class WebNode:
             {
                 "now": NowPage(namespace.strip("/")),
                 "commands": self._commands,
-                "ground": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
-                "map": MapPage(),
-                "radar": RadarPage(),
+                "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
                 "robots": RobotsPage(robots, self._clock),
                 "service": ServicePage(

@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name

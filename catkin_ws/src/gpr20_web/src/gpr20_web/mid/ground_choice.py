@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Any, FrozenSet, Mapping, NamedTuple, Optional, Tuple, TypeVar
+import re
+from typing import Any, Mapping, NamedTuple, Optional, TypeVar
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.model import IMAGES, Layer
-from gpr20_operator.ground.records import Axis, Colours, Place, RadarSettings
-from gpr20_operator.ground.sources import MAX_DEPTH_M
+from gpr20_operator.ground.grid import Place
+from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
 from gpr20_operator.palette import Theme
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.trace.trace import MAX_COORDINATE
 from gpr20_web.errors import BadRequestError
 
 MM_PER_M = 1000.0
-MAX_GAIN_DB_PER_NS, MAX_POLARIZATIONS = 20.0, 64
-MAX_CHARACTERS = 32
+MAX_POLARIZATIONS = 64
+NUMBER = re.compile(r"-?\d{1,10}(\.\d{1,20})?(e[-+]?\d{1,3})?")
 FLAGS = {"0": False, "1": True}
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
-COLOURS = {one.value: one for one in Colours}
 THEMES = {one.value: one for one in Theme}
-IMAGES_BY_NAME = {one.value: one for one in IMAGES}
-LAYERS = {one: one for one in ("coverage", "hiding", "loading", *IMAGES_BY_NAME)}
+LAYERS = {one.value: one for one in (Layer.COVERAGE, Layer.ECHOES, Layer.FOCUSED)}
 
 Chosen = TypeVar("Chosen")
 
@@ -31,26 +29,16 @@ class GroundChoice(NamedTuple):
     """Everything that a picture depends on, besides the survey; places as in a GroundModel.
 
     Attributes:
-        layer: One of LAYERS.
         settings: All but their permittivity, which is that of the survey.
-        alongs: Of the sections that are asked for.
     """
 
-    layer: str
     theme: Theme
     settings: RadarSettings
     place: Optional[Place]
-    alongs: Tuple[Axis, ...]
-
-    @property
-    def layers(self) -> FrozenSet[Layer]:
-        """The layers of a GroundModel, of both images one at most."""
-        image = IMAGES_BY_NAME.get(self.layer)
-        return (frozenset(Layer) - IMAGES) | ({image} if image else set())
 
 
 class Values:
-    """The fields of a query or an object; each method raises BadRequestError."""
+    """The fields of a query; each method raises BadRequestError."""
 
     def __init__(self, values: Mapping[str, Any]) -> None:
         self._values = values
@@ -60,15 +48,11 @@ class Values:
         found = self._values.get(name)
         if found is None or found == "":
             return None
-        number, allowed = math.nan, Message("{low:g} .. {high:g}", low=low, high=high)
-        if type(found) in (str, int, float) and len(str(found)) <= MAX_CHARACTERS:
-            try:
-                number = float(found)
-            except ValueError as error:
-                raise _wrong(name, found, allowed) from error
+        text = str(found)
+        number = float(text) if NUMBER.fullmatch(text) else math.nan
         # Written so that NaN is refused too.
         if not low <= number <= high:
-            raise _wrong(name, found, allowed)
+            raise _wrong(name, found, Message("{low:g} .. {high:g}", low=low, high=high))
         return number
 
     def one(self, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
@@ -97,18 +81,14 @@ class Values:
         depth_mm = self.number("depth", 0.0, MAX_DEPTH_M * MM_PER_M)
         settings = RadarSettings(
             polarization=int(self.number("polarization", 0, MAX_POLARIZATIONS) or 0),
-            remove_background=self.one("background", FLAGS, True),
-            gain_db_per_ns=self.number("gain", 0.0, MAX_GAIN_DB_PER_NS) or 0.0,
             depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
             along=self.one("along", ALONG, preset.along),
-            colours=self.one("colours", COLOURS, preset.colours),
+            layer=self.one("layer", LAYERS, preset.layer),
         )
         return GroundChoice(
-            self.one("layer", LAYERS, "coverage"),
             self.one("theme", THEMES, Theme.SUN),
             settings,
             None if x_mm is None or y_mm is None else Place(x_mm, y_mm),
-            (settings.along,) if self.one("section", FLAGS, False) else (),
         )
 
 

@@ -1,28 +1,23 @@
-"""MAP and RADAR: the ground of the running survey, or of a past one, as the window shows it."""
+"""GROUND: the running survey, or a past one, as the window shows it."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, Callable, Dict, Mapping, Optional
 
-import numpy as np
-
 from gpr20_common.message import Message
-from gpr20_operator.ground.cells import TILE_PX, Cell
+from gpr20_operator.ground.past_surveys import survey_label
 from gpr20_operator.ground.traces import TraceSource
-from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_operator.jobs.pictures import FEWEST_TRACES, NOT_KNOWN, Imaging, Pictures
-from gpr20_operator.jobs.result_texts import TARGETS, headline
-from gpr20_operator.palette import Theme
+from gpr20_operator.jobs.job import Requests
+from gpr20_operator.jobs.pictures import Imaging, Pictures
+from gpr20_operator.jobs.result_texts import headline
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_operator.words import local_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_web.calls import Body, Call, Role, Route
-from gpr20_web.errors import BusyError, NotNowError
-from gpr20_web.mid.ground_choice import FLAGS, THEMES, Values
-from gpr20_web.mid.ground_document import Text, document
-from gpr20_web.mid.shown_ground import ShownGround, pattern_png
+from gpr20_web.errors import BusyError
+from gpr20_web.mid.ground_choice import FLAGS, Values
+from gpr20_web.mid.shown_ground import ShownGround, Text
 from gpr20_web.mid.web_page import WebPage
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.
@@ -34,14 +29,10 @@ ROOM_S, FORGOTTEN_S = 10.0, 120.0
 # The answer of a survey may be another one since: somebody has entered what its ground is.
 AGAIN_S = 10.0
 PNG = "image/png"
-CELLS = {one.name.lower(): one for one in Cell}
-TARGET_NAMES = {one.value.name: one.value.name for one in Targets}
-SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
-AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 
 
 class GroundPage(WebPage):
-    """What MAP and RADAR ask for.
+    """What the page Ground asks for, and its words.
 
     Args:
         source: The storage; its events come back by `on_event`.
@@ -49,6 +40,29 @@ class GroundPage(WebPage):
         now_s: A clock that never goes back [s].
         report: Called with the reason why a trace or a survey cannot be shown.
     """
+
+    words: Mapping[str, Message] = {
+        "title": Message("Ground"),
+        "keys": Message(
+            "Touch a place, or use the arrow keys; Page Up and Page Down change the depth."
+        ),
+        "back": Message("Back to the robot's survey"),
+        "age": Message("Last trace {seconds} s ago", seconds="{seconds}"),
+        "layer": Message("Layer"),
+        "options": Message("Options"),
+        "echoes": Message("Echoes"),
+        "focused": Message("Focused image"),
+        "depth": Message("Depth: {depth} mm", depth="{depth}"),
+        "polarization": Message("Antenna"),
+        "along": Message("Section"),
+        "x": Message("along X"),
+        "y": Message("along Y"),
+        "follow": Message("Follow the last trace"),
+        "marks": Message("Candidates and markers"),
+        "no_marks": Message("none here"),
+        "text": Message("Text of the marker"),
+        "add": Message("Set marker"),
+    }
 
     def __init__(
         self,
@@ -63,16 +77,9 @@ class GroundPage(WebPage):
         self._past: Dict[str, ShownGround] = {}
         self._snapshot: Optional[Snapshot] = None
         self._refreshed_s = self._traced_s = self._looked_s = -math.inf
-        self._hiding: Job[HidingMap] = job_of(
-            requests, Service.HIDE, now_s, self._pictures.add_hiding
-        )
-        self._hiding_of = ""  # the survey that it is for
         self.routes = (
             Route("GET", "/api/ground", Role.WATCH, self._ground),
             Route("GET", r"/api/ground/(?P<kind>map|section|bar)\.png", Role.WATCH, self._png),
-            Route("GET", r"/api/ground/sign\.png", Role.WATCH, self._sign),
-            Route("POST", "/api/ground/hide", Role.CONTROL, self._hide),
-            Route("POST", "/api/ground/cancel", Role.CONTROL, self._cancel),
         )
 
     def on_event(self, event: object) -> None:
@@ -83,10 +90,8 @@ class GroundPage(WebPage):
             ground.on_event(event)
 
     def refresh(self, snapshot: Snapshot) -> None:
-        """Follow the running survey; a search that would disturb one that begins ends."""
+        """Follow the running survey."""
         self._snapshot, now_s = snapshot, self._now_s()
-        if snapshot.running and self._hiding.running:
-            self._hiding.end(SURVEY_RUNS)
         if now_s - self._refreshed_s < PERIOD_S:
             return
         self._refreshed_s, live = now_s, self._live
@@ -125,57 +130,18 @@ class GroundPage(WebPage):
         values = Values(call.values)
         ground, choice = self._shown(values, call.who.mark), values.choice
         ground.is_outdated |= values.one("again", FLAGS, False)
-        found = {
-            **self._about(ground, call.text),
-            "hide": self._hiding_values(ground, call.text),
-        }
+        found = self._about(ground, call.text)
         if call.values.get("known") != ground.revision:
-            found["ground"] = document(ground, choice, call.text)
+            found["ground"] = ground.document(choice, call.text)
         return found
 
     def _png(self, call: Call) -> Body:
         values = Values(call.values)
         return Body(self._shown(values, call.who.mark).png(call.parts["kind"], values.choice), PNG)
 
-    def _sign(self, call: Call) -> Body:
-        """Return the pattern of a cell, for a legend."""
-        values = Values(call.values)
-        cells = np.full((1, 1), values.one("cell", CELLS, Cell.BLANK), np.uint8)
-        return Body(pattern_png(cells, values.one("theme", THEMES, Theme.SUN), 2 * TILE_PX), PNG)
-
-    def _hide(self, call: Call) -> Mapping[str, Any]:
-        """Ask where a target could hide, if that is possible now."""
-        values = Values(call.values)
-        target = values.one("target", TARGET_NAMES, Targets.PMN.value.name)
-        ground = self._shown(values, call.who.mark)
-        if self._snapshot is not None and self._snapshot.running:
-            raise NotNowError(SURVEY_RUNS)
-        if self._is_replay:
-            raise NotNowError(Message("This is not possible during a replay."))
-        if ground.shown.loading.stored < FEWEST_TRACES:
-            raise NotNowError(Message("This takes at least {count} traces.", count=FEWEST_TRACES))
-        if self._hiding.running:
-            raise NotNowError(AT_WORK)
-        self._hiding_of = ground.survey_id
-        self._hiding.ask(survey=ground.survey_id, permittivity=NOT_KNOWN, target=target)
-        return self._hiding_values(ground, call.text)
-
-    def _cancel(self, call: Call) -> Mapping[str, Any]:
-        self._hiding.end()
-        return {}
-
     @property
     def _is_replay(self) -> bool:
         return self._snapshot is not None and self._snapshot.replay is not None
-
-    def _hiding_values(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
-        job, own = self._hiding, self._hiding_of == ground.survey_id
-        said = (job.stage or job.problem) if own else None
-        return {
-            "running": job.running,
-            "seconds": int(job.running_s),
-            "said": "" if said is None else text(said),
-        }
 
     def _about(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
         """Return which survey is shown, so that none is taken for another one."""
@@ -204,7 +170,13 @@ class GroundPage(WebPage):
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:
             return Message("The survey that runs")
-        return Message("The last survey; it does not run now")
+        listed = ground.listed
+        if listed is None:
+            return Message("The last survey; it does not run now")
+        begun = local_time(listed.started, listed.folder)
+        return Message(
+            "Last survey: {name}", name=survey_label(listed.name, listed.survey_id, begun)
+        )
 
     def _shown(self, values: Values, person: str) -> ShownGround:
         """Return the survey that a person's browser asks for; a past one is read first."""
@@ -247,53 +219,3 @@ class GroundPage(WebPage):
                 )
             )
         del self._past[min(free, key=lambda one: one.used_s).opened]
-
-
-class MapPage(WebPage):
-    """The words of MAP, and of RADAR as far as it has the same."""
-
-    words: Mapping[str, Message] = {
-        "title": Message("Map"),
-        "keys": Message(
-            "Touch a place, or use the arrow keys; Page Up and Page Down change the depth."
-        ),
-        "back": Message("Back to the robot's survey"),
-        "age": Message("Last trace {seconds} s ago", seconds="{seconds}"),
-        "layer": Message("Layer"),
-        "options": Message("Options"),
-        "coverage": Message("Coverage"),
-        "echoes": Message("Echoes"),
-        "focused": Message("Focused image"),
-        "hiding": Message("Hiding places"),
-        "depth": Message("Depth: {depth} mm", depth="{depth}"),
-        "polarization": Message("Antenna"),
-        "follow": Message("Follow the last trace"),
-        "marks": Message("Candidates and markers"),
-        "no_marks": Message("none here"),
-        "text": Message("Text of the marker"),
-        "add": Message("Set marker"),
-        "hide": Message("Search hiding places"),
-        "target": Message("Target"),
-        "works": Message("The imaging node works: {seconds} s", seconds="{seconds}"),
-        "cancel": Message("Cancel"),
-        **{f"target_{one.value.name}": word for one, word in TARGETS.items()},
-    }
-
-
-class RadarPage(WebPage):
-    """The other words of RADAR."""
-
-    words: Mapping[str, Message] = {
-        "title": Message("Radar"),
-        "along": Message("Section"),
-        "x": Message("along X"),
-        "y": Message("along Y"),
-        "gain": Message("Gain"),
-        "background": Message("Background"),
-        "removed": Message("removed"),
-        "included": Message("included"),
-        "colours": Message("Colours"),
-        "envelope": Message("Strength"),
-        "grey": Message("Wave, grey"),
-        "red white blue": Message("Wave, red-blue"),
-    }

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.trace_events import SurveyDescribed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.notices import Notice, fault_notice

@@ -3,49 +3,56 @@
 from __future__ import annotations
 
 import math
+import struct
+import zlib
 from collections import OrderedDict
-from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.cells import MARKS, TILE_PX, TILES, Cell, hiding_cells
-from gpr20_operator.ground.geometry import Area, survey_area
-from gpr20_operator.ground.model import IMAGES, GroundModel, Shown
-from gpr20_operator.ground.records import Colours
-from gpr20_operator.ground.shade_colours import LAST_SHADE, colour_table, shade_numbers
-from gpr20_operator.ground.shown_survey import ShownSurvey
-from gpr20_operator.ground.trace_events import (
+from gpr20_operator.ground.grid import Area
+from gpr20_operator.ground.marks import GroundMark, marks_above, marks_in_section
+from gpr20_operator.ground.model import GroundModel, Shown
+from gpr20_operator.ground.patterns import (
+    LAST_SHADE,
+    pattern,
+    pattern_colours,
+    shade_colours,
+    shade_numbers,
+)
+from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.traces import (
     ReadingFailed,
+    ShownSurvey,
     SurveyRead,
     SurveysListed,
+    TracePresenter,
+    TraceSource,
     TracesRead,
 )
-from gpr20_operator.ground.traces import TracePresenter, TraceSource
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.palette import Theme
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.errors import NotFoundError
-from gpr20_web.mid.ground_choice import GroundChoice
-from gpr20_web.mid.png import png
+from gpr20_web.mid.ground_choice import MM_PER_M, GroundChoice
 
+Text = Callable[[Message], str]
 # What was worked out last; more choices than this at once are worked out again.
 MOST_KEPT = 24
 # A survey that cannot be read is asked for again after so many refreshes.
 AGAIN_REFRESHES = 10
-# Pixels of a cell with a pattern, by how many cells there are at most.
-CELL_PX = ((4_096, 8), (65_536, 4))
+# Longer side of a picture of cells [px].
+PATTERN_PX = 480
+# Single stops that failed must not be overlooked among thousands.
+MAX_RINGS = 60
 # What is of a past survey; other events are of the running one.
 OF_PAST = (SurveyRead, SurveysListed, TracesRead, ReadingFailed)
 NOTHING = Message("there is nothing to show yet")
-
-
-class Patterns(NamedTuple):
-    """Cells of the ground, both axes ascending; the key changes with them."""
-
-    key: Tuple[object, ...]
-    cells: np.ndarray
-    area: Area
+# Of a PNG; the fastest compression: a picture is looked at for a second.
+BITS, PALETTE, COMPRESSION = 8, 3, 1
 
 
 class ShownGround:
@@ -61,7 +68,7 @@ class ShownGround:
         used_s: When a browser asked for it last.
         used_by: Whose browser that was.
         problem: Why it cannot be shown, or not all of it; None: nothing went wrong.
-        is_outdated: Whether its markers and related surveys are to be read again.
+        is_outdated: Whether its markers are to be read again.
     """
 
     def __init__(
@@ -93,10 +100,15 @@ class ShownGround:
         return self.shown.survey_id
 
     @property
+    def listed(self) -> Optional[SurveySummary]:
+        """The survey in the list of the stored ones; None: the list has not come yet."""
+        found = (one for one in self.traces.past.surveys if one.survey_id == self.survey_id)
+        return next(found, None)
+
+    @property
     def folder(self) -> str:
         """That of the survey; empty: it is not known yet."""
-        listed = (one for one in self.traces.past.surveys if one.survey_id == self.survey_id)
-        return self.opened or next((one.folder for one in listed), "")
+        return self.opened or ("" if self.listed is None else self.listed.folder)
 
     @property
     def revision(self) -> str:
@@ -149,14 +161,13 @@ class ShownGround:
             # Since the plan was read somebody may have entered another one, which images have.
             soil = grid.permittivity if image is None else image.found.permittivity
             self.imaging.soils.take(grid.survey_id, soil)
-            self.model.take_soil(grid.survey_id, soil)
+            self.model.take_soil(soil)
 
-    def show(self, choice: GroundChoice) -> Shown:
+    def _show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""
         self._follow()
-        model, alongs = self.model, choice.alongs
-        model.show(choice.settings, choice.layers, choice.place)
-        shown: Shown = self._once((alongs, *model.state[1:]), lambda: model.pictures(alongs))
+        self.model.show(choice.settings, choice.place)
+        shown: Shown = self._once(self.model.state[1:], self.model.pictures)
         return shown
 
     def png(self, kind: str, choice: GroundChoice) -> bytes:
@@ -165,48 +176,47 @@ class ShownGround:
         Raises:
             NotFoundError: It has nothing to show.
         """
-        shown, patterns = self.show(choice), self.patterns()
-        first, picture = shown.first, shown.above
-        if first is None or not first.signed:
-            table = colour_table(Colours.ENVELOPE)
-        else:
-            table = colour_table(choice.settings.colours)
         if kind == "bar":
-            return png(np.arange(LAST_SHADE + 1, dtype=np.uint8)[::-1, None], table)
-        if kind == "map" and choice.layer in patterns:
-            key, cells, _area = patterns[choice.layer]
-            made = self._once((*key, choice.theme), lambda: pattern_png(cells, choice.theme))
-        elif kind == "map" and choice.layer == "loading":
-            # The last of it has arrived since the page was told that something loads.
-            made = pattern_png(np.full((1, 1), Cell.BLANK, np.uint8), choice.theme)
-        else:
-            if kind == "section":
-                picture = shown.sections[0] if shown.sections else None
-            if picture is None or (kind == "map" and not choice.layers & IMAGES):
+            bar = np.arange(LAST_SHADE, -1, -1, dtype=np.uint8)[:, None]
+            return png_of(bar, shade_colours())
+        shown, model = self._show(choice), self.model
+        if kind == "map" and not model.has_depth:
+            cells = self.shown.map.cells(model.waiting)
+            if cells is None:
                 raise NotFoundError(NOTHING)
-            # Y goes up, and depth goes down.
-            shades, signed = picture.shades[:: 1 if kind == "section" else -1], picture.signed
-            key = (kind, choice.alongs, *self.model.state[1:])
-            made = self._once(key, lambda: png(shade_numbers(shades, signed), table))
-        return bytes(made)
+            return png_of(pattern(cells, PATTERN_PX), pattern_colours(choice.theme))
+        picture = shown.section if kind == "section" else shown.above
+        if picture is None:
+            raise NotFoundError(NOTHING)
+        # Y goes up, and depth goes down.
+        shades = picture.shades[:: 1 if kind == "section" else -1]
+        key = (kind, *model.state[1:])
+        return bytes(self._once(key, lambda: png_of(shade_numbers(shades), shade_colours())))
 
-    def patterns(self) -> Dict[str, Patterns]:
-        """Return the layers that are no images, of which there is something to show."""
-        shown, hiding, waiting = self.shown, self.additions.hiding, self.model.waiting
-        found: Dict[str, Patterns] = {}
-        key: Tuple[object, ...]
-        if hiding is not None:
-            key = ("hiding", *self.additions.revision)
-            found["hiding"] = Patterns(key, *hiding_cells(hiding))
-        grid, states = shown.map.grid, shown.map.stop_states
-        if grid is not None and states is not None:
-            area, key = survey_area(grid.xs_mm, grid.ys_mm), ("coverage", shown.map.revision)
-            found["coverage"] = Patterns(key, states[grid.ascending], area)
-            if waiting is not None:
-                cells = np.where(waiting, Cell.LOADING, Cell.BLANK).astype(np.uint8)
-                numbers = shown.radar.revision, self.model.settings.polarization
-                found["loading"] = Patterns((*key, *numbers), cells[grid.ascending], area)
-        return found
+    def document(self, choice: GroundChoice, text: Text) -> Dict[str, Any]:
+        """Return a choice of the survey for a browser; areas are left, right, low and high."""
+        shown, model = self._show(choice), self.model
+        survey, settings, place = model.survey.map, model.settings, model.place
+        counts, deepest_m = survey.counts(), model.deepest_m
+        picture = shown.above or shown.section
+        return {
+            "counts": [
+                [text(name), None if counts is None else counts[state]]
+                for state, name in texts.STATE_NAMES.items()
+            ],
+            "polarization": settings.polarization,
+            "depth_mm": round(settings.depth_m * MM_PER_M),
+            "deepest_mm": None if deepest_m is None else round(deepest_m * MM_PER_M),
+            "notes": _said((*texts.notes(model), texts.remark(model)), text),
+            "notice": _said(texts.above_notice(model, shown, self.imaging.problem), text),
+            "lines": _said(texts.touched_lines(model, shown), text),
+            "place": None if place is None else list(place),
+            "marks": [_mark(one, text) for one in marks_above(model)],
+            "bar": [] if picture is None else picture.scale.ticks().tolist(),
+            "image": None if shown.above is None else _extent(shown.above),
+            "section": _section(model, shown.section, text),
+            **_plan(model, text),
+        }
 
     def _once(self, key: Tuple[object, ...], make: Callable[[], Any]) -> Any:
         """Return what was made for the same key and survey, or make it."""
@@ -224,13 +234,87 @@ class ShownGround:
         self.problem = problem
 
 
-def pattern_png(cells: np.ndarray, theme: Theme, size_px: int = 0) -> bytes:
-    """Return the patterns of cells (uint8); the size of a cell may follow from their number."""
-    px = size_px or next((px for most, px in CELL_PX if cells.size <= most), 1)
-    # The first row of a picture is the one at the top.
-    wide = cells[::-1].repeat(px, axis=0).repeat(px, axis=1)
-    y, x = (np.arange(size) % TILE_PX for size in wide.shape)
-    colours = [bytes(4), *(bytes.fromhex(one.of(theme)[1:]) + b"\xff" for one in MARKS)]
-    return png(
-        TILES[wide, y[:, None], x], np.frombuffer(b"".join(colours), np.uint8).reshape(-1, 4)
+def png_of(numbers: np.ndarray, colours: np.ndarray) -> bytes:
+    """Return a picture of numbers, each of which has a colour, as a PNG file.
+
+    Args:
+        numbers: Number of the colour of each pixel, row by row from the top (uint8).
+        colours: Red, green, blue and alpha of each number (uint8, at most 256 x 4).
+    """
+    height, width = numbers.shape
+    # Each row begins with the number of its filter, which is none.
+    rows = np.pad(numbers, ((0, 0), (1, 0)))
+    chunks = (
+        (b"IHDR", struct.pack(">IIBBBBB", width, height, BITS, PALETTE, 0, 0, 0)),
+        (b"PLTE", colours[:, :3].tobytes()),
+        (b"tRNS", colours[:, 3].tobytes()),
+        (b"IDAT", zlib.compress(rows.tobytes(), COMPRESSION)),
+        (b"IEND", b""),
     )
+    parts = [b"\x89PNG\r\n\x1a\n"]
+    for kind, content in chunks:
+        sum_ = zlib.crc32(kind + content)
+        parts += [struct.pack(">I", len(content)), kind, content, struct.pack(">I", sum_)]
+    return b"".join(parts)
+
+
+def _plan(model: GroundModel, text: Text) -> Dict[str, Any]:
+    """Return what follows from the plan of the survey."""
+    grid = model.survey.map.grid
+    if grid is None:
+        return {"area": None}
+    rotations = (Message("{rotation:g}°", rotation=one) for one in grid.rotations_deg)
+    return {
+        "polarizations": list(map(text, rotations)),
+        "area": _area(grid.area),
+        "steps_mm": list(grid.spacing_mm),
+        "failed": list(map(list, model.survey.map.failed(MAX_RINGS))),
+    }
+
+
+def _section(
+    model: GroundModel, picture: Optional[Picture], text: Text
+) -> Optional[Dict[str, Any]]:
+    if picture is None:
+        return None
+    in_time = picture.axis is Axis.DELAY_NS
+    across, second = texts.section_title(model, in_time)
+    return {
+        "extent": _extent(picture),
+        "titles": [across, text(second)],
+        "notice": _said(texts.nothing_in(model, picture, True), text),
+        "in_time": in_time,
+        "at": list(model.crosshair_in(picture)),
+        "columns": picture.shades.shape[1],
+        "loading": np.flatnonzero(model.waiting_along).tolist(),
+        "marks": [] if in_time else [_mark(one, text) for one in marks_in_section(model)],
+    }
+
+
+def _mark(mark: GroundMark, text: Text) -> Dict[str, Any]:
+    about: Any = mark.about
+    is_candidate = isinstance(about, Candidate)
+    lines = (
+        texts.candidate_lines(about, mark.measured) if is_candidate else texts.marker_lines(about)
+    )
+    return {
+        "at": [mark.across_mm, mark.second_mm],
+        "number": mark.text,
+        "candidate": is_candidate,
+        "doubtful": mark.doubtful or not mark.measured,
+        "near": mark.near,
+        "place": [about.x_mm, about.y_mm, about.depth_mm],
+        "lines": _said(lines, text),
+    }
+
+
+def _area(area: Area) -> List[float]:
+    return [area.left_mm, area.right_mm, area.low_mm, area.high_mm]
+
+
+def _extent(picture: Picture) -> List[float]:
+    return [*picture.across_mm, *picture.range]
+
+
+def _said(lines: Iterable[Message], text: Text) -> List[str]:
+    return [one[:1].upper() + one[1:] for one in map(text, lines) if one]

@@ -40,7 +40,6 @@ from gpr20_web.errors import (
     NotNowError,
 )
 from gpr20_web.mid import survey_files, survey_values
-from gpr20_web.mid.ground_page import AT_WORK, SURVEY_RUNS
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
 
@@ -50,6 +49,8 @@ SURVEY = f"/api/surveys/(?P<folder>{FOLDER_NAME.pattern})"
 FORMS = "|".join(map(re.escape, survey_files.FILES))
 MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
+SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
+AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 
 
 class SurveyServices(Protocol):

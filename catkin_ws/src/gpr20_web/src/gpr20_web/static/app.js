@@ -6,12 +6,11 @@ import { PRESS_LIMIT_MS, Top } from "./top.js";
 import map from "./pages/map.js";
 import { more, robots, service } from "./pages/more.js";
 import now from "./pages/now.js";
-import radar from "./pages/radar.js";
 import surveys from "./pages/surveys.js";
 
 const CONTROL = 2;
 // The places at the bottom, each with its pages; the first one opens.
-const PLACES = [[now], [map, radar], [surveys], [more, service, robots]];
+const PLACES = [[now], [map], [surveys], [more, service, robots]];
 const PAGES = PLACES.flat();
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
@@ -233,14 +232,9 @@ class App {
     const title = this.word(`${page.name}.title`);
     document.title = `${title} – GPR-20`;
     const section = element("section", { "aria-labelledby": "page-title" });
-    // Two views of one place are beside each other; MORE has its own way to its pages.
-    const views = place === PLACES[1]
-      ? [element("nav", { class: "views", "aria-label": title },
-        ...place.map((one) => this.link(one, this.word(`${one.name}.title`), one === page)))]
-      : [];
     const isPlace = place !== PLACES[3] || page === more;
     const head = element("h1", { id: "page-title", class: isPlace ? "unseen" : null }, title);
-    this.root.replaceChildren(head, ...views, section);
+    this.root.replaceChildren(head, section);
     page.show(section, this);
     if (this.state.band) page.update?.(this.state, this);
   }

@@ -26,7 +26,7 @@ export class Plot {
     const [left, right, low, high] = extent;
     const width = this.canvas.clientWidth || 300;
     const room = width - MARGIN_PX - BAR_PX;
-    const wanted = this.down ? room / 2 : (room * (high - low)) / (right - left);
+    const wanted = this.down ? 0.6 * room : (room * (high - low)) / (right - left);
     const most = HIGHEST * window.innerHeight;
     const height = Math.round(Math.min(most, Math.max(LEAST_PX, wanted + MARGIN_PX + TOP_PX)));
     const ratio = window.devicePixelRatio || 1;
@@ -91,11 +91,11 @@ export class Plot {
   }
 
   text(text, x, y, align = "center") {
-    Object.assign(this.pen, {
-      textAlign: align, textBaseline: "middle", lineWidth: 4,
-      strokeStyle: ink("mark-paper"), fillStyle: ink("mark-ink"),
-    });
-    this.pen.strokeText(this.shown(text), x, y);
+    Object.assign(this.pen, { textAlign: align, textBaseline: "middle", fillStyle: ink("mark-paper") });
+    const wide = this.pen.measureText(this.shown(text)).width;
+    const left = { left: x, center: x - wide / 2, right: x - wide }[align];
+    this.pen.fillRect(left - 2, y - 8, wide + 4, 16);
+    this.pen.fillStyle = ink("mark-ink");
     this.pen.fillText(this.shown(text), x, y);
   }
 
@@ -111,8 +111,8 @@ export class Plot {
   mark({ at, number, candidate, doubtful, near }) {
     const [x, y] = this.at(...at);
     if (candidate) {
-      this.ring(...at, near ? 12 : 5, "mark-candidate", doubtful ? [4, 3] : []);
       if (near) this.text(number, x, y);
+      this.ring(...at, near ? 12 : 5, "mark-candidate", doubtful ? [4, 3] : []);
     } else this.line("mark-marker", [x, y], [x, y - 22], [x + 12, y - 16], [x, y - 10]);
   }
 

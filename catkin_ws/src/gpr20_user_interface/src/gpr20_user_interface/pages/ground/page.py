@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional, Tuple
+from typing import Callable, NamedTuple, Optional, Tuple
 
 from PyQt5.QtCore import QObject, pyqtSignal
 from PyQt5.QtWidgets import QWidget
@@ -10,29 +10,37 @@ from PyQt5.QtWidgets import QWidget
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
-from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.finer_plan import plan_finer
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.model import GroundModel
+from gpr20_operator.ground.texts import place_text
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import Keys
+from gpr20_operator.plan.hold_question import remove_marker_question
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import check_text
-from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT
-from gpr20_survey.plan.survey_cost import survey_cost
-from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.ground.finer_sheet import FinerSheet
 from gpr20_user_interface.pages.ground.layers_sheet import LayersSheet
-from gpr20_user_interface.pages.ground.markers_sheet import MarkersSheet
 from gpr20_user_interface.pages.ground.view import GroundView
+from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.page import Page
 
 ShowRefusal = Callable[[Refused, Message], None]
+
+
+class Awaited(NamedTuple):
+    """A place of a survey that is shown as soon as the survey is here."""
+
+    survey_id: str
+    x_mm: float
+    y_mm: float
+    depth_mm: float
 
 
 class GroundPage(QObject, Page):
@@ -64,35 +72,45 @@ class GroundPage(QObject, Page):
         super().__init__(window)
         self._survey, self._traces, self._additions = survey, traces, additions
         self._imaging, self._show_refusal = imaging, show_refusal
-        self._running = self._replay = False
+        self._replay = False
+        self._awaited: Optional[Awaited] = None
         self._described: Tuple[Optional[SurveyGrid], Optional[float]] = (None, None)
-        # A place of another survey, which is shown as soon as that is here.
-        self._awaited: Optional[Tuple[str, float, float, float]] = None
         self.model = GroundModel(traces.shown, additions)
         self.view = GroundView(self.model)
         self.layers = LayersSheet(window, self.model)
-        self.finer = FinerSheet(window, self._duration_s)
-        self.markers = MarkersSheet(window)
-        self.note_pad = Pad(window)
-        self._connect()
+        self.note_pad, self.confirm = Pad(window), HoldSheet(window)
+        view = self.view
+        view.set_marker.clicked.connect(lambda: self._on_marker())
+        view.finer.clicked.connect(lambda: self._on_finer())
+        view.layers.clicked.connect(lambda: self.layers.open())
+        view.back.clicked.connect(lambda: self._show_live())
+        view.opened.connect(additions.read_again)
+        self.layers.changed.connect(view.refresh)
 
     def show_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
         """Bring crosshair, picture and depth to a place of the survey that is shown."""
         self.model.choose_place(x_mm, y_mm, depth_mm)
-        self.view.pictures.enlarge(None)
-        self.view.pictures.above.centre_on(x_mm, y_mm)
-        self.view.refresh()
+        self.view.show_place(x_mm, y_mm)
 
     def show_place_of(
         self, survey_id: str, folder: str, x_mm: float, y_mm: float, depth_mm: float
     ) -> None:
         """Show a place of a survey, which is read first if another one is shown."""
-        self._awaited = survey_id, x_mm, y_mm, depth_mm
+        self._awaited = Awaited(survey_id, x_mm, y_mm, depth_mm)
         if self._traces.running.survey_id == survey_id:
             self._traces.show_live()
         elif self._traces.shown.survey_id != survey_id:
             self._traces.open_survey(folder)
         self._follow()
+
+    def measure_finer(self, grid: SurveyGrid, x_mm: float, y_mm: float) -> None:
+        """Plan a small survey around a place of another one; nothing moves by it."""
+        try:
+            self._survey.finer = plan_finer(grid, x_mm, y_mm)
+        except InvalidValueError as error:
+            self._show_refusal(Refused.FINER, error.message)
+        else:
+            self.finer_chosen.emit(self._survey.finer)
 
     def on_event(self, event: object) -> None:
         """Take what belongs to a survey."""
@@ -102,8 +120,6 @@ class GroundPage(QObject, Page):
         if isinstance(event, MarkingFailed):
             self._show_refusal(Refused.MARKER, event.reason)
         if isinstance(event, Answer) and event.request is Request.START and event.success:
-            if self._survey.finer is not None and self._survey.finer == self._additions.plan:
-                self._additions.keep_plan(None)
             self._survey.finer = None
 
     def refresh(self, snapshot: Snapshot) -> None:
@@ -111,15 +127,9 @@ class GroundPage(QObject, Page):
         self._replay = snapshot.replay is not None
         self._traces.note_state(snapshot)
         self._follow()
-        additions = self._additions
-        additions.follow(self._traces.shown.survey_id, not self._replay)
-        additions.refresh()
-        self.finer.note_running(snapshot.running)
-        self.markers.set_markers(additions.markers)
-        if snapshot.running != self._running:
-            # A finer survey may have begun or ended.
-            self._running = snapshot.running
-            additions.read_again()
+        self._additions.follow(self._traces.shown.survey_id, not self._replay)
+        self._additions.refresh()
+        self.view.is_running = snapshot.running
 
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
@@ -131,31 +141,23 @@ class GroundPage(QObject, Page):
         self.view.carriage_mm = self._traces.carriage_mm
         self.view.refresh()
 
-    def _connect(self) -> None:
-        view, additions = self.view, self._additions
-        view.set_marker.clicked.connect(lambda: self._ask_marker())
-        view.finer.clicked.connect(lambda: self._ask_finer())
-        view.layers.clicked.connect(lambda: self.layers.open())
-        view.back.clicked.connect(lambda: self._traces.show_live())
-        view.back.clicked.connect(lambda: self._follow())
-        view.opened.connect(additions.read_again)
-        self.layers.changed.connect(view.refresh)
-        self.layers.fit.clicked.connect(lambda: view.begin_fit())
-        self.layers.markers.clicked.connect(lambda: self.markers.show_markers(additions.markers))
-        self.finer.chosen.connect(self._on_plan)
-        self.finer.dropped.connect(lambda: self._keep(None))
-        self.markers.show_wanted.connect(self.model.choose_mark)
-        self.markers.show_wanted.connect(view.refresh)
-        self.markers.remove_wanted.connect(lambda one: additions.remove_marker(one.marker_id))
+    def _show_live(self) -> None:
+        self._traces.show_live()
+        self._follow()
 
-    def _ask_marker(self) -> None:
-        """Ask for the text of a marker at the crosshair, and store it."""
-        point = self.model.point
-        if point is None or not self._additions.can_mark:
-            return
-        x_mm, y_mm, depth_mm = point
-        # Another survey may begin while the text is written.
-        survey = self._additions.survey_id
+    def _on_marker(self) -> None:
+        """Remove the marker that was touched, after a hold, or set one at the crosshair."""
+        mark, additions, point = self.model.mark, self._additions, self.model.point
+        if isinstance(mark, Marker):
+            place, marker_id = place_text(mark.x_mm, mark.y_mm, mark.depth_mm), mark.marker_id
+            question = remove_marker_question(place, mark.text)
+            self.confirm.ask(question, lambda: additions.remove_marker(marker_id))
+        elif point is not None and additions.can_mark:
+            # Another survey may begin while the text is written.
+            self._ask_text(additions.survey_id, *point)
+
+    def _ask_text(self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float]) -> None:
+        """Ask for the text of a marker, and store it."""
 
         def add(text: str) -> None:
             try:
@@ -172,55 +174,35 @@ class GroundPage(QObject, Page):
             Keys.LETTERS,
         )
 
-    def _ask_finer(self) -> None:
-        """Open the plan that was kept, or ask how to measure the crosshair more finely."""
-        grid, plan, point = self._traces.shown.map.grid, self._additions.plan, self.model.point
-        if grid is not None and plan is not None:
-            self.finer.show_plan(grid, plan)
-        elif grid is not None and grid.plan is not None and point is not None:
-            self.finer.show_place(grid, *point[:2])
-
-    def _on_plan(self, plan: FinerPlan) -> None:
-        self._keep(plan)
-        if not self._running:
-            self._survey.finer = plan
-            self.finer_chosen.emit(plan)
-
-    def _keep(self, plan: Optional[FinerPlan]) -> None:
-        self._additions.keep_plan(plan)
-        if plan is None:
-            self._survey.finer = None
-        self.view.refresh()
-
-    def _duration_s(self, parameters: SurveyParameters) -> Optional[float]:
-        robot = self._survey.snapshot.robot
-        if robot is None:
-            return None
-        return survey_cost(parameters, robot.config, robot.settings).duration_s
+    def _on_finer(self) -> None:
+        grid, point = self._traces.shown.map.grid, self.model.point
+        if grid is not None and point is not None:
+            self.measure_finer(grid, *point[:2])
 
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
         self.view.show_band(self._traces.band)
-        shown = self._traces.shown
+        shown, awaited = self._traces.shown, self._awaited
         if shown is not self.model.survey:
             self.model.show_survey(shown)
             self.view.refresh()
             if self._traces.opened_folder:
                 self.wanted.emit()
-        if self._awaited is not None and self._awaited[0] == shown.survey_id:
-            place, self._awaited = self._awaited[1:], None
-            self.show_place(*place)
+        if awaited is not None and awaited.survey_id == shown.survey_id:
+            self._awaited = None
+            self.show_place(*awaited[1:])
             self.wanted.emit()
 
     def _follow_soil(self) -> None:
         """Use the permittivity of the survey that is shown."""
         grid, soils = self._traces.shown.map.grid, self._imaging.soils
         if grid is not None:
+            # Once: somebody may enter another one later.
             if (grid, grid.permittivity) != self._described:
                 self._described = grid, grid.permittivity
                 if grid.permittivity is not None:  # of a survey that runs it is not read yet
                     soils.take(grid.survey_id, grid.permittivity)
-            self.model.take_soil(grid.survey_id, soils.of(grid.survey_id))
+            self.model.take_soil(soils.of(grid.survey_id))
 
 
 def _problem_of_text(text: str) -> str:

@@ -7,8 +7,7 @@ from typing import Optional
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QVBoxLayout
 
-from gpr20_operator.ground.trace_events import SurveyDescribed
-from gpr20_operator.ground.traces import TracePresenter
+from gpr20_operator.ground.traces import SurveyDescribed, TracePresenter
 from gpr20_operator.robot.condition import condition_of, left_of
 from gpr20_operator.robot.snapshot import Snapshot, area_of, line_of, percent_of, survey_name
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text

@@ -24,7 +24,6 @@ from PyQt5.QtWidgets import (
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_operator.ground.records import Colours
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
@@ -275,7 +274,7 @@ class ResultPage(TranslatedWidget, Page):
         self.title.setText(shown_text(texts.headline(image.found, result.first)))
         if image is not self._drawn_image:
             self._drawn_image = image
-            self.picture.show_picture(FocusedSource(image).from_above(), Colours.ENVELOPE)
+            self.picture.show_picture(FocusedSource(image).from_above())
             shown = self.picture.extent
             if shown is not None:
                 # A ring at the edge is seen as a whole.

@@ -161,12 +161,12 @@ export default {
   summary(survey) {
     const problems = paragraphs(survey.problems, { class: "warn" });
     const lines = paragraphs(survey.lines);
-    const links = ["map", "radar"].map((page) => element(
-      "a", { class: "button", href: `#${page}/${survey.folder}` }, this.app.word(`${page}.title`),
-    ));
+    const link = element(
+      "a", { class: "button", href: `#map/${survey.folder}` }, this.app.word("map.title"),
+    );
     return this.card(
       survey.title, element("p", {}, ...this.chips(survey)), ...lines, ...problems,
-      survey.can_open ? element("div", { class: "row" }, ...links) : "",
+      survey.can_open ? element("div", { class: "row" }, link) : "",
     );
   },
 

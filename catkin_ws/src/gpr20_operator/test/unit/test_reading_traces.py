@@ -1,0 +1,275 @@
+"""Every page shows the survey that runs, or says that it is another; traces are read once."""
+
+import dataclasses
+import random
+
+import pytest
+from asked_storage import Storage
+from run_seed import draws
+from view_kit import (
+    FOLDER,
+    PAST,
+    SURVEY,
+    description,
+    make_grid,
+    past_survey,
+    snapshot,
+    state_of,
+    trace_at,
+)
+
+from gpr20_common.message import verbatim
+from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
+from gpr20_operator.ground.grid import Stop
+from gpr20_operator.ground.traces import (
+    RETRY_REFRESHES,
+    ReadingFailed,
+    SurveyDescribed,
+    SurveyRead,
+    SurveysListed,
+    TracePresenter,
+    TracesRead,
+)
+from gpr20_operator.robot.events import Replay, TargetPosition
+from gpr20_operator.words import local_time
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.trace.trace_block import TraceBlock
+
+NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
+ALL_STORED = tuple(range(40))
+GRID = make_grid()
+
+
+def note(traces, code, survey=SURVEY, replay=None):
+    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey), replay=replay))
+
+
+def open_past(traces):
+    traces.open_survey(FOLDER)
+    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+
+
+def test_a_past_survey_says_so_and_which_one_it_is(traces):
+    note(traces, SurveyState.IDLE)
+    open_past(traces)
+    listed = past_survey(outcome="finished", complete=True)
+    traces.on_event(SurveysListed("", (listed,), False))
+    assert str(traces.band) == f"PAST SURVEY: {local_time(listed.started)}, 7c9e6679"
+    named = dataclasses.replace(listed, name="field 3, east")
+    traces.on_event(SurveysListed("", (named,), False))
+    assert str(traces.band).endswith(", field 3, east")
+    note(traces, SurveyState.SURVEYING)
+    open_past(traces)
+    note(traces, SurveyState.SURVEYING)
+    assert "NOT THE RUNNING SURVEY" in str(traces.band)
+    assert traces.shown.survey_id == PAST
+    traces.show_live()
+    assert traces.band is None
+
+
+def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
+    replay = Replay(PAST, folder=FOLDER, rate=1.0, state=SurveyState.SURVEYING)
+    note(traces, SurveyState.SURVEYING, PAST, replay)
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+    assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
+    # The traces come with the replay: no storage has them.
+    assert traces.source.asked == []
+
+
+@pytest.fixture
+def traces(storage):
+    """What MAP and RADAR show, without a window."""
+    problems = []
+    traces = TracePresenter(storage, problems.append)
+    traces.problems = problems
+    return traces
+
+
+def stored(count, survey=SURVEY):
+    return coverage_of_stored(survey, 40, range(count))
+
+
+def read(first_index, *indices, unreadable=None, grid=GRID):
+    traces = [trace_at(grid, index) for index in indices]
+    return TracesRead(first_index, TraceBlock.of(grid.survey_id, traces), unreadable or {})
+
+
+def refresh(traces, times=1):
+    for _ in range(times):
+        traces.refresh()
+
+
+CODES = (SurveyState.CHECKING, SurveyState.SURVEYING, SurveyState.PAUSED, SurveyState.FINISHED)
+ACTS = ("robot", "described", "trace", "trace", "open", "ask", "read", "back")
+
+
+class Course:
+    """What the robot and people do, in any order, and what every page must show then."""
+
+    def __init__(self):
+        self.storage, self.problems = Storage(), []
+        self.traces = TracePresenter(self.storage, self.problems.append)
+        self.stored = {SURVEY: 0, NEXT: 0, PAST: 12}
+        self.running, self.measuring, self.live = "", False, ""
+        self.wanted = self.opened = False
+        self.answered = 0
+
+    def robot(self, code, survey):
+        running = survey if code in RUNNING else ""
+        measuring = bool(running) and code is not SurveyState.PAUSED
+        if measuring and (not self.measuring or running != self.running):
+            self.wanted = self.opened = False
+        self.running, self.measuring = running, measuring
+        note(self.traces, code, survey)
+
+    def described(self, survey):
+        self.live = survey
+        self.traces.on_event(SurveyDescribed(description(survey_id=survey)))
+
+    def trace(self, survey, is_lost):
+        grid, index = make_grid(survey_id=survey), self.stored[survey]
+        self.stored[survey] = min(index + 1, 40)
+        if index < 40 and not is_lost:
+            self.traces.on_event(trace_at(grid, index))
+
+    def ask(self):
+        self.wanted = True
+        self.traces.open_survey(FOLDER)
+
+    def read(self):
+        self.opened = self.opened or self.wanted
+        text = description(survey_id=PAST)
+        self.traces.on_event(SurveyRead(FOLDER, text, tuple(range(self.stored[PAST]))))
+
+    def open(self):
+        self.ask()
+        self.read()
+
+    def back(self):
+        self.wanted = self.opened = False
+        self.traces.show_live()
+
+    def settle(self):
+        """Let main control report what is stored, and the storage answer what it is asked."""
+        if self.live:
+            self.traces.on_event(stored(self.stored[self.live], self.live))
+        for _ in range(4):
+            self.traces.refresh()
+            for survey, indices in self.storage.of("traces")[self.answered :]:
+                self.answered += 1
+                assert max(indices) < self.stored[survey]
+                self.traces.on_event(read(*indices[:1], *indices, grid=make_grid(survey_id=survey)))
+
+    def check(self):
+        shown = self.traces.shown
+        waits = self.running and self.running != self.live
+        expected = PAST if self.opened else "" if waits else self.live
+        assert (shown.survey_id, self.traces.band is not None) == (expected, self.opened)
+        count = self.stored.get(expected, 0)
+        assert shown.radar.count == len(shown.map.stored) == count
+        assert shown.loading.loaded == shown.loading.stored == count
+
+
+def test_every_page_shows_the_right_survey_and_all_of_its_traces_in_any_course():
+    for seed in range(draws(12)):
+        source, course = random.Random(seed), Course()
+        for _ in range(30):
+            act, survey = source.choice(ACTS), source.choice((SURVEY, NEXT))
+            values = {"robot": (source.choice(CODES), survey), "described": (survey,)}
+            # Stored, and perhaps lost on the topic.
+            values["trace"] = (survey, source.random() < 0.5)
+            getattr(course, act)(*values.get(act, ()))
+            course.settle()
+            course.check()
+        assert course.problems == [], seed
+
+
+def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
+    grid = make_grid(50, 25, rotations_deg=(0.0,))
+    traces.open_survey(FOLDER)
+    parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
+    text = description(survey_id=PAST, parameters=parameters)
+    traces.on_event(SurveyRead(FOLDER, text, tuple(range(1100))))
+    requested, shown = [], traces.shown
+    assert shown.loading.waiting.sum() == 1100 and not shown.loading.waiting[0, 22:].any()
+    refresh(traces, 2)
+    while storage.asked[-1] != ("answered",):
+        _name, _survey, indices = storage.asked[-1]
+        requested += indices
+        storage.asked.append(("answered",))
+        # The last but one cannot be read.
+        some = [one for one in indices if one != 1098]
+        why = {1098: verbatim("torn")} if 1098 in indices else None
+        traces.on_event(read(indices[0], *some, unreadable=why, grid=shown.map.grid))
+        here = len(requested) - (1098 in requested)
+        assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 1100 - len(requested))
+    assert requested == list(range(1100))
+    assert (shown.loading.loaded, shown.loading.stored) == (1099, 1099)
+
+
+def test_only_what_does_not_come_on_the_topic_is_read(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    for index in range(5):
+        traces.on_event(stored(index + 1))
+        traces.refresh()  # reported as stored, not received yet
+        traces.on_event(trace_at(GRID, index))
+        traces.refresh()
+    assert storage.asked == []
+    assert traces.shown.radar.count == 5
+    # One that the topic has lost is.
+    traces.on_event(trace_at(GRID, 6))
+    traces.on_event(stored(7))
+    refresh(traces, 2)
+    assert storage.asked == [("traces", SURVEY, (5,))]
+
+
+def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(3))
+    refresh(traces, 2)
+    traces.on_event(read(0, 2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
+    assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
+    assert "trace 1: no strict JSON" in map(str, traces.problems)
+    lost = traces.shown.radar.given_up
+    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
+    assert "no file" in str(lost[0])
+
+
+def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
+    traces.on_event(SurveyDescribed(description()))
+    traces.on_event(stored(2))
+    refresh(traces, 2)
+    traces.on_event(ReadingFailed(verbatim("the storage did not answer")))
+    refresh(traces, RETRY_REFRESHES + 2)
+    assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
+
+
+def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
+    for event in (
+        SurveyDescribed("{"),
+        CoverageRuns(SURVEY, 40, (3,), (0,)),
+        CoverageRuns(SURVEY, 41, (0,), (0,)),
+        trace_at(GRID, 3, x_coord_mm=1.0),
+        dataclasses.replace(trace_at(GRID, 3), index=99),
+        SurveyRead(FOLDER, "{}", (0,)),
+    ):
+        problems = []
+        traces = TracePresenter(storage, problems.append)
+        traces.on_event(SurveyDescribed(description()))
+        traces.open_survey(FOLDER)
+        traces.on_event(event)
+        traces.refresh()
+        assert len(problems) == 1, event
+        traces.on_event(trace_at(GRID, 0))
+        traces.refresh()
+        assert traces.shown.radar.count == 1
+
+
+def test_the_target_is_the_current_stop(traces):
+    traces.on_event(SurveyDescribed(description()))
+    state = state_of(SurveyState.SURVEYING, survey_id=SURVEY)
+    traces.note_state(snapshot(state=state, target=TargetPosition(125.0, 70.0, 0.0)))
+    assert traces.live.map.current == Stop(1, 1)
+    note(traces, SurveyState.FINISHED)
+    assert traces.live.map.current is None
