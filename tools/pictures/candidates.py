@@ -28,6 +28,7 @@ def make(folder: Path) -> None:
         wait(lambda: operator.code == ControlStatus.FINISHED, "the survey ends")
         wait(lambda: result.record is not None, "the survey is read")
         result.set_permittivity(PERMITTIVITY)
+        wait(lambda: result.permittivity == PERMITTIVITY, "the permittivity is stored")
 
         def end(job: Job) -> None:
             wait(lambda: job.state in (JobState.DONE, JobState.FAILED), "the search ends")

@@ -38,7 +38,7 @@ class Shown:
 
     Args:
         languages: Its languages.
-        data: Folder of its profiles and settings.
+        data: Folder of what it remembers.
         replay: Whether it shows a replay.
 
     Attributes:
@@ -76,7 +76,7 @@ def shown_window(data: Path, screen: str = SCREEN, replay: bool = False) -> Iter
     """Show the window of the robot whose master is known, on a screen of its own.
 
     Args:
-        data: Folder of its profiles and settings.
+        data: Folder of what it remembers.
         screen: Width, height and depth of the screen [pixels, bits].
         replay: Whether it shows a replay.
     """

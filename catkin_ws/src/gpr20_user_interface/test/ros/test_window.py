@@ -137,8 +137,7 @@ class Window(unittest.TestCase):
 
     @classmethod
     def opened(cls, *arguments: str) -> TouchedWindow:
-        profiles = f"_profiles:={cls.folder}/profiles"
-        return TouchedWindow(cls.screen, profiles, *arguments, ROS_MASTER_URI=cls.link.uri)
+        return TouchedWindow(cls.screen, *arguments, ROS_MASTER_URI=cls.link.uri)
 
     def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
         return self.window.wait_for(condition, what)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any, Dict, List, Optional
 
 from gpr20_common.message import Message
@@ -15,7 +14,6 @@ from gpr20_operator.plan.fields import PEOPLE
 from gpr20_operator.words import local_time, size_text
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.mid.now_page import Text, sentence
@@ -55,10 +53,7 @@ def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:
     """
     values = {} if stored is None else parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
     notes = annotation_texts(annotation_of(values))
-    return {
-        "notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]],
-        "markers": [asdict(one) for one in present_markers(values)],
-    }
+    return {"notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]]}
 
 
 def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
@@ -77,7 +72,7 @@ def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
     ]
     notes = [text(one) for one in (*texts.notices(result), texts.FROM_MARK)]
     shown["candidates"] = {
-        "headline": sentence(text, texts.headline(image.found, most=len(places))),
+        "headline": sentence(text, texts.headline(image.found)),
         "warnings": [text(one) for one in warnings],
         "notes": [*notes, soil],
         "list": list_sum(image.found),
