@@ -46,9 +46,8 @@ from gpr20_operator.jobs.result_texts import (
     notices,
     soil_lines,
 )
-from gpr20_survey.folder import soil_note
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN, soil_of_survey, soil_values
+from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.results.candidates import json_text, list_from
 from gpr20_survey.results.found import FORMAT as FOUND
 from gpr20_survey.results.found import What, found_of
@@ -119,21 +118,6 @@ def test_another_permittivity_is_used_once_it_is_in_the_log_and_else_its_loss_is
     assert result.permittivity == entered
     assert node.of("focus") == [(SURVEY, 0.0)] * 2
     assert (str(soil_lines(result)[1]) == "ASSUMED") is (entered is None)
-
-
-@pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
-def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
-    values = {**soil_values(4.0, TIME_US), "permittivity": value}
-    good = noted("decision", soil_values(4.0, TIME_US))
-    assert soil_of_survey({"log": [good]}) == (4.0, ENTERED)
-    assert soil_of_survey({"log": [{"kind": "decision", "values": values}]}) is None
-    assert soil_of_survey({"log": [{"kind": "decision", "values": None}, 7]}) is None
-    planned = {
-        soil_note.PLANNED: 4.0,
-        "log": [{"kind": "decision", "values": {"accepted": "zeros"}}],
-    }
-    assert soil_of_survey(planned) == (4.0, OF_PLAN)
-    assert soil_of_survey({soil_note.PLANNED: value}) is None
 
 
 def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change_nothing(
@@ -228,14 +212,6 @@ def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node
     assert "1 entries" in str(notices(result)[0])
 
 
-@pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])
-def test_a_record_that_is_not_allowed_is_refused(result, node, depth_mm, who):
-    search(result, node)
-    with pytest.raises(InvalidValueError):
-        result.note_found(result.places[0], What.DEVICE, depth_mm, who)
-    assert node.of("fact") == []
-
-
 def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(node, now):
     result = new_result(node, now)
     search(result, node)
@@ -266,6 +242,8 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
     found = search(result, node, places)
     assert result.find_at(places[0]) is None
+    with pytest.raises(InvalidValueError):
+        result.note_found(places[0], What.DEVICE, -1.0, "Ana")
     record = found_of(note(result, node, What.SCRAP, 35.0))
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))

@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import replace
 from itertools import takewhile
-from typing import Any, Dict, Mapping, Optional, Tuple
+from typing import Dict, Mapping, Tuple
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import PEOPLE
 from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
@@ -22,18 +21,13 @@ def annotation_texts(annotation: Annotation) -> Dict[str, str]:
     return {one.name: one.kind.write(getattr(annotation, one.name)) for one in PEOPLE}
 
 
-def check_annotation(
-    texts: Mapping[str, str],
-) -> Tuple[Optional[Annotation], Dict[str, Message]]:
-    """Return what the texts say, None if one is wrong, and what is wrong by its field."""
-    values: Dict[str, Any] = {}
-    problems: Dict[str, Message] = {}
-    for spec in PEOPLE:
-        try:
-            values[spec.name] = spec.kind.read(texts[spec.name])
-        except InvalidValueError as error:
-            problems[spec.name] = error.message
-    return None if problems else Annotation(**values), problems
+def annotation_from(texts: Mapping[str, str]) -> Annotation:
+    """Return what the texts of all fields say.
+
+    Raises:
+        InvalidValueError: One is not allowed.
+    """
+    return Annotation(**{one.name: one.kind.read(texts[one.name]) for one in PEOPLE})
 
 
 def overwritten(before: Annotation, after: Annotation) -> Tuple[Tuple[Message, Message], ...]:

@@ -11,7 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.plan.annotation import annotation_texts, check_annotation
+from gpr20_operator.plan.annotation import annotation_from, annotation_texts
 from gpr20_operator.plan.fields import PEOPLE, SPECS
 from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
@@ -119,9 +119,7 @@ class AnnotationSheet(Overlay):
 
     def _on_save(self) -> None:
         before, survey = self._before, self.survey
-        after, _problems = check_annotation(self.texts)
-        if after is None:
-            return
+        after = annotation_from(self.texts)
         if not survey:
             self.hide()
             self.saved.emit(after)
@@ -140,8 +138,11 @@ class AnnotationSheet(Overlay):
         spec = SPECS[name]
 
         def judge(text: str) -> str:
-            problem = check_annotation({**self.texts, name: text})[1].get(name)
-            return "" if problem is None else shown_text(problem)
+            try:
+                spec.kind.read(text)
+            except InvalidValueError as error:
+                return shown_text(error.message)
+            return ""
 
         def deliver(text: str) -> None:
             self.texts[name] = text
