@@ -233,20 +233,22 @@ def test_no_two_points_are_farther_apart_than_the_spacing(spacing_mm, length_mm)
     assert count == 3 or length_mm / (count - 2) > spacing_mm
 
 
-@given(st.integers(0, 300), st.floats(301.0, 650.0), st.integers(3, 9999))
-def test_parameters_are_measured_as_they_are_and_points_follow_spacing_and_area(start, stop, count):
+@given(st.sampled_from("xy"), st.integers(0, 300), st.floats(301.0, 650.0), st.integers(3, 9999))
+def test_parameters_are_measured_as_they_are_and_points_follow_spacing_and_area(
+    axis, start, stop, count
+):
     form = PlanForm(ROBOT)
-    stop = float(f"{stop:.2f}")
-    wanted = replace(default_parameters(), x_start_mm=start, x_stop_mm=stop, x_points=count)
-    form.show_parameters(wanted)
-    assert form.texts["x_points"] == str(count)
+    points, stop = f"{axis}_points", float(f"{stop:.2f}")
+    ends = {f"{axis}_start_mm": start, f"{axis}_stop_mm": stop, points: count}
+    form.show_parameters(replace(default_parameters(), **ends))
+    assert form.texts[points] == str(count)
     # The spacing gives the same points again.
-    form.set_text("x_stop_mm", form.texts["x_stop_mm"])
-    assert form.texts["x_points"] == str(count)
-    form.set_texts({"x_stop_mm": "wrong", "x_spacing_mm": "10"})
-    assert form.texts["x_points"] == str(count)
-    form.set_texts({"x_start_mm": "0", "x_stop_mm": "305"})
-    assert form.texts["x_points"] == "32"
+    form.set_text(f"{axis}_stop_mm", form.texts[f"{axis}_stop_mm"])
+    assert form.texts[points] == str(count)
+    form.set_texts({f"{axis}_stop_mm": "wrong", f"{axis}_spacing_mm": "10"})
+    assert form.texts[points] == str(count)
+    form.set_texts({f"{axis}_start_mm": "0", f"{axis}_stop_mm": "305"})
+    assert form.texts[points] == "32"
 
 
 def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_resumed():

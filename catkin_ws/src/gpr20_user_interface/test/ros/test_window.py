@@ -277,7 +277,7 @@ class Window(unittest.TestCase):
         self.wait_for_title("FINISHED")
         done = self.wait_for(is_all_seen, "every trace is on MAP and RADAR")
         self.assertEqual(done["visited"], 72)
-        first = "result.rows.0.place"
+        first = "result.rows.0.title"
         wait_until(lambda: window.find(first)["visible"], "the places are shown")
         self.assertRegex(window.find(first)["text"], PLACE)
 

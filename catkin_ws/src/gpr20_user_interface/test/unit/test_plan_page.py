@@ -117,6 +117,11 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
     assert not idle.values.isVisible()
     assert tile(idle, Tile.SPACING)[1] == "17 x 11 points"
     assert idle.control.parameters == theirs
+    # That of the configuration goes on following it.
+    own = replace(theirs, vna_address="192.168.1.10")
+    robot = configured(own.vna_address)
+    show(idle, snapshot(SurveyState.SURVEYING, survey_parameters=own, robot=robot))
+    assert idle.control.parameters == replace(theirs, vna_address="")
 
 
 def test_what_the_survey_will_be_is_shown_and_what_is_too_coarse_is_amber(window):

@@ -1,7 +1,5 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
-import dataclasses
-
 import pytest
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
@@ -81,7 +79,7 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     assert not page.band.isVisible()
     window.past.result_requested.emit(SURVEY)
     show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
-    named = f"PAST SURVEY: {local_time(past_survey().started)}"
+    named = f"SIMULATED; PAST SURVEY: {local_time(past_survey().started)}"
     assert page.band.isVisible() and page.band.whole.startswith(named)
     page.place_sheet.ask(page.result.shown[0])
     page.stick_sheet.open_now()
@@ -145,15 +143,6 @@ def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(
     said = ended.doubts_sheet.text.text()
     assert "agree with every" in said and "drifted" in said and said.count(shown_text(REMEDY)) == 2
     assert "heights" not in said
-
-
-def test_simulated_is_said_once(window, done):
-    band = window.top_bar.band.simulated
-    assert band.isVisible() and not done.simulated.isVisible()
-    # A simulated survey in the archive of a real robot.
-    real = dataclasses.replace(ENDED.state, simulated=False)
-    show(window, dataclasses.replace(ENDED, state=real))
-    assert done.simulated.isVisible() and not band.isVisible()
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):

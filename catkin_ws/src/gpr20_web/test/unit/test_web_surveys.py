@@ -255,7 +255,7 @@ def test_no_link_and_no_name_leads_out_of_the_data_folder(surveys, tmp_path):
     form.unlink()
     form.symlink_to(outside / "manifest.json")
     with pytest.raises(Gpr20Error):
-        content_of(surveys.get(surveys.whole, "/zip"))
+        surveys.get(surveys.whole, "/zip")
     draw = random.Random(SEED)
     pieces = ["..", ".", "/", "\\", "%2e%2e", "\0", "~", "secret", "data", "traces", "survey.json"]
     pieces += [surveys.whole, surveys.part[:8], "T141320_0f8fad5b", "٣", "\n", str(tmp_path)]

@@ -54,7 +54,8 @@ def band(result: SurveyResult) -> Optional[Message]:
     if record is None or record.survey_id == result.latest_id:
         return None
     label = survey_label(record.name, record.survey_id, local_time(record.started))
-    return past_band(label, record.outcome)
+    band = past_band(label, record.outcome)
+    return in_a_row([Message("SIMULATED"), band]) if record.grid.simulated else band
 
 
 def headline(found: CandidateList) -> Message:

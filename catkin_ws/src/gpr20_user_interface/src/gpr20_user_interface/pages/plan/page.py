@@ -163,7 +163,13 @@ class PlanPage(TranslatedWidget, Page):
         self._show_tiles()
 
     def show_parameters(self, parameters: SurveyParameters) -> None:
-        """Take over the parameters of a finer plan, or of the survey that runs."""
+        """Take over the parameters of a finer plan, or of the survey that runs.
+
+        An address that is that of the configuration goes on following the configuration.
+        """
+        robot = None if self._snapshot is None else self._snapshot.robot
+        if robot is not None and parameters.vna_address == robot.vna_address:
+            parameters = replace(parameters, vna_address="")
         self.form.show_parameters(parameters)
         self.show_plan()
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Callable, List
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
@@ -87,18 +87,13 @@ class ResultPage(TranslatedWidget, Page):
         )
         self.place_sheet.finer_wanted.connect(self._on_finer)
         self.place_sheet.show_wanted.connect(self._on_show)
-        self._simulated_robot = False
         self._drawn: object = None
         self._drawn_image: object = None
-        self.title, self.simulated, self.no_clearance, self.nothing = (QLabel() for _ in range(4))
-        for label, name in (
-            (self.title, "first_title"),
-            (self.simulated, "simulated"),
-            (self.no_clearance, "small_alarm"),
-            (self.nothing, "first_title"),
-        ):
-            label.setObjectName(name)
-            label.setWordWrap(label is not self.simulated)
+        self.title, self.no_clearance, self.nothing = QLabel(), QLabel(), QLabel()
+        for label in (self.title, self.no_clearance, self.nothing):
+            label.setObjectName("first_title")
+            label.setWordWrap(True)
+        self.no_clearance.setObjectName("small_alarm")
         self.band = SurveyBand()
         self.doubts = new_button(self.doubts_sheet.open_now)
         self.doubts.setObjectName("doubts")
@@ -122,8 +117,6 @@ class ResultPage(TranslatedWidget, Page):
         """Search while the page is seen; during a survey only what is known is shown."""
         self.result.note_running(snapshot.running)
         self.result.latest_id = "" if snapshot.state is None else snapshot.state.survey_id
-        if snapshot.simulated != self._simulated_robot:
-            self._simulated_robot, self._drawn = snapshot.simulated, None
         if snapshot.running:
             for sheet in (*self.sheets, self.place_sheet.pad, self.soil_sheet.pad):
                 sheet.hide()
@@ -147,7 +140,6 @@ class ResultPage(TranslatedWidget, Page):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
         self.nothing.setText(shown_text(texts.NOT_SAFE))
         self.stick.setText(self.tr("Report\nto stick"))
@@ -171,10 +163,7 @@ class ResultPage(TranslatedWidget, Page):
 
     def _show(self) -> None:
         result, record, image = self.result, self.result.record, self.result.image
-        # If the robot is simulated, the band says so.
         self.band.show_band(texts.band(result))
-        simulated = record is not None and record.grid.simulated
-        self.simulated.setVisible(simulated and not self._simulated_robot)
         doubts = len(texts.doubts(result))
         self.doubts.setVisible(doubts > 0)
         self.doubts.setText(self.tr("Doubts: {count}").format(count=doubts))
@@ -286,8 +275,6 @@ class ResultPage(TranslatedWidget, Page):
             self._keys.addWidget(key, *divmod(number, 2))
         self._left, self._beside = QVBoxLayout(), QVBoxLayout()
         self._beside.setContentsMargins(0, 0, 0, 0)
-        # Not over the image, where it could cover a ring.
-        self._left.addWidget(self.simulated, 0, Qt.Alignment() | Qt.AlignmentFlag.AlignRight)
         fill(self._left, self.band, self.doubts, (self._stack, 1), self.no_clearance)
         top = QHBoxLayout()
         fill(top, (self.title, 1), self.more)

@@ -44,6 +44,8 @@ from gpr20_user_interface.widgets.widgets import fill, new_button
 PANEL_PX = 248
 MAP_PX = 112
 SIGN_PX = 28
+# Of a search; its button has no room for more.
+LONGEST_SHOWN = 20
 
 
 class SurveysPage(TranslatedWidget, Page):
@@ -135,7 +137,6 @@ class SurveysPage(TranslatedWidget, Page):
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Qt: there is more or less room for rows."""
         super().resizeEvent(event)
-        self._show_search()
         self._read_older()
 
     def _is_chosen(self, survey: SurveySummary) -> bool:
@@ -183,13 +184,9 @@ class SurveysPage(TranslatedWidget, Page):
 
     def _show_search(self) -> None:
         self.clear.setVisible(bool(self._text))
-        self._layouts[0].activate()
-        room_px = self.search.width() - look_of(self).px(SIGN_PX + 4 * GAP_PX)
         # Dots, while there may be more than were found.
-        count = f" · {len(self.model.surveys)}{'…' if self._surveys.more else ''}"
-        metrics = self.search.fontMetrics()
-        room_px -= metrics.horizontalAdvance(count)
-        shown = metrics.elidedText(self._text, Qt.TextElideMode.ElideRight, room_px) + count
+        count = f"{len(self.model.surveys)}{'…' if self._surveys.more else ''}"
+        shown = f"{self._text[:LONGEST_SHOWN]} · {count}"
         self.search.setText(shown if self._text else self.tr("Search"))
 
     def _show_empty(self) -> None:
