@@ -251,11 +251,12 @@ def test_no_link_and_no_name_leads_out_of_the_data_folder(surveys, tmp_path):
     for rest in ("", "/zip"):
         with pytest.raises(NotFoundError):
             surveys.get(surveys.part, rest)
-    form = surveys.data / surveys.whole / "manifest.json"
-    form.unlink()
-    form.symlink_to(outside / "manifest.json")
-    with pytest.raises(Gpr20Error):
-        surveys.get(surveys.whole, "/zip")
+    for name, read in (("manifest.json", content_of), ("survey.json", lambda body: body)):
+        form = surveys.data / surveys.whole / name
+        form.unlink()
+        form.symlink_to(outside / name)
+        with pytest.raises(Gpr20Error):
+            read(surveys.get(surveys.whole, "/zip"))
     draw = random.Random(SEED)
     pieces = ["..", ".", "/", "\\", "%2e%2e", "\0", "~", "secret", "data", "traces", "survey.json"]
     pieces += [surveys.whole, surveys.part[:8], "T141320_0f8fad5b", "٣", "\n", str(tmp_path)]

@@ -194,9 +194,5 @@ def job_of(
     failed: Callable[[Message], None] = lambda _problem: None,
 ) -> Job[Any]:
     """Return a job of a service."""
-
-    def cancel(request_id: str) -> None:
-        if service.can_be_cancelled:
-            requests.cancel(request_id)
-
+    cancel = requests.cancel if service.can_be_cancelled else lambda _request_id: None
     return Job(partial(requests.ask, service), cancel, now_s, done, failed)

@@ -5,14 +5,20 @@ from __future__ import annotations
 from typing import Dict, List, Optional, Tuple
 
 from gpr20_common.message import Message, in_a_row, numeral
-from gpr20_operator.ground.past_surveys import past_band, survey_label
+from gpr20_operator.ground.past_surveys import (
+    PastSurveys,
+    past_band,
+    present_verdict,
+    survey_label,
+)
 from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.words import in_line, local_time
+from gpr20_operator.words import in_line, local_time, size_text
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 from gpr20_survey.results.found import Found, What
 from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.survey_summary import SurveySummary
 
 FROM_MARK = Message("X, Y: mm from the frame's mark")
 NOTHING_FOUND = Message("No place stands out")
@@ -56,6 +62,17 @@ def band(result: SurveyResult) -> Optional[Message]:
     label = survey_label(record.name, record.survey_id, local_time(record.started))
     band = past_band(label, record.outcome)
     return in_a_row([Message("SIMULATED"), band]) if record.grid.simulated else band
+
+
+def survey_lines(past: PastSurveys, survey: SurveySummary) -> List[Message]:
+    """Return how large a stored survey is, and how it ended."""
+    width_mm, height_mm, count = survey.width_mm, survey.height_mm, survey.stored_traces
+    lines = (
+        size_text(round(width_mm), round(height_mm)) if width_mm else None,
+        Message("{count} traces", count=count) if survey.problem is None else None,
+        *(past.ending(survey), present_verdict(survey)),
+    )
+    return [one for one in lines if one is not None]
 
 
 def headline(found: CandidateList) -> Message:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Optional
 
-from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys, present_verdict, title_of
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
-from gpr20_operator.words import local_time, size_text
+from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
@@ -31,18 +30,6 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
         "simulated": survey.simulated and ending is not Ending.UNREADABLE,
         "people": " · ".join(one for one in (survey.site, survey.operator) if one),
     }
-
-
-def lines_of(past: PastSurveys, survey: SurveySummary, text: Text) -> List[str]:
-    """Return the size of a survey, and how it ended."""
-    count = survey.stored_traces
-    lines = (
-        size_text(round(survey.width_mm), round(survey.height_mm)) if survey.width_mm else None,
-        Message("{count} traces", count=count) if survey.problem is None else None,
-        past.ending(survey),
-        present_verdict(survey),
-    )
-    return [sentence(text, one) for one in lines if one is not None]
 
 
 def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:

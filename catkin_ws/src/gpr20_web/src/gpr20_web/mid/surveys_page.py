@@ -199,7 +199,7 @@ class SurveysPage(WebPage):
         past, survey = self._survey(call)
         shown = {
             **survey_values.row_of(past, survey, call.text),
-            "lines": survey_values.lines_of(past, survey, call.text),
+            "lines": [sentence(call.text, one) for one in texts.survey_lines(past, survey)],
             "can_open": past.can_open(survey),
             "can_search": past.can_analyze(survey),
         }

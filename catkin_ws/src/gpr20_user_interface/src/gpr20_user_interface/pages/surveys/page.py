@@ -15,13 +15,13 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_operator.ground.past_surveys import PastSurveys, present_verdict, title_of
+from gpr20_operator.ground.past_surveys import PastSurveys, title_of
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
-from gpr20_operator.jobs.result_texts import headline
+from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.words import local_time, size_text
+from gpr20_operator.words import local_time
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
@@ -237,11 +237,7 @@ class SurveysPage(TranslatedWidget, Page):
         if self._answer.result is not None:
             answer = headline(self._answer.result.found)
         when = local_time(survey.started, survey.folder) if survey.name.strip() else None
-        width_mm, height_mm = round(survey.width_mm), round(survey.height_mm)
-        lines = (
-            *(answer, when, size_text(width_mm, height_mm) if width_mm else None),
-            *(self._surveys.ending(survey), present_verdict(survey)),
-        )
+        lines = (answer, when, *survey_lines(self._surveys, survey))
         return [sentence_text(one) for one in lines if one is not None]
 
     def retranslate(self) -> None:
