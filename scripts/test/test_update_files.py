@@ -121,12 +121,12 @@ def test_a_restore_brings_everything_back_but_keys_and_signers(world, tmp_path):
     with tarfile.open(file) as tar:
         names = tar.getnames()
     assert "etc/gpr20/robot/axes.yaml" in names
-    assert "var/lib/gpr20/.config/gpr20/profiles/garden.yaml" in names
+    assert "var/lib/gpr20/.config/gpr20/plan.yaml" in names
     assert not any("signing_key" in one or "release_signers" in one for one in names)
     assert b"PRIVATE KEY" not in gzip.decompress(file.read_bytes())
     (world.root / "etc/gpr20/robot/axes.yaml").write_text("x: 2\n")
     (world.root / "etc/gpr20/robot/more.yaml").write_text("y: 1\n")
-    (world.root / "var/lib/gpr20/.config/gpr20/profiles/garden.yaml").unlink()
+    (world.root / "var/lib/gpr20/.config/gpr20/plan.yaml").unlink()
     changed = world.data()
     said = world.update("--restore", file)
     assert "ana, luis" in said

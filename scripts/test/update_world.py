@@ -200,7 +200,7 @@ def make_world(sticks, root):
         "etc/gpr20/robot/axes.yaml": "x: 1\n",
         "etc/gpr20/robot/signing_key": "-----BEGIN OPENSSH PRIVATE KEY-----\n",
         "etc/gpr20/robot/signing_key.pub": "ssh-ed25519 AAAA\n",
-        "var/lib/gpr20/.config/gpr20/profiles/garden.yaml": "x_points: 3\n",
+        "var/lib/gpr20/.config/gpr20/plan.yaml": "x_points: 3\n",
         "var/lib/gpr20/surveys/first/survey.json": "{}",
     }
     for name, text in files.items():

@@ -20,7 +20,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
 from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.stored import Profiles
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
@@ -55,13 +54,12 @@ def new_window(languages: Languages, folder: Path, replay: bool = False) -> User
 
     Args:
         languages: Its languages.
-        folder: Its profiles are below it.
+        folder: Of what it remembers.
         replay: Whether it shows a replay in place of a robot.
     """
-    profiles = Profiles(folder / "profiles")
     settings = SettingsFile(folder / "plan.yaml")
     model = ReplayModel() if replay else SurveyModel(Clock())
-    return UserInterface(model, languages, profiles, settings)
+    return UserInterface(model, languages, settings)
 
 
 class Operator:

@@ -193,7 +193,7 @@ class Updater:
         self._say(f"{shown(path)}: {len(taken.files)} files, without private keys")
 
     def restore(self, path: Path, no_survey: bool) -> None:
-        """Make configuration, plans and profiles those of a backup.
+        """Make configuration and plans those of a backup.
 
         Raises:
             UpdateError: It was refused; nothing has changed.

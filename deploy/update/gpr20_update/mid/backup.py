@@ -1,4 +1,4 @@
-"""Backups of the configuration, and of what the window remembers: plans and profiles.
+"""Backups of the configuration, and of what the window remembers.
 
 A backup is a tar.gz, whose end has a checksum. It begins with `backup.json`: version, computer and
 members of the group gpr20. It never holds a private key, nor who may sign a release.
@@ -27,7 +27,7 @@ from gpr20_update.low.system import replace_file, shown, sync
 
 FIRST = "backup.json"
 FORMAT = "gpr20-backup-1"
-# Everything of theirs below these folders; window.yaml and the plans are beside the profiles.
+# Everything of theirs below these folders.
 OWNERS = ("root", "gpr20")
 FOLDERS = ("etc/gpr20", "var/lib/gpr20/.config/gpr20")
 CONFIGURATION = "/etc/gpr20"

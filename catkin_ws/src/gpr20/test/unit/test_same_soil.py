@@ -163,8 +163,8 @@ def check_page(folder, services, window):
     surveys = SurveysPage(services, folder.parent)
     listed = got(surveys, f"/api/surveys/{folder.name}")["candidates"]
     assert listed["list"] == list_sum(found)
-    assert listed["headline"] == str(texts.headline(found, most=len(found.candidates)))
-    assert listed["weaker"] == f"{found.weaker} weaker echoes"
+    assert listed["headline"] == str(texts.headline(found))
+    assert listed["weaker"] == str(texts.weaker_line(found))
     now = Now()
     ground = GroundPage(Storage(), AtOnce(services), now, print)
     got(ground, "/api/ground", **here)

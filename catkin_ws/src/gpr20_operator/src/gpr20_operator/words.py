@@ -135,19 +135,6 @@ def number_text(value: float) -> str:
     return f"{value:.12g}"
 
 
-def stepped(text: str, change: int, bounds: Tuple[float, float]) -> str:
-    """Return the text of a number after an arrow, changed within its bounds.
-
-    A text that is no finite number is replaced by the lower bound.
-    """
-    lower, upper = (Decimal(repr(bound)) for bound in bounds)
-    try:
-        changed = decimal_from_text(text) + change
-    except (InvalidValueError, ArithmeticError):  # no number, or one beyond all numbers
-        return plain_text(lower)
-    return plain_text(min(max(changed, lower), upper))
-
-
 def duration(time_s: float) -> Message:
     """Return a time [s] in words, such as `18 min`, `1 h 5 min` or `2 d 3 h`.
 

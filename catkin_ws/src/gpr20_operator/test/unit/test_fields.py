@@ -1,6 +1,5 @@
 """Every field of a plan: text and value, limits, arrows, presets; what follows from what."""
 
-import random
 import re
 import threading
 from dataclasses import replace
@@ -11,14 +10,13 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from run_seed import draws
 from view_kit import TRAVEL as ROBOT
 from view_kit import configured, past_survey, snapshot
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.annotation import annotation_texts, check_annotation
+from gpr20_operator.plan.annotation import annotation_from, annotation_texts
 from gpr20_operator.plan.fields import (
     PARAMETERS,
     PEOPLE,
@@ -38,7 +36,6 @@ from gpr20_operator.plan.form import (
     points_for,
     preview,
 )
-from gpr20_operator.plan.presets import PresetContext
 from gpr20_operator.plan.tiles import resumable, spacing_warning
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
 from gpr20_operator.robot.snapshot import remaining
@@ -49,20 +46,18 @@ from gpr20_operator.words import (
     number_from_text,
     plain_text,
     rotations_from_text,
-    stepped,
 )
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 
 DEFAULTS = {spec.name: spec.default for spec in PLAN}
 
 
-def check(travel=ROBOT, following="xy", **texts):
-    return check_plan({**DEFAULTS, **texts}, following, travel)
+def check(travel=ROBOT, **texts):
+    return check_plan({**DEFAULTS, **texts}, travel)
 
 
 @st.composite
@@ -92,7 +87,7 @@ def parameters(draw):
 def test_the_plan_has_every_parameter_of_a_survey_and_every_field_is_on_one_tile():
     assert {spec.name for spec in PARAMETERS} == set(SurveyParameters.__dataclass_fields__)
     shown = [name for tile in Tile for name in TILE_FIELDS[tile]]
-    assert sorted(shown) == sorted(SPECS)
+    assert sorted([*shown, "x_points", "y_points"]) == sorted(SPECS)
     for spec in (*PLAN, *PEOPLE):
         assert str(spec.title) and str(spec.hint(ROBOT)) and spec.kind.keys in Keys
 
@@ -102,11 +97,12 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
     assert (result.problems, result.parameters) == ({}, default_parameters())
     assert result.permittivity == 4.0
     assert find_problems(default_parameters(), ROBOT) == []
-    area = {"x_start_mm": "1", "x_stop_mm": "2", "y_start_mm": "3", "y_stop_mm": "4"}
-    context = PresetContext(ROBOT, area, "10.0.0.2", 11.37)
+    assert spacing_warning(preview(result.parameters, result.permittivity)) is None
+    assert 600.0 < cost_of(result.parameters).duration_s < 900.0
     for spec in PLAN:
-        assert spec.presets(context), spec.name
-        for preset in spec.presets(context):
+        found = spec.presets(ROBOT, 11.37)
+        assert bool(found) is (spec.tile is not None), spec.name
+        for preset in found:
             form = PlanForm(ROBOT)
             form.set_texts(preset.texts)
             assert form.check().problems == {}, preset
@@ -115,49 +111,28 @@ def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
 @given(parameters(), annotations)
 def test_texts_are_read_back_as_the_same(wanted, annotation):
     assert find_problems(wanted, ROBOT) == []
-    assert check(following="", **texts_of(wanted)).parameters == wanted
-    assert check_annotation(annotation_texts(annotation)) == (annotation, {})
+    assert check(**texts_of(wanted)).parameters == wanted
+    assert annotation_from(annotation_texts(annotation)) == annotation
 
 
 @given(st.fixed_dictionaries({spec.name: st.text(max_size=8) for spec in PLAN}))
 def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
-    result = check_plan(texts, "xy", ROBOT)
+    result = check_plan(texts, ROBOT)
     assert (result.parameters is None) == bool(result.problems)
     assert result.parameters is None or find_problems(result.parameters, ROBOT) == []
-
-
-def test_an_arrow_changes_a_number_by_its_step_or_chooses_among_the_values_of_the_vna():
-    for text, change, expected in (
-        *(("50", 10, "60"), ("50.25", -1, "49.25"), ("600", 100, "650"), ("50", -100, "0")),
-        *(("", 1, "0"), ("nan", 1, "0"), ("-1e999999999", 1, "0")),
-    ):
-        assert stepped(text, change, (0.0, 650.0)) == expected, text
-    for name, text, change, expected in (
-        *(("if_bandwidth_hz", "", 1, "10"), ("if_bandwidth_hz", "", -1, "")),
-        *(("if_bandwidth_hz", "10000", 100, "20000"), ("if_bandwidth_hz", "30000", 1, "")),
-        *(("averages", "", 10, "10"), ("averages", "10", -10, "")),
-        *(("averages", "65535", 1, "65535"), ("output_power", "LOW", 10, "HIGH")),
-    ):
-        assert SPECS[name].after_arrow(text, change, ROBOT) == expected, (name, text)
-
-
-def test_empty_settings_of_the_vna_leave_it_as_it_is():
-    result = check(if_bandwidth_hz=" ", averages="", output_power="")
-    assert result.parameters.sweep_settings.analyzer == AnalyzerSettings()
-    result = check(if_bandwidth_hz="1000", averages="16", output_power="LOW")
-    assert result.parameters.sweep_settings.analyzer == AnalyzerSettings(1000.0, 16, "LOW")
 
 
 WRONG = (
     ("vna_address", "10.0.0.256", "four whole numbers"),
     ("start_frequency_hz", "0", "from 0.005 to 6000"),
     ("start_frequency_hz", "6000", "below the stop frequency"),
-    ("stop_frequency_hz", "6GHz", "a number such as 12.5, from 0.005 to 6000"),
+    ("stop_frequency_hz", "6GHz", "a number such as 12.5"),
     ("frequency_points", "1.5", "a whole number from 2 to 4000"),
-    *(("x_start_mm", text, "from 0 to 650") for text in ("-1", "nan", "-inf", "1e400")),
-    ("y_points", "x", "3 or more"),
-    ("x_points", "90000", "at least 0.01 mm apart"),
-    ("permittivity", "wet", "from 1 to 81"),
+    ("x_start_mm", "-1", "from 0 to 650"),
+    *(("x_start_mm", text, "a number such as 12.5") for text in ("nan", "-inf", "1e400")),
+    ("x_spacing_mm", "0", "above 0"),
+    ("y_spacing_mm", "x", "a number such as 12.5"),
+    ("permittivity", "100", "from 1 to 81"),
     ("polarizations_deg", "0, 91", "from -90 to 90"),
     ("polarizations_deg", "0, 0", "different"),
     ("if_bandwidth_hz", "-10", "from 1 to 10000000"),
@@ -168,28 +143,25 @@ WRONG = (
 
 @each_case("name,text,words", WRONG)
 def test_what_is_wrong_is_named_and_locks(name, text, words):
-    result = check(following="", **{name: text})
+    result = check(**{name: text})
     assert words in str(result.problems[name])
-    assert result.parameters is None
-    # The traces of all axes are too many as well.
-    beside = {"y_points"} if text == "90000" else set()
-    assert set(result.problems) - beside == {name}
+    assert result.parameters is None and set(result.problems) == {name}
 
 
 def test_what_several_fields_or_the_axes_make_wrong_is_named_on_them():
     assert check(DOCUMENTED_TRAVEL, x_stop_mm="700").parameters is not None
     assert list(check(ROBOT, x_stop_mm="700").problems) == ["x_stop_mm"]
-    found = check(following="", x_points="1000", y_points="1000").problems
-    assert list(found) == ["x_points", "y_points"]
-    assert all("at most 1000000 traces" in str(one) for one in found.values())
+    for points, words in (("1000", "at most 1000000 traces"), ("90000", "at least 0.01 mm apart")):
+        found = check(x_points=points, y_points=points).problems
+        assert list(found) == ["x_spacing_mm", "y_spacing_mm"]
+        assert all(words in str(one) for one in found.values())
     result = check(start_frequency_hz="600", stop_frequency_hz="600.0004")
     assert list(result.problems) == ["frequency_points"]
 
 
 def test_a_decimal_comma_is_read_as_a_point():
     for name, text, value in (
-        *(("x_stop_mm", " 149,50 ", 149.5), ("y_start_mm", ",5", 0.5)),
-        *(("start_frequency_hz", "700,123456", 700123456.0), ("if_bandwidth_hz", "+1,2E+1", 12.0)),
+        *(("x_stop_mm", " 149,50 ", 149.5), ("if_bandwidth_hz", "+1,2E+1", 12.0)),
         *(("polarizations_deg", text, (1.8, -90.0)) for text in ("1,8; -90", "1.8,-90")),
         ("position", "4,60283; -74,06514", Wgs84Position(4.60283, -74.06514)),
     ):
@@ -231,25 +203,17 @@ def cost_of(parameters):
     return survey_cost(parameters, CONFIGURED.config, CONFIGURED.settings)
 
 
-def test_the_plan_of_a_new_robot_gives_no_warning_and_takes_a_quarter_of_an_hour(form):
-    check = form.check()
-    known = preview(check.parameters, check.permittivity)
-    assert spacing_warning(known) is None
-    assert max(known.x_spacing_mm, known.y_spacing_mm) <= known.quarter_wavelength_mm
-    assert 600.0 < cost_of(check.parameters).duration_s < 900.0
-
-
 def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_end():
     received, answered = [], threading.Event()
     asked = [replace(default_parameters(), x_points=points) for points in range(3, 30)]
     newest = CostEstimated(asked[-1], cost_of(asked[-1]))
 
-    def tell(event):
+    def take(event):
         received.append(event)
         if event == newest:
             answered.set()
 
-    estimator = CostEstimator(tell)
+    estimator = CostEstimator(take)
     for parameters in asked:
         estimator.ask(parameters, CONFIGURED)
     assert answered.wait(30.0)
@@ -262,17 +226,6 @@ def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_
     assert len(received) == before
 
 
-def test_points_follow_the_spacing_and_the_area_until_they_are_set(form):
-    form.set_texts({"x_spacing_mm": "10", "x_start_mm": "0", "x_stop_mm": "300"})
-    for name, text, points, spacing in (
-        *(("x_stop_mm", "305", "32", "10"), ("x_spacing_mm", "12,5", "26", "12,5")),
-        *(("x_points", "6", "6", "61"), ("x_stop_mm", "350", "6", "70")),
-        ("x_spacing_mm", "20", "19", "20"),
-    ):
-        form.set_text(name, text)
-        assert (form.texts["x_points"], form.texts["x_spacing_mm"]) == (points, spacing)
-
-
 @given(st.floats(0.5, 60.0), st.floats(1.0, 800.0))
 def test_no_two_points_are_farther_apart_than_the_spacing(spacing_mm, length_mm):
     count = points_for(length_mm, spacing_mm)
@@ -280,19 +233,22 @@ def test_no_two_points_are_farther_apart_than_the_spacing(spacing_mm, length_mm)
     assert count == 3 or length_mm / (count - 2) > spacing_mm
 
 
-def test_a_profile_is_measured_as_it_is_whatever_its_spacing():
-    draw = random.Random(2)
-    for _ in range(draws(10)):
-        form, other = PlanForm(ROBOT), PlanForm(ROBOT)
-        form.set_text("x_start_mm", str(draw.randint(0, 300)))
-        form.set_text("x_stop_mm", f"{draw.uniform(301, 650):.2f}")
-        form.set_text("x_points", str(draw.randint(3, 400)))
-        wanted = form.check().parameters
-        other.show_parameters(wanted)
-        assert other.check().parameters == wanted
-        # The spacing gives the same points again.
-        other.set_text("x_stop_mm", other.texts["x_stop_mm"])
-        assert other.check().parameters == wanted
+@given(st.sampled_from("xy"), st.integers(0, 300), st.floats(301.0, 650.0), st.integers(3, 9999))
+def test_parameters_are_measured_as_they_are_and_points_follow_spacing_and_area(
+    axis, start, stop, count
+):
+    form = PlanForm(ROBOT)
+    points, stop = f"{axis}_points", float(f"{stop:.2f}")
+    ends = {f"{axis}_start_mm": start, f"{axis}_stop_mm": stop, points: count}
+    form.show_parameters(replace(default_parameters(), **ends))
+    assert form.texts[points] == str(count)
+    # The spacing gives the same points again.
+    form.set_text(f"{axis}_stop_mm", form.texts[f"{axis}_stop_mm"])
+    assert form.texts[points] == str(count)
+    form.set_texts({f"{axis}_stop_mm": "wrong", f"{axis}_spacing_mm": "10"})
+    assert form.texts[points] == str(count)
+    form.set_texts({f"{axis}_start_mm": "0", f"{axis}_stop_mm": "305"})
+    assert form.texts[points] == "32"
 
 
 def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_resumed():

@@ -1,20 +1,15 @@
-"""A job: only its last request may answer. When the window asks for a focused image."""
+"""A job: only its last request may answer. When an image is asked for while somebody looks."""
 
 import map_kit
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from result_kit import Now, Requests
 from view_kit import SURVEY
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import (
-    FEWEST_TRACES,
-    PERIOD_S,
-    SETTLED_S,
-    Imaging,
-    Wanted,
-)
+from gpr20_operator.jobs.pictures import FEWEST_TRACES, PERIOD_S, SETTLED_S, Imaging, Wanted
 
 REASON = verbatim("cancelled")
 STEPS = st.lists(
@@ -55,78 +50,59 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
     assert len({one.request_id for one in tickets}) == len(tickets)
 
 
-def test_a_result_that_is_refused_is_a_failure_with_its_reason():
-    job = Job(
-        lambda ticket, **sent: ticket.done(sent), str, lambda: 0.0, lambda _: job.refuse(REASON)
-    )
-    job.ask(survey="a")
-    assert (job.state, job.result, job.problem) == (JobState.FAILED, None, REASON)
-
-
 @pytest.fixture
 def imaging(node, now):
     return Imaging(node, now)
-
-
-WANTED = Wanted(SURVEY, 20, 4.0)
 
 
 def focused(node, survey=SURVEY):
     node.ticket("focus").done(map_kit.focused(survey_id=survey))
 
 
-def test_new_traces_lead_to_a_new_image_at_most_every_10_s(imaging, node, now):
-    imaging.keep(WANTED._replace(traces=FEWEST_TRACES - 1))  # too few
-    imaging.keep(Wanted("", 100, 4.0))
-    assert node.asked == []
-    for step in range(40):
-        now.s += 1.0
-        imaging.keep(WANTED._replace(traces=20 + step))
-        if step % 3 == 0:
-            focused(node)
-    # An answer comes up to three seconds later.
-    assert 3 <= len(node.of("focus")) <= 5
-    assert imaging.pictures.image(SURVEY) is not None
+CHANGES = st.lists(
+    st.tuples(
+        st.sampled_from(["", SURVEY, "another"]),
+        st.integers(FEWEST_TRACES - 2, FEWEST_TRACES + 2),
+        st.sampled_from([None, 4.0, 5.0]),
+        st.floats(0.0, 2.0 * PERIOD_S),
+        st.booleans(),
+    ),
+    max_size=20,
+)
 
 
-def test_nothing_is_asked_without_new_traces_or_while_an_answer_is_on_its_way(imaging, node, now):
-    imaging.keep(WANTED)
-    for expected in (1, 2, 2):
-        for _ in range(100):
-            imaging.keep(WANTED._replace(traces=30))
-            now.s += 1.0
-        assert len(node.of("focus")) == expected
-        focused(node)
+@given(CHANGES)
+def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(changes):
+    node, now = Requests(), Now()
+    imaging = Imaging(node, now)
+    asked, ended_s = Wanted("", 0, None), now.s
+    waits = False
+    for survey, traces, permittivity, passed_s, answered in changes:
+        now.s += passed_s
+        wanted, before = Wanted(survey, traces, permittivity), len(node.of("focus"))
+        imaging.keep(wanted)
+        period_s = PERIOD_S if permittivity == asked.permittivity else SETTLED_S
+        late = survey != asked.survey_id or now.s - ended_s >= period_s
+        due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
+        assert len(node.of("focus")) - before == due
+        if due:
+            assert node.of("focus")[-1] == (survey, permittivity or 0.0)
+            asked, waits = wanted, True
+        if waits and answered:
+            focused(node, asked.survey_id)
+            ended_s, waits = now.s, False
 
 
-def test_another_survey_is_asked_for_at_once_and_another_soil_when_it_rests(imaging, node, now):
-    imaging.keep(WANTED)
-    focused(node)
-    imaging.keep(WANTED._replace(survey_id="another"))
-    focused(node, "another")
-    assert [one[0] for one in node.of("focus")] == [SURVEY, "another"]
-    for permittivity in (5.0, 6.0, 7.0):
-        now.s += SETTLED_S / 2
-        imaging.keep(Wanted("another", 20, permittivity))
-    assert len(node.of("focus")) == 2
-    now.s += SETTLED_S
-    imaging.keep(Wanted("another", 20, 7.0))
-    assert node.of("focus")[-1] == ("another", 7.0)
-
-
-def test_a_failure_is_kept_until_there_is_an_image(imaging, node, now):
-    imaging.keep(WANTED)
+def test_a_failure_is_kept_until_there_is_an_image_and_what_is_awaited_can_be_ended(
+    imaging, node, now
+):
+    imaging.keep(Wanted(SURVEY, 20, 4.0))
     node.ticket("focus").fail(verbatim("the analysis is not installed"))
     assert str(imaging.problem) == "the analysis is not installed"
-    imaging.keep(WANTED)
-    assert len(node.of("focus")) == 1
     now.s += PERIOD_S
-    imaging.keep(WANTED._replace(traces=21))
+    imaging.keep(Wanted(SURVEY, 21, 4.0))
     focused(node)
-    assert imaging.problem is None
-
-
-def test_what_is_awaited_ends_with_the_window(imaging, node):
-    imaging.keep(WANTED)
+    assert imaging.problem is None and imaging.pictures.image(SURVEY) is not None
+    imaging.keep(Wanted("another", 21, 4.0))
     imaging.end()
     assert node.cancelled == [node.ticket("focus").request_id]

@@ -1,6 +1,7 @@
 """The result of a survey without its widgets: order, counts, one permittivity, records."""
 
 import dataclasses
+import re
 
 import pytest
 from candidate_examples import candidate, candidate_list, candidate_lists
@@ -10,7 +11,9 @@ from hypothesis import strategies as st
 from result_kit import (
     BLUE,
     ELEVEN,
+    LOCKED,
     PLANNED,
+    RED,
     TIME_US,
     Requests,
     begin_search,
@@ -24,25 +27,31 @@ from result_kit import (
 from view_kit import PAST, SURVEY
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import JobState
-from gpr20_operator.jobs.pictures import Exported
-from gpr20_operator.jobs.result import BESIDE_MM, CANCELLED, OTHER_SURVEY, PLACES_SHOWN, list_sum
+from gpr20_operator.jobs.result import (
+    ALL_DATA,
+    BESIDE_MM,
+    CANCELLED,
+    CANCELLING,
+    LIST_PERIOD_S,
+    OTHER_SURVEY,
+    PLACES_SHOWN,
+    REPORT,
+    list_sum,
+)
 from gpr20_operator.jobs.result_texts import (
     headline,
     measured,
     notices,
     soil_lines,
 )
-from gpr20_operator.jobs.stick import LIST_PERIOD_S
-from gpr20_survey.folder import soil_note
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN, soil_of_survey, soil_values
+from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.results.candidates import json_text, list_from
 from gpr20_survey.results.found import FORMAT as FOUND
 from gpr20_survey.results.found import What, found_of
 from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.volume import ExportPart
 
 
 @pytest.fixture
@@ -70,90 +79,45 @@ def test_places_to_check_come_first_then_the_weaker_echoes_and_all_are_counted(f
     while not shown or result.first:
         page = result.shown
         assert len({one.is_doubtful for one in page}) <= 1 and len(page) <= PLACES_SHOWN
-        said = str(headline(result.image.found, result.first))
-        if page and page[0].is_doubtful:
-            assert said.endswith(f"of {found.weaker}") and "weaker echoes" in said
-        elif page:
-            assert f"of {found.primary}" in said
         shown += page
         result.turn_page()
         if not page:
             break
     assert tuple(shown) == found.candidates and result.first == 0
+    said = [int(one) for one in re.findall("[0-9]+", str(headline(found)))]
+    assert said == [one for one in (found.primary, found.weaker) if one]
+    assert found.primary or "No place stands out" in str(headline(found))
 
 
-@given(
-    st.one_of(st.none(), st.floats(1.0, 81.0)),
-    st.one_of(st.none(), st.floats(1.0, 81.0)),
-    st.booleans(),
-)
-def test_one_permittivity_is_in_the_log_and_in_requests_only_if_it_cannot_be(
+PERMITTIVITY = st.one_of(st.none(), st.floats(1.0, 81.0))
+
+
+@given(PERMITTIVITY, PERMITTIVITY, st.booleans())
+def test_another_permittivity_is_used_once_it_is_in_the_log_and_else_its_loss_is_said(
     planned, entered, is_stored
 ):
     node = Requests()
     result = new_result(node)
     log = [noted("decision", soil_values(planned, TIME_US))] if planned is not None else []
     search(result, node, record=stored(log=log))
-    asked = [0.0]
     result.set_permittivity(entered)
-    if entered != planned:
-        # The imaging node uses what the log says, and would use the former one until that is there.
-        result.keep()
-        assert len(node.of("focus")) == 1
-        ((survey, kind, noted_values),) = node.of("fact")
-        assert (survey, kind) == (SURVEY, Kind.DECISION)
-        another = new_result(others := Requests())
-        search(another, others, record=stored(log=[noted(kind, noted_values)]))
-        assert another.permittivity == entered
-        ticket = node.ticket("fact")
-        ticket.done(None) if is_stored else ticket.fail(verbatim("the disk is full"))
-        asked.append(0.0 if is_stored else entered or 0.0)
-        result.keep()
-        node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=SURVEY)))
-    assert result.permittivity == entered
-    assert [one[1] for one in node.of("focus")] == asked
-
-
-def test_a_permittivity_that_could_not_be_stored_is_stored_with_the_next_reading(result, node):
-    search(result, node, record=stored(permittivity=4.0))
-    result.set_permittivity(8.0)
-    assert [str(one) for one in soil_lines(result)] == ["Permittivity 8", "Moist sand"]
-    node.ticket("fact").fail(verbatim("the storage does not answer"))
-    assert "the storage does not answer" in str(notices(result)[0])
-    result.try_again()
-    begin_search(result, node, record=stored(permittivity=4.0))
-    assert [one[2]["permittivity"] for one in node.of("fact")] == [8.0, 8.0]
-    node.ticket("fact").fail(verbatim("the storage does not answer"))
-    result.keep()
-    assert [one[1] for one in node.of("focus")] == [0.0, 8.0]
-
-
-def test_what_another_screen_has_entered_since_counts_and_not_the_plan(result, node):
-    search(result, node, record=stored(permittivity=2.0))
-    assert result.permittivity == 2.0
-    result.set_permittivity(4.0)
+    result.set_permittivity(entered)
+    if entered == planned:
+        assert node.of("fact") == []
+        return
+    ((survey, kind, values),) = node.of("fact")
+    assert (survey, kind, result.permittivity) == (SURVEY, Kind.DECISION, planned)
+    if not is_stored:
+        node.ticket("fact").fail(verbatim("the disk is full"))
+        assert "the disk is full" in str(notices(result)[0])
+        assert result.permittivity == planned and result.image is not None
+        return
     node.ticket("fact").done(None)
-    result.try_again()
-    log = [noted("decision", soil_values(None, TIME_US))]
-    search(result, node, record=stored(log=log, permittivity=2.0))
-    assert result.permittivity is None
-    assert node.of("focus")[-1] == (SURVEY, 0.0)
-    assert [one[2]["permittivity"] for one in node.of("fact")] == [4.0]
-
-
-@pytest.mark.parametrize("value", [None, True, "4", 0.5, 101.0, float("nan"), [4.0]])
-def test_a_note_that_is_no_permittivity_counts_for_nothing(value):
-    values = {**soil_values(4.0, TIME_US), "permittivity": value}
-    good = noted("decision", soil_values(4.0, TIME_US))
-    assert soil_of_survey({"log": [good]}) == (4.0, ENTERED)
-    assert soil_of_survey({"log": [{"kind": "decision", "values": values}]}) is None
-    assert soil_of_survey({"log": [{"kind": "decision", "values": None}, 7]}) is None
-    planned = {
-        soil_note.PLANNED: 4.0,
-        "log": [{"kind": "decision", "values": {"accepted": "zeros"}}],
-    }
-    assert soil_of_survey(planned) == (4.0, OF_PLAN)
-    assert soil_of_survey({soil_note.PLANNED: value}) is None
+    assert result.image is None
+    begin_search(result, node, stored(log=[*log, noted(kind, values)]))
+    assert result.permittivity == entered
+    assert node.of("focus") == [(SURVEY, 0.0)] * 2
+    assert (str(soil_lines(result)[1]) == "ASSUMED") is (entered is None)
 
 
 def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change_nothing(
@@ -170,6 +134,8 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     known = image_of(candidate_list(ELEVEN, survey_id=SURVEY))
     node.ticket("focus").done(known)
     assert result.image is known and not result.waits
+    result.choose_target(Targets.PMN)
+    assert not node.of("hide")
     result.try_again()
     begin_search(result, node)
     node.ticket("focus").fail(verbatim("not searched yet"))
@@ -182,9 +148,6 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     assert node.cancelled == [late.request_id]
     late.done(known)
     assert result.image is None and result.places == ()
-    result.choose_target(Targets.PMN)
-    result.begin_export("en")
-    assert not node.of("hide") and not node.of("sticks")
 
 
 def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, node):
@@ -224,6 +187,7 @@ def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_ch
     node.ticket("hide").done(found)
     assert result._imaging.pictures.hiding(SURVEY) is found is result.hiding.result
     result.set_permittivity(8.0)
+    node.ticket("fact").done(None)
     assert result.hiding.result is None and result._imaging.pictures.hiding(SURVEY) is None
 
 
@@ -248,52 +212,29 @@ def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node
     assert "1 entries" in str(notices(result)[0])
 
 
-@pytest.mark.parametrize(("depth_mm", "who"), [(-1.0, "Ana"), (1e6, "Ana"), (None, "")])
-def test_a_record_that_is_not_allowed_is_refused(result, node, depth_mm, who):
+def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(node, now):
+    result = new_result(node, now)
     search(result, node)
-    with pytest.raises(InvalidValueError):
-        result.note_found(result.places[0], What.DEVICE, depth_mm, who)
-    assert node.of("fact") == []
-
-
-def look_again(result, node, now, *volumes):
-    now.s += LIST_PERIOD_S
-    result.export.look_for_sticks()
-    plug_in(node, *volumes)
-
-
-def test_a_stick_that_is_plugged_in_later_is_written_once_unless_it_is_cancelled(result, node, now):
-    search(result, node)
-    result.begin_export("en")
-    plug_in(node)
-    result.export.look_for_sticks()
+    export = result.export
+    export.begin()
+    plug_in(node, LOCKED, BLUE)
+    assert export.offered == (BLUE, LOCKED)
+    export.look_for_sticks()
     assert len(node.of("sticks")) == 1
-    look_again(result, node, now, BLUE)
-    result.export.cancel()
-    assert node.cancelled == [node.ticket("export").request_id]
+    now.s += LIST_PERIOD_S
+    export.look_for_sticks()
+    assert len(node.of("sticks")) == 2
+    export.write(BLUE, SURVEY, ALL_DATA, "es")
+    export.write(RED, SURVEY, REPORT, "es")
+    (asked,) = node.of("export")
+    assert (asked.survey, asked.volume, asked.language) == (SURVEY, BLUE.path, "es")
+    assert asked.kinds == ["report-html", "candidates-csv", "survey-zip"]
+    export.job.cancel(CANCELLING)
     # Files may be written until the node answers.
-    assert result.export.job.running
-    node.ticket("export").fail(Message("cancelled"))
-    look_again(result, node, now, BLUE)
-    assert len(node.of("export")) == 1
-
-
-def test_other_files_are_written_only_after_a_choice(result, node, now):
-    search(result, node)
-    result.begin_export("en")
-    plug_in(node, BLUE)
-    node.ticket("export").done(Exported(("GPR20/a.pdf",)))
-    result.export.choose_parts()
-    result.export.toggle(ExportPart.SURVEY_ZIP)
-    look_again(result, node, now, BLUE)
-    assert len(node.of("export")) == 1
-    result.export.write(BLUE.path)
-    assert node.of("export")[-1].kinds == ["report-html", "survey-zip"]
-    node.ticket("export").fail(Message("failed"))
-    result.export.toggle(ExportPart.SURVEY_ZIP)
-    result.export.toggle(ExportPart.REPORT_HTML)
-    result.export.write(BLUE.path)
-    assert len(node.of("export")) == 2
+    assert export.job.running and node.cancelled == [node.ticket("export").request_id]
+    now.s += LIST_PERIOD_S
+    export.look_for_sticks()
+    assert len(node.of("sticks")) == 2
 
 
 def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(result, node):
@@ -301,6 +242,8 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
     found = search(result, node, places)
     assert result.find_at(places[0]) is None
+    with pytest.raises(InvalidValueError):
+        result.note_found(places[0], What.DEVICE, -1.0, "Ana")
     record = found_of(note(result, node, What.SCRAP, 35.0))
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
@@ -309,7 +252,8 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     # In another list it is seen beside its place.
     result.set_permittivity(8.0)
     node.ticket("fact").done(None)
-    result.keep()
+    log = [noted("found", record.values()), noted("decision", soil_values(8.0, TIME_US))]
+    begin_search(result, node, stored(log=log))
     moved = [candidate(1, 300.0, 300.0), candidate(2, 140.0, 90.0 + BESIDE_MM)]
     found = candidate_list(moved, survey_id=SURVEY, permittivity=8.0)
     node.ticket("focus").done(image_of(found))

@@ -15,12 +15,12 @@ from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files import durable_files
 from gpr20_survey.files.folder_zip import PIECE_BYTES
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_web.mid.survey_files import zip_parts
+from gpr20_web.mid.surveys_page import zip_parts
 
 # Prints the size of each part of a folder, and the most memory that was held meanwhile.
 MEASURE = """
 import json, pathlib, sys, tracemalloc
-from gpr20_web.mid.survey_files import zip_parts
+from gpr20_web.mid.surveys_page import zip_parts
 tracemalloc.start()
 sizes = [len(part) for part in zip_parts(pathlib.Path(sys.argv[1]))]
 print(json.dumps([sizes, tracemalloc.get_traced_memory()[1]]))

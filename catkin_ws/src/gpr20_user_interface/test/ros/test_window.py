@@ -137,8 +137,7 @@ class Window(unittest.TestCase):
 
     @classmethod
     def opened(cls, *arguments: str) -> TouchedWindow:
-        profiles = f"_profiles:={cls.folder}/profiles"
-        return TouchedWindow(cls.screen, profiles, *arguments, ROS_MASTER_URI=cls.link.uri)
+        return TouchedWindow(cls.screen, *arguments, ROS_MASTER_URI=cls.link.uri)
 
     def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
         return self.window.wait_for(condition, what)
@@ -278,7 +277,7 @@ class Window(unittest.TestCase):
         self.wait_for_title("FINISHED")
         done = self.wait_for(is_all_seen, "every trace is on MAP and RADAR")
         self.assertEqual(done["visited"], 72)
-        first = "result.rows.0.place"
+        first = "result.rows.0.title"
         wait_until(lambda: window.find(first)["visible"], "the places are shown")
         self.assertRegex(window.find(first)["text"], PLACE)
 

@@ -2,7 +2,7 @@
 """The real program of the window, which says what it shows: one line of JSON per line it reads.
 
 An empty line asks what an operator sees, another one where a part of the window is. Its options
-are those of the program; without `_settings` it keeps nothing, and knows no profiles.
+are those of the program; without `_settings` it keeps nothing.
 """
 
 from __future__ import annotations
@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional
 
@@ -142,6 +141,5 @@ class NoSettings:
 if __name__ == "__main__":
     if not any(word.startswith("_settings:=") for word in sys.argv):
         user_interface.SettingsFile = NoSettings
-        user_interface.DEFAULT_PROFILES = str(Path(tempfile.gettempdir()) / "gpr20_no_profiles")
     user_interface.UserInterface = AskedInterface
     user_interface.main()

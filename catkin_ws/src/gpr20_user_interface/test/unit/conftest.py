@@ -19,7 +19,7 @@ def opened(application, tmp_path, clock):  # noqa: F811
     windows = []
 
     def open_one(**parts):
-        windows.append(opened_window(application, profiles=tmp_path, clock=clock, **parts))
+        windows.append(opened_window(application, folder=tmp_path, clock=clock, **parts))
         return windows[-1]
 
     yield open_one

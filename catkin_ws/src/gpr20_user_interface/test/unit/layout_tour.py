@@ -50,8 +50,6 @@ LARGEST = SurveyPreview(
     traces=1000000,
     x_spacing_mm=12.34,
     y_spacing_mm=23.45,
-    depth_m=110.98,
-    resolution_m=0.02776,
     quarter_wavelength_mm=1.234,
     cost=SurveyCost(99 * 86400.0 + 86399.0, 123456 * 10**6),
 )
@@ -62,8 +60,8 @@ SITE = "Vereda El Salado, franja 12, junto al camino viejo"
 LONGEST = {
     "vna_address": "192.168.100.100",
     **{"start_frequency_hz": "999.999", "stop_frequency_hz": "6000", "frequency_points": "4000"},
-    **{"x_start_mm": "123.45", "x_stop_mm": "649.99", "x_points": "500"},
-    **{"y_start_mm": "123.45", "y_stop_mm": "799.99", "y_points": "500"},
+    **{"x_start_mm": "123.45", "x_stop_mm": "649.99", "x_spacing_mm": "12.34"},
+    **{"y_start_mm": "123.45", "y_stop_mm": "799.99", "y_spacing_mm": "23.45"},
     **{"polarizations_deg": "-90, -45, 0, 45", "permittivity": "12.345"},
     **{"if_bandwidth_hz": "100000", "averages": "1000", "output_power": "HIGH"},
 }
@@ -191,18 +189,6 @@ def keys(name, text=None):
     return plan(act)
 
 
-def profiles(window):
-    for number in range(8):
-        window.kept_profiles.save(f"{'a' * 30}{number:02d}", default_parameters())
-    window.profiles.show_profiles(default_parameters())
-    window.profiles.names.setCurrentRow(0)
-
-
-def name_of_profile(window):
-    window.profiles.save.click()
-    window.profiles.pad.press("-")
-
-
 def stop_that_nobody_confirms(window):
     show(window, busiest(axes=()))
     click(window.top_bar.stop)
@@ -308,9 +294,6 @@ STOPS = {
     # A field of each tile.
     **{f"wrong {spec.name}": wrong(spec) for spec in FIRST_FIELDS},
     **{f"written {spec.name}": written(spec) for spec in FIRST_FIELDS},
-    "check plan": plan(lambda window: window.control.check_plan.click()),
-    "profiles": plan(profiles),
-    "name of profile": plan(profiles, name_of_profile),
     "notes": plan(lambda window: window.annotation.show_annotation("", PEOPLE)),
     **{f"keys {name}": keys(name) for name in ("name", "operator", "site", "notes")},
     "position": keys("position", "91,0"),
@@ -368,7 +351,7 @@ def results(window):
     yield shown("last places")
     find(MANY[24:27])
     yield shown("doubtful places")
-    assert not [row.why.shown_lines() for row in page.rows[:3] if row.why.is_cut]
+    assert not [row.title.whole for row in page.rows[:3] if row.title.is_cut]
 
     find()
     page.rows[4].click()
@@ -398,8 +381,7 @@ def results(window):
     yield shown("export")
     node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
     yield shown("exported")
-    page.stick_sheet.other.click()
-    yield shown("other files")
+    page.stick_sheet.all_data.click()
     page.stick_sheet.sticks[1].click()
     node.ticket("export").fail(verbatim("la memoria USB está llena; no quedó nada. " * 7))
     yield shown("full stick")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
@@ -108,19 +107,6 @@ def test_what_is_wrong_cannot_be_accepted_and_says_why(window, sheet, following)
     assert following.value == EMPTY
 
 
-def test_empty_notes_of_the_running_survey_are_filled_without_a_hold(window, node, sheet):
-    read(window, node, SURVEY, replace(EXAMPLE, notes=""))
-    assert not sheet.save.isEnabled()
-    write(sheet, "notes", "wet")
-    click(sheet.save)
-    assert asked(node) == [(SURVEY, replace(EXAMPLE, notes="wet"))]
-    # The storage keeps what others have written meanwhile.
-    assert node.of("fact")[-1][2]["notes_before"] == ""
-    assert sheet.isVisible()
-    node.ticket("fact").done(verbatim("stored"))
-    assert not sheet.isVisible()
-
-
 @pytest.mark.parametrize("survey", [SURVEY, FOLDER])
 def test_records_that_exist_are_changed_only_by_a_hold_that_says_old_and_new(
     window, node, sheet, survey
@@ -138,11 +124,17 @@ def test_records_that_exist_are_changed_only_by_a_hold_that_says_old_and_new(
     click(sheet.save)
     hold(confirm.hold)
     assert asked(node) == [(survey, Annotation("Anab", name="field 3"))]
+    # The storage keeps what others have written meanwhile.
+    assert node.of("fact")[-1][2]["notes_before"] == ""
     # A failure is said and loses nothing that was written.
     node.ticket("fact").fail(verbatim("The disk is full"))
     assert window.notice.reason.toPlainText() == "The disk is full"
     click(window.notice.close_button)
     assert sheet.isVisible() and sheet.texts["operator"] == "Anab"
+    click(sheet.save)
+    hold(confirm.hold)
+    node.ticket("fact").done(verbatim("stored"))
+    assert not sheet.isVisible()
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"annotation": {"site": 1}}', "{}"])

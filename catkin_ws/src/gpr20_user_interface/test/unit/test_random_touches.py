@@ -45,7 +45,7 @@ IDENTITY = "Anritsu,MS2026C"
 class Field:
     """A window in the field, where anything may happen while something touches it.
 
-    Its rules: nothing starts, resumes, homes, deletes or changes records without a hold, and each
+    Its rules: nothing starts, resumes, homes or changes records without a hold, and each
     hold does it once; STOP always works; what is shown is what was last said.
     """
 
@@ -53,8 +53,6 @@ class Field:
         self.random, self.arming = random.Random(SEED), Arming(clock)
         self.window = opened(arming=self.arming)
         self.opened, self.held, self.answered, self.acts = set(), set(), 0, []
-        for name in KEPT:
-            self.window.kept_profiles.save(name, default_parameters())
         self.window.on_event(SurveysListed("", (past_survey(),), False))
         self.window.on_event(WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana"))
         self.overlays = self.window.findChildren(Overlay)
@@ -91,7 +89,6 @@ class Field:
             lambda: window.past.choose(window.traces.past.surveys[0]),
             lambda: self.mean(SurveyState.IDLE, window.control.start, self.show_plan),
             lambda: self.mean(SurveyState.PAUSED, window.top_bar.pause),
-            lambda: self.mean(SurveyState.IDLE, window.profiles.delete, self.show_profiles),
             lambda: window.notice.show_notice(notice),
             lambda: window.alerts.take_refusal(refusal),
             lambda: window.on_event(read),
@@ -119,10 +116,6 @@ class Field:
         self.window.control.show_parameters(default_parameters())
         self.window.show_tab(TabName.SURVEY)
         self.window.survey_tab.show_plan(self.window.survey.snapshot)
-
-    def show_profiles(self):
-        self.window.profiles.show_profiles(default_parameters())
-        self.window.profiles.names.setCurrentRow(self.random.randrange(3))
 
     def touch(self):
         """Touch somewhere for a moment, or wipe over the screen."""
@@ -210,14 +203,14 @@ class Field:
         assert not window.control.start.isEnabled() or (alive and not code.running)
         if code.running:
             # The plan is that of the survey.
-            assert not window.values.isVisible() and not window.profiles.isVisible()
+            assert not window.values.isVisible()
             assert code is SurveyState.PAUSED or not window.start_sheet.isVisible()
         for overlay in self.overlays:
             free = place_of(window, bar.stop)
             assert not overlay.isVisible() or not place_of(window, overlay).intersects(free)
 
 
-def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(opened, clock, monkeypatch):
+def test_random_touches_neither_start_nor_resume_nor_home_nor_change(opened, clock, monkeypatch):
     raised = []
     # What a slot of Qt raises ends the real window.
     monkeypatch.setattr(sys, "excepthook", lambda *error: raised.append(error))
@@ -238,8 +231,7 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_delete(opened, clo
         except AssertionError as error:
             raise AssertionError(f"touch {number} of seed {SEED}") from error
         assert not raised, f"touch {number} of seed {SEED}"
-    assert set(window.kept_profiles.names()) >= KEPT
     # The touches were at the buttons that matter.
-    asking = {window.start_sheet, window.profiles.confirm, window.question, window.remote}
+    asking = {window.start_sheet, window.question, window.remote}
     assert asking <= field.opened
     assert {one.split()[0] for one in field.held} == {"start", "resume"}

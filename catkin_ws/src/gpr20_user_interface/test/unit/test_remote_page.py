@@ -127,7 +127,7 @@ def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
 def test_the_plan_is_what_start_on_the_window_would_send(field):
     window = field.window
     window.control.show_parameters(default_parameters())
-    window.control.next_annotation.take(ANNOTATION)
+    window.control.next_annotation.value = ANNOTATION
     window.survey.finer = type("Finer", (), {"refined_by": lambda _self, _plan: "coarse id"})()
     field.say(SurveyState.CONFIGURED)
     shown = field.sent[-1].plan
@@ -135,13 +135,13 @@ def test_the_plan_is_what_start_on_the_window_would_send(field):
     field.finger.wait(AFTER_S)
     start(window)
     assert wishes(window) == [shown.parameters] and window.survey.annotations == [ANNOTATION]
-    window.control.form.set_texts({**window.control.form.texts, "x_points": "-"})
+    window.control.form.set_texts({**window.control.form.texts, "x_spacing_mm": "-"})
     window.control.show_plan()
     field.say(SurveyState.CONFIGURED)
     assert field.sent[-1].plan is None
     # A survey that the page has started uses up its name and notes.
     window.control.show_parameters(default_parameters())
-    window.control.next_annotation.take(ANNOTATION)
+    window.control.next_annotation.value = ANNOTATION
     field.say(SurveyState.CONFIGURED)
     field.allow()
     field.say(SurveyState.SURVEYING)

@@ -1,7 +1,5 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
-import dataclasses
-
 import pytest
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
@@ -81,7 +79,7 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     assert not page.band.isVisible()
     window.past.result_requested.emit(SURVEY)
     show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
-    named = f"PAST SURVEY: {local_time(past_survey().started)}"
+    named = f"SIMULATED; PAST SURVEY: {local_time(past_survey().started)}"
     assert page.band.isVisible() and page.band.whole.startswith(named)
     page.place_sheet.ask(page.result.shown[0])
     page.stick_sheet.open_now()
@@ -99,19 +97,31 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     assert window.survey_tab.currentWidget() is page
 
 
-def test_five_places_are_listed_and_the_others_are_counted_and_reached(done):
+def shown_rows(page):
+    return [row for row in page.rows if row.isVisible()]
+
+
+def numbers(page):
+    return [row.title.whole.split()[0] for row in shown_rows(page)]
+
+
+def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(done):
     view = done
-    assert [row.rank.text() for row in view.rows if row.isVisible()] == ["1"]
-    assert "1 of 1" in view.title.text() and "10 weaker" in view.title.text()
+    assert numbers(view) == ["1"]
+    assert view.title.text() == "1 place to check; 10 weaker echoes"
     assert view.more.text() == "10\nmore"
     assert [one.text for one in view.picture.marks] == ["1"]
+    (row,) = shown_rows(view)
+    assert row.lines[0].whole == "85 ±6 mm deep; edge"
     click(view.more)
-    assert [row.rank.text() for row in view.rows] == ["2", "3", "4", "5", "6"]
+    assert numbers(view) == ["2", "3", "4", "5", "6"]
     assert all(one.doubtful for one in view.picture.marks)
+    labels = [label for row in shown_rows(view) for label in (row.title, row.lines[0])]
+    assert not [label.whole for label in labels if label.is_cut]
     click(view.more)
-    assert [row.rank.text() for row in view.rows] == ["7", "8", "9", "10", "11"]
+    assert numbers(view) == ["7", "8", "9", "10", "11"]
     click(view.more)
-    assert [row.rank.text() for row in view.rows if row.isVisible()] == ["1"]
+    assert numbers(view) == ["1"]
 
 
 def test_nothing_found_says_what_that_does_not_mean(ended, node):
@@ -119,30 +129,20 @@ def test_nothing_found_says_what_that_does_not_mean(ended, node):
     view = refreshed(ended)
     assert view.title.text() == shown_text(NOTHING_FOUND)
     assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
-    assert not view.more.isVisible()
+    assert not view.more.isVisible() and not shown_rows(view)
 
 
-def test_what_is_doubted_is_named_beside_the_picture_and_said_with_what_to_do(ended, node):
+def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(ended, node):
     search(ended.result, node)
     assert not refreshed(ended).doubts.isVisible()
     doubts = [REFUSED, Message("it drifted").with_fault(Fault("analysis.drifted", REMEDY))]
     ended.result.open("")
     search(ended.result, node, notes=(*doubts, Message("the heights differ")))
-    assert refreshed(ended).doubts.text() == "DOUBTED:\nsomething else; drift"
-    assert ended.picture.notice == ""
+    assert refreshed(ended).doubts.text() == "Doubts: 2"
     click(ended.doubts)
     said = ended.doubts_sheet.text.text()
     assert "agree with every" in said and "drifted" in said and said.count(shown_text(REMEDY)) == 2
     assert "heights" not in said
-
-
-def test_simulated_is_said_once(window, done):
-    band = window.top_bar.band.simulated
-    assert band.isVisible() and not done.simulated.isVisible()
-    # A simulated survey in the archive of a real robot.
-    real = dataclasses.replace(ENDED.state, simulated=False)
-    show(window, dataclasses.replace(ENDED, state=real))
-    assert done.simulated.isVisible() and not band.isVisible()
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):
@@ -196,7 +196,7 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     node.ticket("fact").done(None)
     node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
-    assert "35" in done.rows[0].why.whole
+    assert "35" in done.rows[0].lines[0].whole
     assert done.result.noting.state is JobState.DONE
 
 
@@ -211,9 +211,12 @@ def test_the_soil_is_entered_and_used_by_a_hold(window, done, node):
     assert done.soil_sheet.isVisible() and len(node.of("focus")) == 1
     hold(done.soil_sheet.use)
     show(window, ENDED)
-    # It is searched for once the log has it.
     assert len(node.of("focus")) == 1 and not done.soil_sheet.isVisible()
+    # It is searched for once the log has it.
+    _survey, _kind, values = node.of("fact")[-1]
     node.ticket("fact").done(None)
+    show(window, ENDED)
+    node.ticket("read").done(stored(log=[noted("decision", values)]))
     show(window, ENDED)
     assert len(node.of("focus")) == 2
     assert "6.5" in done.soil.text()
@@ -241,34 +244,29 @@ def test_where_a_mine_could_hide_is_hatched(done, node):
     assert node.cancelled and not done.hiding_sheet.progress.isVisible()
 
 
-def test_the_report_takes_one_touch_with_one_stick_and_says_why_it_fails(done, node):
-    click(done.stick)
-    plug_in(node, BLUE)
-    refreshed(done)
-    assert len(node.of("export")) == 1 and done.stick_sheet.progress.isVisible()
-    node.ticket("export").progress(verbatim("copying"))
-    assert "Copying" in refreshed(done).stick_sheet.text.text()
-    node.ticket("export").done(Exported(("GPR20/a.pdf",)))
-    before = done.stick_sheet.title.text()
-    assert refreshed(done).stick_sheet.title.text() != before
-    assert "GPR20" in done.stick_sheet.text.text()
-    click(done.stick_sheet.close_button)
+def test_the_report_takes_two_touches_and_says_when_the_stick_can_go_and_why_it_fails(done, node):
+    sheet = done.stick_sheet
     click(done.stick)
     plug_in(node, BLUE, RED)
     refreshed(done)
-    assert len(node.of("export")) == 1
-    click(done.stick_sheet.sticks[1])
+    assert node.of("export") == []
+    click(sheet.sticks[0])
+    refreshed(done)
+    (asked,) = node.of("export")
+    assert (asked.survey, asked.volume, asked.kinds) == (SURVEY, BLUE.path, ["report-html"])
+    assert sheet.progress.isVisible() and not sheet.sticks[0].isVisible()
+    node.ticket("export").progress(verbatim("copying"))
+    assert "Copying" in refreshed(done).stick_sheet.text.text()
+    before = sheet.title.text()
+    node.ticket("export").done(Exported(("GPR20/a.pdf",)))
+    assert refreshed(done).stick_sheet.title.text() != before
+    assert "GPR20" in sheet.text.text()
+    click(sheet.all_data)
+    click(sheet.sticks[1])
     assert node.of("export")[-1].volume == RED.path
+    assert "survey-zip" in node.of("export")[-1].kinds
     node.ticket("export").fail(verbatim("the USB stick RED is full"))
     assert "RED is full" in refreshed(done).stick_sheet.text.text()
-    click(done.stick_sheet.again)
-    plug_in(node, BLUE)
-    assert node.of("export")[-1].volume == BLUE.path
-    node.ticket("export").fail(verbatim("the USB stick BLUE is full"))
-    refreshed(done)
-    click(done.stick_sheet.other)
-    refreshed(done)
-    assert all(key.isVisible() for key in done.stick_sheet.parts.values())
 
 
 def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):

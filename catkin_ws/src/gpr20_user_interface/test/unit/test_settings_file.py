@@ -1,8 +1,9 @@
-"""Settings, plans, profiles and languages on the disk: remembered, and damage is said."""
+"""Settings, plans and languages on the disk: remembered, and damage is said."""
 
 import os
 import random
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -21,7 +22,7 @@ from gpr20_common.catalogue import (
     languages,
     read_catalogue,
 )
-from gpr20_common.faults import DISK_REFUSES, NOT_ALLOWED
+from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
@@ -29,9 +30,8 @@ from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.palette import Theme
-from gpr20_operator.plan.annotation import NextAnnotation, first_name, next_name
-from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.stored import PlanMemory, Profiles, RememberedPlan
+from gpr20_operator.plan.annotation import NextAnnotation, next_name
+from gpr20_operator.plan.stored import PlanMemory, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (
@@ -237,11 +237,7 @@ def test_the_commands_of_the_page_begin_check_and_update_a_catalogue(tmp_path):
 
 PLAN = RememberedPlan(
     texts={"vna_address": "10.0.0.2", "x_stop_mm": "350", "permittivity": "8"},
-    following=frozenset("y"),
-    arrow_step=10,
     annotation=Annotation("Ana Peña", "El Carmen", name="El Carmen 3"),
-    last_area={"x_start_mm": "0", "x_stop_mm": "300"},
-    configured_address="10.0.0.1",
 )
 
 
@@ -265,11 +261,7 @@ def test_a_plan_is_there_after_a_restart_or_its_loss_is_reported(path):
 def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
     for changes in (
         *({"texts": one} for one in (None, {"unknown": "1"}, {"x_points": 5})),
-        *({"following": one} for one in ("x", ["z"])),
-        *({"arrow_step": one} for one in (7, True, [1])),
         *({"annotation": one} for one in ({"note": "x"}, {"operator": "a\nb"})),
-        {"last_area": {"x_points": "5"}},
-        {"configured_address": None},
     ):
         SettingsFile(path).write({**plain(PLAN), **changes})
         damaged = plan_memory(path)
@@ -285,59 +277,9 @@ def test_the_next_survey_gets_the_next_name():
         assert next_name(name) == after
 
 
-def test_a_survey_is_named_after_its_site_and_numbered():
+def test_names_are_numbered_and_notes_and_place_are_for_one_survey():
     following = NextAnnotation()
     following.take_defaults(Annotation(site="El Carmen"))
-    assert following.value.name == first_name("El Carmen") == "El Carmen 1"
-    following.note_started()
-    assert following.value.name == "El Carmen 2"
-    following.take(Annotation(site="El Carmen", name="lane 7"))
+    following.value = replace(following.value, name="lane 7", notes="wet")
     following.note_started()
     assert following.value == Annotation(site="El Carmen", name="lane 8")
-    # The operator wants no name.
-    following.take(Annotation(site="El Carmen"))
-    following.note_started()
-    assert following.value.name == ""
-
-
-@pytest.fixture
-def profiles(tmp_path):
-    return Profiles(tmp_path)
-
-
-def test_profile_is_loaded_as_it_was_saved_and_gone_when_it_was_removed(profiles, tmp_path):
-    for _ in range(2):
-        profiles.save("field 1", default_parameters())
-    assert os.listdir(str(tmp_path)) == ["field 1.yaml"]
-    assert profiles.names() == ["field 1"]
-    assert profiles.load("field 1") == default_parameters()
-    profiles.remove("field 1")
-    assert profiles.names() == []
-    with raises_fault(DISK_REFUSES, "field 1.yaml"):
-        profiles.remove("field 1")
-
-
-def test_name_that_could_leave_the_folder_or_confuse_is_refused(profiles):
-    for name in ("", " a", "a ", "../a", "a.b", ".a", "-a", "ä", "a\n", "a" * 33, "a\0"):
-        for act in (profiles.load, profiles.remove):
-            with raises_fault(NOT_ALLOWED, repr(name)):
-                act(name)
-        with raises_fault(NOT_ALLOWED, repr(name)):
-            profiles.save(name, default_parameters())
-
-
-def test_file_that_is_no_profile_is_refused_with_its_fault(profiles, tmp_path):
-    profiles.save("a", default_parameters())
-    path = tmp_path / "a.yaml"
-    other_type = path.read_text().replace("x_points: 11", "x_points: eleven")
-    for text, shown in (
-        *((text, "a.yaml") for text in ("", "[1, 2]", "{a: 1}", "a: [", "[" * 60_000, "\x00")),
-        ("vna_address: 10.0.0.1", "start_frequency_hz"),
-        ("!!python/object/apply:os.system ['true']", "a.yaml"),
-        ("x_points: 2026-13-45", "a.yaml"),
-        ("#" * (MAX_BYTES + 1), MAX_BYTES),
-        (other_type, "x_points"),
-    ):
-        path.write_text(text)
-        with raises_fault(faults.SETTINGS_LOST.as_warning(), shown, error=SettingsError):
-            profiles.load("a")

@@ -3,9 +3,11 @@
 import dataclasses
 
 import pytest
+from candidate_examples import candidate
 from finger import AFTER_S
 from hypothesis import given
 from hypothesis import strategies as st
+from map_kit import focused
 from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
@@ -14,10 +16,11 @@ from window_helpers import click, show
 
 from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.past_surveys import Listed, PastSurveys, searchable, title_of
+from gpr20_operator.ground.past_surveys import PastSurveys, searchable, title_of
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import shown_text
@@ -30,8 +33,16 @@ RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
     for code in (SurveyState.SURVEYING, SurveyState.FINISHED)
 )
-WORDS = st.sampled_from(["Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""])
+WORDS = st.sampled_from(
+    ["importada", "Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""]
+)
 TEXTS = st.lists(WORDS, max_size=3).map(" ".join)
+
+
+SIZES = {"width_mm": 300.0, "height_mm": 200.0, "map_columns": 2, "map_rows": 2}
+PART = SurveySummary("a", **SIZES, stored_traces=9, map_percent=bytes((100, 50, 0, 0)))
+STARTED = "2026-11-21T05:10:00.000000+00:00"
+PLACES = (candidate(1, 15.0, 14.0), candidate(2, 18.0, 12.0, flags=[Flag.CLUTTER]))
 
 
 def many(count, **changes):
@@ -85,17 +96,29 @@ def test_the_choice_stays_with_its_survey_while_it_is_listed(window, listed):
     window.on_event(SurveysListed("", (newer, chosen), False))
     assert listed.chosen == chosen
     window.on_event(SurveysListed("", (newer,), False))
-    assert listed.chosen is None and not listed.open.isEnabled()
+    assert listed.chosen == newer
     first, other = many(1)[0], past_survey(name="Salado")
     window.on_event(SurveysListed("", (first, other), False))
-    for search, kind in (("salado", Listed.ALL), ("", Listed.IMPORTED)):
-        listed.show_listed(Listed.ALL)
-        listed.search_for("")
-        listed.choose(first)
-        assert listed.resume.isVisible()
-        listed.search_for(search)
-        listed.show_listed(kind)
-        assert listed.chosen is None and not listed.resume.isVisible()
+    listed.choose(first)
+    listed.search_for("salado")
+    assert listed.chosen == other and listed.resume.isVisible()
+    listed.search_for("nothing is called so")
+    assert listed.chosen is None and not listed.resume.isVisible()
+
+
+def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
+    window.show_tab(TabName.SURVEYS)
+    survey = dataclasses.replace(PART, folder=FOLDER, name="Lane 9", started=STARTED)
+    window.on_event(SurveysListed("", (survey, *many(2)), False))
+    listed = window.past
+    assert listed.chosen == survey and listed.map.isVisible()
+    assert shown_text(local_time(STARTED)) in listed.details.text()
+    assert node.of("focus") == [(FOLDER, 0.0, True)]
+    node.ticket("focus").done(focused(PLACES, SURVEY))
+    assert listed.details.text().startswith("1 place to check; 1 weaker echo")
+    listed.choose(many(1)[0])
+    node.ticket("focus").fail(verbatim("this survey was not searched yet"))
+    assert listed.details.text().startswith("This survey was not searched yet")
 
 
 def test_what_is_wrong_with_an_incomplete_survey_is_said():
@@ -118,13 +141,11 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
 
 
 def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
-    sizes = {"width_mm": 300.0, "height_mm": 200.0, "map_columns": 2, "map_rows": 2}
-    part = SurveySummary("a", **sizes, map_percent=bytes((100, 50, 0, 0)))
-    picture = map_picture(part, 56, Look()).toImage()
-    empty = dataclasses.replace(part, map_percent=bytes(4))
+    picture = map_picture(PART, 56, Look()).toImage()
+    empty = dataclasses.replace(PART, map_percent=bytes(4))
     assert map_picture(empty, 56, Look()).toImage() != picture
     assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
-    assert map_picture(part, 56, Look(Theme.NIGHT)).toImage() != picture
+    assert map_picture(PART, 56, Look(Theme.NIGHT)).toImage() != picture
 
 
 def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):
@@ -168,8 +189,8 @@ SURVEYS = st.builds(
 )
 
 
-@given(st.lists(SURVEYS, max_size=12), TEXTS, st.sampled_from(Listed), st.integers(0, 12))
-def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
+@given(st.lists(SURVEYS, max_size=12), TEXTS, st.integers(0, 12))
+def test_a_search_is_a_plain_filter_of_all_pages_by_names_time_and_ending(surveys, text, split):
     numbered = tuple(
         dataclasses.replace(one, folder=f"20261121T{99 - number:06d}_7c9e6679")
         for number, one in enumerate(surveys)
@@ -179,24 +200,11 @@ def test_a_search_is_a_plain_filter_of_all_pages(surveys, text, listed, split):
     past.take(past.next_before, numbered[split:], False)
 
     def wanted(survey):
-        texts = (
-            survey.name,
-            survey.site,
-            survey.operator,
-            SPANISH.text(local_time(survey.started)),
-        )
-        written = searchable(" ".join(texts))
-        good = survey.complete and survey.outcome != "imported"
-        kept = {
-            Listed.ALL: True,
-            Listed.IMPORTED: survey.outcome == "imported" and survey.problem is None,
-            Listed.NOT_COMPLETE: survey.problem is not None
-            or not (good or survey.outcome == "imported"),
-        }
-        return kept[listed] and all(searchable(word) in written for word in text.split())
+        shown = map(SPANISH.text, (local_time(survey.started), past.ending(survey)))
+        written = searchable(" ".join((survey.name, survey.site, survey.operator, *shown)))
+        return all(searchable(word) in written for word in text.split())
 
-    found = past.found(listed, text, SPANISH.text)
-    assert found == tuple(one for one in numbered if wanted(one))
+    assert past.found(text, SPANISH.text) == tuple(filter(wanted, numbered))
 
 
 def pull(window, finger, start, moves):

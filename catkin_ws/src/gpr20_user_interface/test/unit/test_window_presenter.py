@@ -150,13 +150,13 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert window.control.check_plan.lines[1].whole == ""
+    assert window.control.start.lines[0].whole == "242 traces"
     window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert window.control.check_plan.lines[1].whole == "1 GB"
-    enter(window, "x_points", "7")
-    assert estimator.asked[-1] == ("ask", replace(asked, x_points=7), robot)
-    assert window.control.check_plan.lines[1].whole == ""
+    assert window.control.start.lines[0].whole == "242 traces, 1 min"
+    enter(window, "x_spacing_mm", "20")
+    assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), robot)
+    assert window.control.start.lines[0].whole == "132 traces"
 
 
 MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)

@@ -18,7 +18,7 @@ from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.form import preview
-from gpr20_operator.plan.stored import PlanMemory, Profiles
+from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
@@ -80,7 +80,7 @@ def opened_window(
     language=Language.ENGLISH,
     survey=None,
     storage=None,
-    profiles=None,
+    folder=None,
     imaging=None,
     clock=None,
     memory=None,
@@ -90,7 +90,7 @@ def opened_window(
     """Return a window without contact to a robot, which without a folder keeps no plan."""
     problems, tools, clock = [], ServiceTools(), clock or Clock()
     languages = Languages(application, language)
-    node, kept = imaging or Requests(), Profiles(profiles)
+    node = imaging or Requests()
     not_kept = SimpleNamespace(read=dict, write=lambda _values: None)
     window = MainWindow(
         Presenters(
@@ -98,9 +98,8 @@ def opened_window(
             TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
             ServiceModel(tools, tools.examine, clock),
-            kept,
             PlanMemory(
-                SettingsFile(profiles / "window" / "plan.yaml") if profiles else not_kept,
+                SettingsFile(folder / "window" / "plan.yaml") if folder else not_kept,
                 problems.append,
             ),
             robots or Robots("/"),
@@ -112,7 +111,7 @@ def opened_window(
     )
     window.problems, window.languages = problems, languages
     window.clock, window.tools = clock, tools
-    window.node, window.kept_profiles = node, kept
+    window.node = node
     window.show()
     return window
 

@@ -75,10 +75,7 @@ class Services:
 
 
 class Surveys:
-    """A data folder with a whole survey and a newer one that was cut off, and the page.
-
-    Attributes:
-    """
+    """A data folder with a whole survey and a newer one that was cut off, and the page."""
 
     def __init__(self, data) -> None:
         self.data = data

@@ -240,7 +240,7 @@ def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     server.tick(AGAIN_S)
     server.node.ticket("focus").done(focused())
     server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
-    assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 of 2 places"}
+    assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 places to check"}
     server.tick(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))
     assert server.page.live(str)["result"] is None
 

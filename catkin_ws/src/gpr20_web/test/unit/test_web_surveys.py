@@ -2,34 +2,42 @@
 
 import contextlib
 import dataclasses
+import http.client
+import io
 import os
+import random
+import re
+import zipfile
 
 import pytest
 from candidate_examples import candidate_list
+from fault_kit import raises_fault
 from map_kit import focused
+from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from surveys_kit import PLACES
 from trace_examples import SURVEY
 from view_kit import snapshot, state_of
+from web_kit import Site
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.events import Replay
+from gpr20_survey.files.folder_lock import locked
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What, found_of
-from gpr20_web.calls import Role
-from gpr20_web.errors import (
-    BusyError,
-    NotAllowedError,
-    NotFoundError,
-    NotNowError,
-)
-from gpr20_web.mid.survey_files import FILES
+from gpr20_web import faults
+from gpr20_web.errors import BusyError, NotFoundError, NotNowError
+from gpr20_web.low.handlers import COOKIE
+from gpr20_web.mid.surveys_page import folder_of
 
 RUNS = snapshot(state=state_of(SurveyState.SURVEYING, survey_id=OTHER_SURVEY))
 ENDED = snapshot(state=state_of(SurveyState.FINISHED, survey_id=OTHER_SURVEY))
@@ -47,7 +55,7 @@ def test_the_list_says_how_each_ended_and_is_searched_and_paged(surveys, monkeyp
     assert (part["state"], answer["next"]) == ("incomplete", "")
     for values, found in (
         ({"text": "carmen lane-4"}, [part]),
-        ({"listed": "not complete"}, [part]),
+        ({"text": "missing"}, [part]),
         ({"before": surveys.part}, [whole]),
     ):
         assert surveys.ask("GET", "/api/surveys", **values)["surveys"] == found
@@ -62,13 +70,8 @@ def test_one_survey_is_described_as_in_the_window(surveys):
     assert shown["lines"][:3] == ["10 x 10 mm", "4 traces", "5 of 9 traces missing"]
     assert ("Name of the survey", "Lane-4") in shown["notes"]
     assert shown["problems"] == [] and shown["can_search"]
-    assert (shown["markers"], shown["found"], "candidates" in shown) == ([], [], False)
-    names = {one["name"]: one["bytes"] for one in shown["files"]}
+    assert (shown["found"], "candidates" in shown) == ([], False)
     folder = surveys.data / surveys.part
-    assert (
-        {"survey.json", "log.jsonl", "survey.mcap", "manifest.json"} <= names.keys() <= set(FILES)
-    )
-    assert all((folder / name).stat().st_size == size for name, size in names.items())
     assert shown["bytes"] == sum(one.stat().st_size for one in folder.rglob("*") if one.is_file())
 
 
@@ -102,7 +105,6 @@ WRONG = {
         *({}, {"x_mm": "1", "y_mm": 2}, {"x_mm": True, "y_mm": 2}, {"x_mm": 1, "y_mm": 1e9}),
         *({**PLACE, "depth_mm": -1}, {**PLACE, "y_mm": float("nan")}, {**PLACE, "x_mm": 10**400}),
         *({**PLACE, "text": "two\nlines"}, {**PLACE, "text": ["x"]}),
-        *({"remove": one} for one in ("../etc", "\ud800", "0" * 36, 3)),
     ],
     "found": [
         *({**FOUND, "what": "mine"}, {**FOUND, "candidate": "C09"}, {**FOUND, "candidate": []}),
@@ -126,27 +128,17 @@ def test_what_is_no_note_no_marker_and_no_find_is_refused(surveys):
     assert surveys.get(surveys.whole) == before
 
 
-def test_a_marker_is_removed_by_its_author_or_an_operator(surveys):
+def test_a_marker_is_added_with_its_author(surveys):
     surveys.post(surveys.whole, "markers", x_mm=12, y_mm=14.5, depth_mm=None, text="mine seen")
-    surveys.post(surveys.whole, "markers", name="carl", x_mm=1, y_mm=1, text="root")
-    mine, root = surveys.get(surveys.whole)["markers"]
-    assert (mine["x_mm"], mine["depth_mm"], mine["author"]) == (12.0, None, "berta")
-    with pytest.raises(NotAllowedError):
-        surveys.post(surveys.whole, "markers", name="carl", remove=mine["marker_id"])
-    surveys.post(surveys.whole, "markers", name="carl", remove=root["marker_id"])
-    assert surveys.get(surveys.whole)["markers"] == [mine]
-    operator = {"name": "dora", "role": Role.CONTROL}
-    surveys.post(surveys.whole, "markers", **operator, remove=mine["marker_id"])
-    assert surveys.get(surveys.whole)["markers"] == []
-    stored = read_description(surveys.data / surveys.whole)
-    assert [one["removed_by"] for one in stored["markers"]] == ["dora", "carl"]
+    (mine,) = present_markers(read_description(surveys.data / surveys.whole))
+    assert (mine.x_mm, mine.depth_mm, mine.author, mine.text) == (12.0, None, "berta", "mine seen")
 
 
 def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(surveys):
     answer = surveys.post(surveys.whole, "candidates")["candidates"]
     shown = surveys.get(surveys.whole)["candidates"]
     assert answer == shown == surveys.post(surveys.whole, "candidates")["candidates"]
-    assert shown["headline"] == "1 of 1 places; 1 weaker echoes" and shown["list"] == SUM
+    assert shown["headline"] == "1 place to check; 1 weaker echo" and shown["list"] == SUM
     assert str(NO_CLEARANCE) in shown["warnings"] and str(texts.FROM_MARK) in shown["notes"]
     first, second = shown["places"]
     assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
@@ -162,7 +154,7 @@ def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(su
 def test_a_list_without_places_says_that_this_does_not_mean_safety(surveys):
     surveys.services.focus = lambda survey: focused((), survey)
     shown = surveys.search(surveys.whole)["candidates"]
-    assert shown["headline"] == "No place stands out." and shown["places"] == []
+    assert shown["headline"] == "No place stands out" and shown["places"] == []
     assert {str(NO_CLEARANCE), str(texts.NOT_SAFE)} <= set(shown["warnings"])
 
 
@@ -220,3 +212,100 @@ def test_an_unknown_survey_is_not_found_and_a_replay_has_none(surveys):
     for path in ("/api/surveys", f"/api/surveys/{surveys.whole}"):
         with pytest.raises(NotNowError):
             surveys.ask("GET", path)
+
+
+def content_of(body):
+    return b"".join(body.content)
+
+
+def zip_of(surveys, folder):
+    body = surveys.get(folder, "/zip")
+    assert (body.name, body.kind) == (f"{folder}_survey.zip", "application/zip")
+    return zipfile.ZipFile(io.BytesIO(content_of(body)))
+
+
+def test_the_whole_survey_can_be_downloaded_as_it_is(surveys):
+    folder = surveys.data / surveys.whole
+    with zip_of(surveys, surveys.whole) as archive:
+        files = {
+            f"{surveys.whole}/{one.relative_to(folder)}": one.read_bytes()
+            for one in folder.rglob("*")
+            if one.is_file()
+        }
+        assert {name: archive.read(name) for name in archive.namelist()} == files
+
+
+def test_a_survey_that_is_written_is_not_downloaded(surveys):
+    with locked(surveys.data / surveys.whole):
+        with raises_fault(faults.NOT_NOW, error=NotNowError):
+            surveys.get(surveys.whole, "/zip")
+        shown = surveys.get(surveys.whole)
+        assert "bytes" not in shown and len(shown["problems"]) == 1
+    assert surveys.get(surveys.whole)["bytes"]
+
+
+def test_no_link_and_no_name_leads_out_of_the_data_folder(surveys, tmp_path):
+    outside = tmp_path / "outside"
+    (surveys.data / surveys.part).rename(outside)
+    (surveys.data / surveys.part).symlink_to(outside)
+    for rest in ("", "/zip"):
+        with pytest.raises(NotFoundError):
+            surveys.get(surveys.part, rest)
+    for name, read in (("manifest.json", content_of), ("survey.json", lambda body: body)):
+        form = surveys.data / surveys.whole / name
+        form.unlink()
+        form.symlink_to(outside / name)
+        with pytest.raises(Gpr20Error):
+            read(surveys.get(surveys.whole, "/zip"))
+    draw = random.Random(SEED)
+    pieces = ["..", ".", "/", "\\", "%2e%2e", "\0", "~", "secret", "data", "traces", "survey.json"]
+    pieces += [surveys.whole, surveys.part[:8], "T141320_0f8fad5b", "٣", "\n", str(tmp_path)]
+    for _ in range(draws(500)):
+        name = "".join(draw.choices(pieces, k=draw.randint(1, 6)))
+        for route in surveys.page.routes:
+            found = re.fullmatch(route.pattern, f"/api/surveys/{name}")
+            assert found is None or FOLDER_NAME.fullmatch(found.group("folder"))
+        if name not in (surveys.whole, surveys.part):
+            with pytest.raises(Gpr20Error):
+                folder_of(surveys.data, name)
+
+
+def test_a_survey_that_cannot_be_read_says_why_and_can_be_downloaded(surveys):
+    folder = surveys.data / surveys.part
+    for name in ("log.jsonl", "log.copy.jsonl", "survey.mcap", "manifest.json"):
+        (folder / name).write_bytes(b"nothing")
+    shown = surveys.get(surveys.part)
+    assert shown["problems"] and shown["state"] == "unreadable" and not shown["can_search"]
+    assert zip_of(surveys, surveys.part).namelist()
+
+
+def test_a_large_survey_comes_as_it_is_and_what_fails_is_never_taken_for_a_whole_one(surveys):
+    path = surveys.data / surveys.whole / "survey.mcap"
+    path.write_bytes(os.urandom(30_000_000))
+    with contextlib.closing(Site(surveys.page.routes)) as site:
+        reply = site.ask("GET", f"/api/surveys/{surveys.whole}/zip", session="watch")
+        assert f'filename="{surveys.whole}_survey.zip"' in reply.headers["Content-Disposition"]
+        with zipfile.ZipFile(io.BytesIO(reply.body)) as archive:
+            assert archive.testzip() is None
+        connection = site.connect()
+        cookie = {"Cookie": f"{COOKIE}=watch"}
+        connection.request("GET", f"/api/surveys/{surveys.whole}/zip", headers=cookie)
+        response = connection.getresponse()
+        response.read(100_000)
+        path.write_bytes(b"another")
+        with pytest.raises((http.client.IncompleteRead, ConnectionError)):
+            response.read()
+        connection.close()
+    assert site.reported == []
+
+
+def test_a_report_is_made_as_the_window_makes_it(surveys):
+    for kind in ("survey-zip", "report", "..%2f", "report-html/"):
+        with pytest.raises(LookupError):
+            surveys.get(surveys.whole, f"/made/{kind}")
+    surveys.services.export = lambda *_: Exported(("a.pdf",), b"%PDF")
+    body = surveys.get(surveys.whole, "/made/report-html")
+    assert (body.content, body.name) == (b"%PDF", "a.pdf")
+    _service, survey, fields = surveys.services.asked[-1]
+    assert (survey, fields["kinds"], fields["volume"]) == (surveys.whole, ["report-html"], "")
+    assert (fields["language"], fields["permittivity"]) == ("en", NOT_KNOWN)

@@ -248,7 +248,6 @@ TABLE = (
     Row("POST", f"{S}/candidates", WATCH),
     Row("GET", f"{S}/zip", WATCH),
     Row("GET", f"{S}/made/report-html", WATCH),
-    Row("GET", f"{S}/files/survey.json", WATCH),
     # Notes, markers, found records, PAUSE and STOP from anywhere.
     Row("POST", f"{S}/notes", WATCH, {"text": "wet"}),
     Row("POST", f"{S}/markers", WATCH, {"x_mm": 1.0, "y_mm": 2.0, "text": "can"}),

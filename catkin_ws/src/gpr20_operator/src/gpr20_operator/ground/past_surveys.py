@@ -33,20 +33,6 @@ class Ending(enum.Enum):
     """It has no plan: nothing says whether it is complete."""
 
 
-class Listed(enum.Enum):
-    """Which surveys the operator wants to see."""
-
-    ALL = "all"
-    NOT_COMPLETE = "not complete"
-    IMPORTED = "imported"
-
-    def holds(self, ending: Ending) -> bool:
-        """Return whether a survey that ended so is among them."""
-        if self is Listed.NOT_COMPLETE:
-            return ending not in (Ending.COMPLETE, Ending.IMPORTED)
-        return self is Listed.ALL or ending is Ending.IMPORTED
-
-
 def survey_label(name: str, survey_id: str, begun: Message) -> Message:
     """Return what a survey is called on every page: when it began, and its name."""
     called = name or survey_id[:8]
@@ -109,17 +95,16 @@ class PastSurveys:
     def find(self, folder: str) -> Optional[SurveySummary]:
         return next((one for one in self.surveys if one.folder == folder), None)
 
-    def found(self, listed: Listed, text: str, shown: Shown) -> Tuple[SurveySummary, ...]:
-        """Return those of which name, site, operator and time as shown have each word of a text."""
+    def found(self, text: str, shown: Shown) -> Tuple[SurveySummary, ...]:
+        """Return those whose names, time and ending as shown have each word of a text."""
         words = searchable(text).split()
 
         def has_words(one: SurveySummary) -> bool:
-            time = shown(local_time(one.started, one.folder))
-            written = searchable("\n".join((one.name, one.site, one.operator, time)))
+            said = map(shown, (local_time(one.started, one.folder), self.ending(one)))
+            written = searchable("\n".join((one.name, one.site, one.operator, *said)))
             return all(word in written for word in words)
 
-        chosen = (one for one in self.surveys if listed.holds(self.ending_of(one)))
-        return tuple(one for one in chosen if not words or has_words(one))
+        return tuple(one for one in self.surveys if not words or has_words(one))
 
     def take(self, before: str, surveys: Tuple[SurveySummary, ...], more: bool) -> None:
         """Add a page; the first one replaces the list."""

@@ -119,6 +119,11 @@ class Job(Generic[Result]):
         return self.state is JobState.RUNNING
 
     @property
+    def age_s(self) -> float:
+        """How long ago it has changed [s]."""
+        return self._now_s() - self.changed_s
+
+    @property
     def running_s(self) -> float:
         """How long the request has been running [s]; 0 if none is."""
         return self._now_s() - self._started_s if self.running else 0.0
@@ -147,24 +152,17 @@ class Job(Generic[Result]):
         """Say why the result cannot be used, as if there were none."""
         self._set(JobState.FAILED, problem=problem)
 
-    def take(
-        self,
-        ticket: Ticket[Result],
-        state: JobState,
-        stage: Optional[Message] = None,
-        problem: Optional[Message] = None,
-        result: Optional[Result] = None,
-    ) -> None:
+    def take(self, ticket: Ticket[Result], state: JobState, **found: Any) -> None:
         """Take progress or the answer of a request, unless it is not the last one."""
         if ticket is not self._ticket:
             return
         if state is not JobState.RUNNING:
             self._ticket = None
-        self._set(state, stage, problem, result)
+        self._set(state, **found)
         if state is JobState.DONE:
-            self._done(result)  # type: ignore[arg-type]
-        if state is JobState.FAILED and problem is not None:
-            self._failed(problem)
+            self._done(found["result"])
+        elif state is JobState.FAILED:
+            self._failed(found["problem"])
 
     def _set(
         self,
@@ -196,9 +194,5 @@ def job_of(
     failed: Callable[[Message], None] = lambda _problem: None,
 ) -> Job[Any]:
     """Return a job of a service."""
-
-    def cancel(request_id: str) -> None:
-        if service.can_be_cancelled:
-            requests.cancel(request_id)
-
+    cancel = requests.cancel if service.can_be_cancelled else lambda _request_id: None
     return Job(partial(requests.ask, service), cancel, now_s, done, failed)

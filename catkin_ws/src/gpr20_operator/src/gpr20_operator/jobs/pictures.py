@@ -1,9 +1,9 @@
-"""What the imaging node does for the window: images, where a mine could hide, exports."""
+"""What storage and imaging node answer; images and hiding maps, which all pages share."""
 
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, NamedTuple, Optional, Set, Tuple
+from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
@@ -12,10 +12,10 @@ from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
 
 NOT_KNOWN = 0.0
-"""What is sent as the permittivity where none is known here: that of the stored survey is used."""
+"""What is sent as the permittivity to use that of the stored survey."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
-# A permittivity that is set in steps: the last one counts.
+# Another permittivity may be set in steps; somebody waits for its image.
 SETTLED_S = 1.0
 # The imaging node refuses an image of fewer lines than three.
 FEWEST_TRACES = 9
@@ -86,42 +86,18 @@ class Pictures:
 
 
 class KnownSoils:
-    """The permittivity of the ground of each survey: one for all pages and exports."""
+    """The permittivity that is stored with each survey, for all pages."""
 
     def __init__(self) -> None:
         self._values: Dict[str, Optional[float]] = {}
-        self._unstored: Set[str] = set()
 
     def of(self, survey_id: str) -> Optional[float]:
         """Return the permittivity of a survey; None: it is not known."""
         return self._values.get(survey_id)
 
-    def asked(self, survey_id: str, permittivity: Optional[float]) -> float:
-        """Return what the imaging node is asked with, for one answer: it reads what is stored."""
-        is_stored = survey_id not in self._unstored and permittivity == self.of(survey_id)
-        return NOT_KNOWN if is_stored or permittivity is None else permittivity
-
-    def enter(self, survey_id: str, permittivity: Optional[float]) -> None:
-        """Take what a person entered here; it is not stored with the survey yet."""
-        self._values[survey_id] = permittivity
-        self._unstored.add(survey_id)
-
-    def take(self, survey_id: str, noted: Optional[float]) -> None:
-        """Take what is stored with a survey; None: that it is not known.
-
-        Somebody at another screen may have entered it. What was entered here and is not stored
-        yet is newer.
-        """
-        if survey_id not in self._unstored:
-            self._values[survey_id] = noted
-
-    def is_unstored(self, survey_id: str) -> bool:
-        """Return whether something was entered here that is not stored with the survey yet."""
-        return survey_id in self._unstored
-
-    def note_stored(self, survey_id: str) -> None:
-        """Note that what was entered here is stored."""
-        self._unstored.discard(survey_id)
+    def take(self, survey_id: str, stored: Optional[float]) -> None:
+        """Take what is stored with a survey; None: that it is not known."""
+        self._values[survey_id] = stored
 
 
 class Wanted(NamedTuple):
@@ -154,15 +130,11 @@ class Imaging:
         pictures: Optional[Pictures] = None,
         again_s: float = math.inf,
     ) -> None:
-        self._requests = requests
-        self.now_s, self._again_s = now_s, again_s
+        self._requests, self._now_s, self._again_s = requests, now_s, again_s
         self.pictures = pictures or Pictures()
         self.soils = KnownSoils()
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
-        self._asked: Optional[Wanted] = None
-        self._ended_s: Optional[float] = None
-        self._settling: Optional[Wanted] = None
-        self._settling_s = 0.0
+        self._asked = Wanted("", 0, None)
 
     def job(
         self,
@@ -171,7 +143,7 @@ class Imaging:
         failed: Callable[[Message], None] = lambda _problem: None,
     ) -> Job[Any]:
         """Return a job of a service."""
-        return job_of(self._requests, service, self.now_s, done, failed)
+        return job_of(self._requests, service, self._now_s, done, failed)
 
     @property
     def problem(self) -> Optional[Message]:
@@ -182,26 +154,19 @@ class Imaging:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
         if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
             return
-        if self._ended_s is None:
-            self._ended_s = self.now_s()
-        is_new = wanted != self._asked or self.now_s() - self._ended_s >= self._again_s
-        if not is_new or not self._is_due(wanted):
-            return
-        self._asked, self._ended_s = wanted, None
-        permittivity = self.soils.asked(wanted.survey_id, wanted.permittivity)
-        self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
+        if wanted == self._asked:
+            period_s = self._again_s
+        elif wanted.survey_id != self._asked.survey_id:
+            period_s = 0.0
+        else:
+            same = wanted.permittivity == self._asked.permittivity
+            period_s = PERIOD_S if same else SETTLED_S
+        if self._shown.age_s >= period_s:
+            self._asked, permittivity = wanted, wanted.permittivity
+            if permittivity is None or permittivity == self.soils.of(wanted.survey_id):
+                permittivity = NOT_KNOWN
+            self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
 
     def end(self) -> None:
         """End what is awaited."""
         self._shown.end()
-
-    def _is_due(self, wanted: Wanted) -> bool:
-        asked, now_s = self._asked, self.now_s()
-        if asked is None or asked.survey_id != wanted.survey_id:
-            return True
-        if asked.permittivity == wanted.permittivity:
-            return now_s - (self._ended_s or 0.0) >= PERIOD_S
-        # Only once the operator has stopped changing it.
-        if self._settling is None or self._settling.permittivity != wanted.permittivity:
-            self._settling, self._settling_s = wanted, now_s
-        return now_s - self._settling_s >= SETTLED_S

@@ -13,8 +13,7 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
-from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.jobs.stick import StickExport
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported, Imaging, Sticks, StoredSurvey
 from gpr20_survey.folder.log_record import Kind, log_values
 from gpr20_survey.folder.soil_note import KIND as SOIL_KIND
 from gpr20_survey.folder.soil_note import soil_values
@@ -26,6 +25,7 @@ from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_survey.trace import utc_time
 
 PLACES_SHOWN = 5
@@ -34,6 +34,12 @@ BESIDE_MM = 30.0
 CANCELLED = Message("The search was cancelled.")
 SURVEY_RUNS = Message("A survey is running. The search begins when it has ended.")
 OTHER_SURVEY = Message("The answer is that of another survey.")
+CANCELLING = Message("Cancelling. Unfinished files are removed from the stick.")
+# A stick that is plugged in shows within this time [s].
+LIST_PERIOD_S = 2.0
+NO_STICKS = Sticks("", ())
+REPORT = (ExportPart.REPORT_HTML,)
+ALL_DATA = (ExportPart.REPORT_HTML, ExportPart.CANDIDATES_CSV, ExportPart.SURVEY_ZIP)
 
 
 @dataclass(frozen=True)
@@ -101,8 +107,60 @@ def list_sum(found: CandidateList) -> str:
     return hashlib.sha256((json_text(found) + "\n").encode()).hexdigest()
 
 
+class StickExport:
+    """Writes a survey to the stick that a person touches, one at a time. Belongs to one thread.
+
+    Attributes:
+        job: The export.
+        listing: The request for the sticks.
+        sticks: Those that are mounted, and where.
+        survey: Id of the survey that is exported.
+    """
+
+    def __init__(self, imaging: Imaging) -> None:
+        self.job: Job[Exported] = imaging.job(Service.EXPORT)
+        self.listing: Job[Sticks] = imaging.job(Service.STICKS, self._take_sticks)
+        self.sticks, self.survey = NO_STICKS, ""
+
+    @property
+    def revision(self) -> Tuple[object, ...]:
+        """Changes with everything that a view shows of this."""
+        return self.job.revision, self.listing.problem, self.sticks
+
+    @property
+    def offered(self) -> Tuple[Volume, ...]:
+        """The sticks, those that can be written first."""
+        return tuple(sorted(self.sticks.volumes, key=lambda one: not one.writable))
+
+    def begin(self) -> None:
+        """Look for sticks anew: one of an earlier list may have been removed."""
+        if not self.job.running:
+            self.job.end()
+            self.sticks = NO_STICKS
+            self.listing.ask()
+
+    def look_for_sticks(self) -> None:
+        """Ask for the sticks again if that was not done just now."""
+        busy = self.job.running or self.listing.running
+        if not busy and self.listing.age_s >= LIST_PERIOD_S:
+            self.listing.ask()
+
+    def write(
+        self, volume: Volume, survey: str, parts: Tuple[ExportPart, ...], language: str
+    ) -> None:
+        """Write files of a survey to a stick."""
+        if not self.job.running:
+            self.survey = survey
+            kinds = [one.value for one in parts]
+            options = {"permittivity": NOT_KNOWN, "language": language, "volume": volume.path}
+            self.job.ask(survey=survey, kinds=kinds, **options)
+
+    def _take_sticks(self, sticks: Sticks) -> None:
+        self.sticks = sticks
+
+
 class SurveyResult:
-    """Reads a survey, then searches it, and asks about it with one permittivity.
+    """Reads a survey, then searches it, and asks about it with the permittivity that is stored.
 
     Nothing is searched while a survey runs. Belongs to one thread.
 
@@ -117,7 +175,8 @@ class SurveyResult:
         reading: The request for it.
         search: The request for image and candidates.
         hiding: The request for where the target could hide.
-        noting: The request to store what was found, or the permittivity.
+        noting: The request to store what was found.
+        soil: The request to store another permittivity.
         export: The export to a stick.
         target: The target that could hide.
         survey_runs: Whether the robot measures: nothing is searched, made or entered meanwhile.
@@ -126,20 +185,17 @@ class SurveyResult:
     """
 
     def __init__(self, imaging: Imaging, time_us: Callable[[], int] = time_of_day_us) -> None:
-        self._imaging = imaging
-        self._time_us = time_us
-        self.survey_runs = False
-        self._wanted = False
-        self.survey = self.latest_id = ""
+        self._imaging, self._time_us = imaging, time_us
+        self.survey_runs = self._wanted = False
+        self.survey = self.latest_id = self._list_sum = ""
         self.record: Optional[Record] = None
         self.reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take_record)
         self.search: Job[FocusedImage] = imaging.job(Service.FOCUS, self._take_image)
         self.hiding: Job[HidingMap] = imaging.job(Service.HIDE, self._take_hiding)
         self.noting: Job[Message] = imaging.job(Service.FACT, lambda _said: self._read_again())
-        self._soil: Job[Message] = imaging.job(Service.FACT, lambda _said: self._soil_is_stored())
-        self._storing = ""
+        self.soil: Job[Message] = imaging.job(Service.FACT, lambda _said: self.try_again())
+        self._jobs = (self.reading, self.search, self.hiding, self.noting, self.soil)
         self.export = StickExport(imaging)
-        self._list_sum = ""
         self.target = Targets.TYPE_72.value
         self.first = 0
         self.chosen: Optional[Candidate] = None
@@ -147,38 +203,16 @@ class SurveyResult:
     @property
     def revision(self) -> Tuple[object, ...]:
         """Changes with everything that a view shows of this."""
-        jobs = (self.reading, self.search, self.hiding, self.noting, self._soil)
         return (
-            *(
-                self.survey,
-                self.latest_id,
-                self.survey_runs,
-                self.first,
-                self.chosen,
-                self.export.revision,
-            ),
-            *(one.revision for one in jobs),
-            *(int(one.running_s) for one in jobs),
-            *(self.permittivity, self.target, self._imaging.pictures.revision),
+            *(self.survey, self.latest_id, self.survey_runs, self.first, self.chosen),
+            *(one.revision for one in self._jobs),
+            *(self.target, self.export.revision),
         )
 
     @property
     def permittivity(self) -> Optional[float]:
-        """Of the ground, from the plan to the export; None: nobody entered one."""
-        record = self.record
-        if record is None:
-            return None
-        return self._imaging.soils.of(record.survey_id)
-
-    @property
-    def _asked_permittivity(self) -> float:
-        survey_id = "" if self.record is None else self.record.survey_id
-        return self._imaging.soils.asked(survey_id, self.permittivity)
-
-    @property
-    def soil_problem(self) -> Optional[Message]:
-        """Why the permittivity that was entered is not stored with the survey; None: it is."""
-        return self._soil.problem
+        """Of the ground, as stored with the survey; None: nobody entered one."""
+        return None if self.record is None else self.record.grid.permittivity
 
     @property
     def image(self) -> Optional[FocusedImage]:
@@ -211,7 +245,7 @@ class SurveyResult:
 
     def end(self) -> None:
         """End everything but an export, which continues with its survey."""
-        for job in (self.reading, self.search, self.hiding, self.noting):
+        for job in self._jobs:
             job.end()
 
     def try_again(self) -> None:
@@ -241,11 +275,9 @@ class SurveyResult:
             if self.reading.state is JobState.READY:
                 self.reading.ask(survey=survey)
             return
-        if self._soil.running:
-            return  # the imaging node uses what the log says, and this is not there yet
         self._wanted = False
         known = {"only_known": True} if self.survey_runs else {}
-        self.search.ask(survey=survey, permittivity=self._asked_permittivity, **known)
+        self.search.ask(survey=survey, permittivity=NOT_KNOWN, **known)
 
     def cancel(self) -> None:
         """End the search."""
@@ -254,24 +286,10 @@ class SurveyResult:
         self.search.end(CANCELLED)
 
     def set_permittivity(self, permittivity: Optional[float]) -> None:
-        """Use another permittivity from now on, and search with it; None: not known."""
-        if self.record is None or permittivity == self.permittivity:
-            return
-        survey_id = self.record.survey_id
-        self.search.end()
-        self.hiding.end()
-        self._imaging.pictures.drop_hiding(survey_id)
-        self._imaging.soils.enter(survey_id, permittivity)
-        self._store_soil(survey_id)
-        self.first, self.chosen, self._wanted = 0, None, True
-
-    def _store_soil(self, survey_id: str) -> None:
-        """Store the permittivity that was entered for a survey with it, durably; if one was."""
-        soils = self._imaging.soils
-        if soils.is_unstored(survey_id):
-            self._storing = survey_id
-            values = soil_values(soils.of(survey_id), self._time_us())
-            self._soil.ask(survey=survey_id, kind=SOIL_KIND, values=values)
+        """Store another permittivity, None: not known; once it is stored, search with it."""
+        if self.record is not None and permittivity != self.permittivity and not self.soil.running:
+            values = soil_values(permittivity, self._time_us())
+            self.soil.ask(survey=self.record.survey_id, kind=SOIL_KIND, values=values)
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""
@@ -279,15 +297,8 @@ class SurveyResult:
             return
         self.target = target.value
         self.hiding.ask(
-            survey=self.record.survey_id,
-            permittivity=self._asked_permittivity,
-            target=target.value.name,
+            survey=self.record.survey_id, permittivity=NOT_KNOWN, target=target.value.name
         )
-
-    def begin_export(self, language: str) -> None:
-        """Write the report to a stick."""
-        if self.record is not None and not self.survey_runs:
-            self.export.begin(self.record.survey_id, self._asked_permittivity, language)
 
     def turn_page(self) -> None:
         """Show the next five places; after them the weaker echoes, and the first ones again."""
@@ -338,14 +349,7 @@ class SurveyResult:
         except (SurveyNotReadableError, InvalidValueError) as error:
             self.reading.refuse(error.message)
             return
-        survey_id = self.record.survey_id
-        self._imaging.soils.take(survey_id, self.record.grid.permittivity)
-        if not self._soil.running:
-            # The storage may have been unable to keep it.
-            self._store_soil(survey_id)
-
-    def _soil_is_stored(self) -> None:
-        self._imaging.soils.note_stored(self._storing)
+        self._imaging.soils.take(self.record.survey_id, self.permittivity)
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.found.survey_id):

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional, Sequence, Tuple
+from typing import Dict, List, Optional, Tuple
 
 from gpr20_common.message import Message, in_a_row, numeral
-from gpr20_operator.ground.past_surveys import past_band, survey_label
-from gpr20_operator.jobs.result import PLACES_SHOWN, SurveyResult
-from gpr20_operator.words import in_line, local_time
-from gpr20_survey.faults import DAMAGED, UNCONFIRMED
+from gpr20_operator.ground.past_surveys import (
+    PastSurveys,
+    past_band,
+    present_verdict,
+    survey_label,
+)
+from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.words import in_line, local_time, size_text
 from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 from gpr20_survey.results.found import Found, What
 from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.survey_summary import SurveySummary
 
 FROM_MARK = Message("X, Y: mm from the frame's mark")
-NOTHING_FOUND = Message("No place stands out.")
+NOTHING_FOUND = Message("No place stands out")
 NOT_SAFE = Message(
     "That does not mean that no mine is there: one that echoes no more than this ground is not "
     'seen. "Where could a mine hide?" shows where.'
@@ -33,19 +38,6 @@ FINDS: Dict[What, Message] = {
     What.SCRAP: Message("scrap"),
     What.DEVICE: Message("mine or device"),
 }
-# By the codes of their faults.
-DOUBTED: Dict[str, Message] = {
-    "analysis.zeros_unproven": Message("positions"),
-    DAMAGED.code: Message("damage"),
-    UNCONFIRMED.code: Message("log"),
-    "analysis.sweep_repeated": Message("copies"),
-    "analysis.calibration": Message("calibration"),
-    "analysis.drifted": Message("drift"),
-    "analysis.settings_changed": Message("settings"),
-    "analysis.clock": Message("clock"),
-    "analysis.imported": Message("no plan"),
-}
-OTHER_DOUBT, DOUBTS_NAMED = Message("something else"), 3
 INCOMPLETE = Message("INCOMPLETE")
 OUTCOMES: Dict[str, Message] = {
     "stopped": Message("STOPPED"),
@@ -68,36 +60,35 @@ def band(result: SurveyResult) -> Optional[Message]:
     if record is None or record.survey_id == result.latest_id:
         return None
     label = survey_label(record.name, record.survey_id, local_time(record.started))
-    return past_band(label, record.outcome)
+    band = past_band(label, record.outcome)
+    return in_a_row([Message("SIMULATED"), band]) if record.grid.simulated else band
 
 
-def headline(found: CandidateList, first: int = 0, most: int = PLACES_SHOWN) -> Message:
-    """Return how many places there are, and which are shown, from a number on (from 0).
+def survey_lines(past: PastSurveys, survey: SurveySummary) -> List[Message]:
+    """Return how large a stored survey is, and how it ended."""
+    width_mm, height_mm, count = survey.width_mm, survey.height_mm, survey.stored_traces
+    lines = (
+        size_text(round(width_mm), round(height_mm)) if width_mm else None,
+        Message("{count} traces", count=count) if survey.problem is None else None,
+        *(past.ending(survey), present_verdict(survey)),
+    )
+    return [one for one in lines if one is not None]
 
-    Args:
-        found: The list.
-        first: Number of the first place that is shown, from 0.
-        most: How many are shown at most.
-    """
-    if not found.total:
-        return NOTHING_FOUND
-    places = found.primary
-    if first >= places:
-        return Message(
-            "weaker echoes {first}-{last} of {total}",
-            first=first - places + 1,
-            last=min(first - places + most, found.weaker),
-            total=found.weaker,
-        )
-    last = min(first + most, places)
-    counted = Message("{shown} of {total} places", shown=last - first, total=places)
-    if first:
-        counted = Message("{first}-{last} of {total}", first=first + 1, last=last, total=places)
-    return in_a_row([counted, *([weaker_line(found)] if found.weaker else [])])
+
+def headline(found: CandidateList) -> Message:
+    """Return how many places there are to check, and how many weaker echoes below them."""
+    first = NOTHING_FOUND
+    if found.primary:
+        count = found.primary
+        one = Message("1 place to check")
+        first = one if count == 1 else Message("{count} places to check", count=count)
+    return in_a_row([first, *([weaker_line(found)] if found.weaker else [])])
 
 
 def weaker_line(found: CandidateList) -> Message:
     """Return how many echoes are below the cut of the list."""
+    if found.weaker == 1:
+        return Message("1 weaker echo")
     return Message("{count} weaker echoes", count=found.weaker)
 
 
@@ -106,20 +97,12 @@ def doubts(result: SurveyResult) -> List[Message]:
     return [] if result.image is None else [one for one in result.image.found.notes if one.cause]
 
 
-def doubted(found: Sequence[Message]) -> Message:
-    """Return in few words what is doubted: the first doubts, and how many more."""
-    kinds = [DOUBTED.get(one.fault_code, OTHER_DOUBT) for one in found]
-    others = len(kinds) - DOUBTS_NAMED
-    more = [Message("and {count} more", count=others)] if others > 0 else []
-    return Message("DOUBTED:\n{kinds}", kinds=in_a_row([*kinds[:DOUBTS_NAMED], *more]))
-
-
 def notices(result: SurveyResult) -> List[Message]:
     """Return what else a person must know of the whole list: what is not in it, or was lost."""
     part, image = measured(result), result.image
     lines = [] if part is None else [part]
-    if result.soil_problem is not None:
-        reason = result.soil_problem
+    if result.soil.problem is not None:
+        reason = result.soil.problem
         lines.append(Message("The permittivity is not stored: {reason}", reason=reason))
     if result.record is not None and result.record.unreadable:
         count = result.record.unreadable
@@ -134,22 +117,19 @@ def notices(result: SurveyResult) -> List[Message]:
 def place_line(place: Candidate) -> Message:
     """Return where a place is."""
     x, y, _ = place.place_texts
-    return Message("X {x}  Y {y}", x=x, y=y)
+    return Message("X {x}  Y {y} mm", x=x, y=y)
 
 
 def whole_place(place: Candidate) -> Message:
     """Return where a place is, and how deep."""
     across, deep = place_line(place), place.place_texts[2]
-    return Message("{across} mm, {deep} mm deep", across=across, deep=deep)
+    return Message("{across}, {deep} mm deep", across=across, deep=deep)
 
 
 def why_line(place: Candidate) -> Message:
-    """Return in one line how deep a place is, and why it is on the list."""
-    deep, level = place.place_texts[2], place.above_clutter_db
-    line = Message("{deep} deep, {level:.0f} dB", deep=deep, level=level)
-    if place.is_doubtful:
-        line = Message("{deep} deep, weaker echo, {level:.0f} dB", deep=deep, level=level)
-    return in_a_row([line, *place.labels])
+    """Return in one line how deep a place is, and what to know before believing it."""
+    deep = Message("{deep} mm deep", deep=place.place_texts[2])
+    return in_a_row([deep, *place.labels])
 
 
 def why_lines(place: Candidate) -> List[Message]:
@@ -182,13 +162,12 @@ def measured(result: SurveyResult) -> Optional[Message]:
 def soil_lines(result: SurveyResult) -> Tuple[Message, Message]:
     """Return the permittivity that everything is made with, and what is known of it."""
     value = result.permittivity
-    if value is None and result.record is None:
+    if result.record is None:
         return Message("Permittivity"), Message("not read yet")
     if value is None:
-        # It is another one if the log could not be told that it is not known after all.
-        value = result.image.found.permittivity if result.image else ANY_SOIL.permittivity
-        if value == ANY_SOIL.permittivity:
-            return Message("Permittivity {value:.3g}", value=value), Message("ASSUMED")
+        image = result.image
+        assumed = ANY_SOIL.permittivity if image is None else image.found.permittivity
+        return Message("Permittivity {value:.3g}", value=assumed), Message("ASSUMED")
     soil = soil_of(value)
     known = Message("as entered") if soil is None else soil.value.name
     return Message("Permittivity {value:.3g}", value=value), known

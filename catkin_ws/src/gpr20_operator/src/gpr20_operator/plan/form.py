@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 import threading
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Dict, FrozenSet, Iterable, Mapping, Optional, Set, Tuple, Union
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.files.settings_file import Newest
 from gpr20_operator.plan.fields import (
-    MAX_GRID_POINTS,
     PARAMETERS,
     PLAN,
     SPECS,
@@ -36,6 +35,10 @@ from gpr20_survey.trace.ms2026c import MIN_FREQUENCY_SPACING_HZ
 
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5
+# Of an axis; the checks limit the size of the whole survey.
+MAX_INTERVALS = 9999
+# What an axis has on the form, in the place of the number of its points.
+SPACINGS = {"x_points": "x_spacing_mm", "y_points": "y_spacing_mm"}
 
 
 @dataclass(frozen=True)
@@ -46,28 +49,20 @@ class PlanCheck:
     permittivity: Optional[float]
     problems: Mapping[str, Message]
 
-
-def problem_of(name: str, check: PlanCheck) -> Optional[Message]:
-    """Return what a field is called and what it allows if it is wrong; None if it is right."""
-    if name not in check.problems:
-        return None
-    return Message("{field}: {allowed}", field=SPECS[name].title, allowed=check.problems[name])
+    def problem_of(self, name: str) -> Message:
+        """Return what a wrong field is called, and what it allows."""
+        return Message("{field}: {allowed}", field=SPECS[name].title, allowed=self.problems[name])
 
 
-def check_plan(
-    texts: Mapping[str, str], following: Iterable[str], travel: RobotTravel
-) -> PlanCheck:
-    """Check all texts; the points of the axes in `following` follow from the spacing."""
+def check_plan(texts: Mapping[str, str], travel: RobotTravel) -> PlanCheck:
+    """Check the texts of all fields."""
     values: Dict[str, Any] = {}
     problems: Dict[str, Message] = {}
-    # A spacing that follows from the points is not judged.
-    ignored = {f"{axis}_spacing_mm" for axis in set("xy") - set(following)}
     for spec in PLAN:
         try:
             values[spec.name] = spec.kind.read(texts[spec.name])
         except InvalidValueError:
-            if spec.name not in ignored:
-                problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
+            problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
     unreadable = [one.name for one in PARAMETERS if one.name not in values]
     known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
     candidate = replace(default_parameters(), **known)
@@ -75,22 +70,17 @@ def check_plan(
     for found in find_problems(candidate, travel):
         if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
             for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
-                problems.setdefault(name, _correction(SPECS[name], found.of, travel))
+                shown = SPACINGS.get(name, name)
+                problems.setdefault(shown, _correction(SPECS[name], found.of, travel))
     in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
     return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
 
 def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
-    allowed = spec.allows(travel)
     if spec.kind.keys is not Keys.NUMBER or _finite(text) is not None:
-        return allowed
+        return spec.allowed(travel)
     # Many a keyboard and country writes 12,5.
-    number = Message("a number such as 12.5")
-    return (
-        number
-        if spec.allowed
-        else Message("{a_number}, {allowed}", a_number=number, allowed=allowed)
-    )
+    return Message("a number such as 12.5")
 
 
 def _correction(spec: FieldSpec, of: Union[str, Relation], travel: RobotTravel) -> Message:
@@ -101,71 +91,46 @@ def _correction(spec: FieldSpec, of: Union[str, Relation], travel: RobotTravel) 
         return Message("stops at least {step:g} mm apart", step=step_mm)
     if of is Relation.SIZE:
         return Message("at most {most} traces per survey", most=MAX_TRACES)
-    return spec.allows(travel)
+    return spec.allowed(travel)
 
 
 class PlanForm:
-    """The texts of all fields. Points follow from the spacing, or the spacing from the points."""
+    """The texts of all fields; the number of points of an axis follows from its spacing."""
 
     def __init__(self, travel: RobotTravel) -> None:
         self.travel = travel
-        self.proposed_address = ""
         self._texts: Dict[str, str] = {spec.name: spec.default for spec in PLAN}
-        self._following: Set[str] = set("xy")
 
     @property
     def texts(self) -> Mapping[str, str]:
         """The text of each field by its name."""
         return self._texts
 
-    @property
-    def following(self) -> FrozenSet[str]:
-        """The axes, x and y, whose number of points follows from the spacing."""
-        return frozenset(self._following)
-
     def set_text(self, name: str, text: str) -> None:
         """Replace the text of a field, and with it what follows from it."""
-        self._texts[name] = text
-        axis, _, what = name.partition("_")
-        if axis not in ("x", "y"):
-            return
-        if what == "spacing_mm":
-            self._following.add(axis)
-        elif what == "points":
-            self._following.discard(axis)
-        self._derive(axis)
+        texts, axis = self._texts, name.partition("_")[0]
+        texts[name] = text
+        if axis in ("x", "y"):
+            length_mm, spacing_mm = self._length_mm(axis), _finite(texts[f"{axis}_spacing_mm"])
+            if length_mm is not None and spacing_mm is not None and spacing_mm > 0.0:
+                texts[f"{axis}_points"] = str(points_for(length_mm, spacing_mm))
 
     def set_texts(self, texts: Mapping[str, str]) -> None:
         """Replace the texts of several fields, in their order."""
         for name, text in texts.items():
             self.set_text(name, text)
 
-    def restore(self, texts: Mapping[str, str], following: Iterable[str]) -> None:
-        """Put the texts of an earlier time in place, without deriving one from the other."""
+    def restore(self, texts: Mapping[str, str]) -> None:
+        """Put the texts of an earlier time in place."""
         self._texts.update(texts)
-        self._following = set(following)
 
     def show_parameters(self, parameters: SurveyParameters) -> None:
-        """Take over the parameters of a profile or of a survey; their spacing is kept."""
+        """Take over the parameters of a survey; their spacing is kept."""
         self._texts.update(texts_of(parameters))
-        for axis in "xy":
-            self._following.discard(axis)
-            self._derive(axis)
-            self._following.add(axis)
-
-    def propose_address(self, address: str) -> bool:
-        """Take over the robot's address unless another was entered; return whether it changed."""
-        if address in ("", self.proposed_address):
-            return False
-        former = self._texts["vna_address"]
-        if former in ("", self.proposed_address):
-            self._texts["vna_address"] = address
-        self.proposed_address = address
-        return self._texts["vna_address"] != former
-
-    def arrow(self, name: str, change: int) -> None:
-        """Change the number of a field by an arrow, or choose its next value."""
-        self.set_text(name, SPECS[name].after_arrow(self._texts[name], change, self.travel))
+        for axis, points in (("x", parameters.x_points), ("y", parameters.y_points)):
+            length_mm = self._length_mm(axis)
+            spacing = "" if length_mm is None or points < 2 else f"{length_mm / (points - 1):.6g}"
+            self._texts[f"{axis}_spacing_mm"] = spacing
 
     def normalize(self) -> None:
         """Write every text that can be read as it is read: 12,50 becomes 12.5."""
@@ -178,27 +143,18 @@ class PlanForm:
 
     def check(self) -> PlanCheck:
         """Check all fields."""
-        return check_plan(self._texts, self._following, self.travel)
+        return check_plan(self._texts, self.travel)
 
-    def _derive(self, axis: str) -> None:
-        """Let the points follow from the spacing of an axis, or the spacing from the points."""
-        texts, points, spacing = self._texts, f"{axis}_points", f"{axis}_spacing_mm"
-        start_mm, stop_mm = (_finite(texts[f"{axis}_{end}_mm"]) for end in ("start", "stop"))
-        length_mm = None if start_mm is None or stop_mm is None else abs(stop_mm - start_mm)
-        if axis in self._following:
-            spacing_mm = _finite(texts[spacing])
-            if length_mm is not None and spacing_mm is not None and spacing_mm > 0.0:
-                texts[points] = str(points_for(length_mm, spacing_mm))
-            return
-        count = _finite(texts[points]) or 0.0
-        derived = "" if length_mm is None or count < 2 else f"{length_mm / (count - 1):.6g}"
-        texts[spacing] = derived
+    def _length_mm(self, axis: str) -> Optional[float]:
+        ends = (self._texts[f"{axis}_{end}_mm"] for end in ("start", "stop"))
+        start_mm, stop_mm = map(_finite, ends)
+        return None if start_mm is None or stop_mm is None else abs(stop_mm - start_mm)
 
 
 def points_for(length_mm: float, spacing_mm: float) -> int:
     """Return the fewest points along a length that are no farther apart than a spacing."""
     intervals = length_mm / (spacing_mm * (1.0 + ROUNDING))
-    return max(MIN_GRID_POINTS, math.ceil(min(intervals, MAX_GRID_POINTS)) + 1)
+    return max(MIN_GRID_POINTS, math.ceil(min(intervals, MAX_INTERVALS)) + 1)
 
 
 def _finite(text: str) -> Optional[float]:
@@ -217,8 +173,6 @@ class SurveyPreview:
         traces: Number of traces, one per stop and polarization.
         x_spacing_mm: Distance of two stops of a line [mm].
         y_spacing_mm: Distance of two lines [mm].
-        depth_m: Depth in the soil beyond which echoes fold back [m].
-        resolution_m: Smallest distance of two separate echoes in the soil [m].
         quarter_wavelength_mm: Coarsest spacing that samples the echoes completely [mm].
         cost: Time and disk space; None while the robot's own figures are not known.
     """
@@ -227,8 +181,6 @@ class SurveyPreview:
     traces: int
     x_spacing_mm: float
     y_spacing_mm: float
-    depth_m: float
-    resolution_m: float
     quarter_wavelength_mm: float
     cost: Optional[SurveyCost] = None
 
@@ -250,21 +202,13 @@ def quarter_wavelength_mm(parameters: SurveyParameters, permittivity: float) -> 
 
 
 def preview(parameters: SurveyParameters, permittivity: float) -> SurveyPreview:
-    """Return what follows from the parameters alone; they must have passed the checks.
-
-    A stepped-frequency radar ranges unambiguously to c / (2 df) and resolves echoes by c / (2 B)
-    in air. In soil both are shorter by the square root of its relative permittivity.
-    """
+    """Return what follows from the parameters alone; they must have passed the checks."""
     p = parameters
-    bandwidth_hz = p.stop_frequency_hz - p.start_frequency_hz
-    step_hz = bandwidth_hz / (p.frequency_points - 1)
     return SurveyPreview(
         stops=p.x_points * p.y_points,
         traces=p.total_points,
         x_spacing_mm=abs(p.x_stop_mm - p.x_start_mm) / (p.x_points - 1),
         y_spacing_mm=abs(p.y_stop_mm - p.y_start_mm) / (p.y_points - 1),
-        depth_m=one_way_path_m(1.0 / step_hz, permittivity),
-        resolution_m=one_way_path_m(1.0 / bandwidth_hz, permittivity),
         quarter_wavelength_mm=quarter_wavelength_mm(parameters, permittivity),
     )
 

@@ -8,7 +8,7 @@ from typing import Optional, Tuple
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.annotation import overwritten, shortened
 from gpr20_operator.plan.form import SurveyPreview
-from gpr20_operator.plan.tiles import Row, about, figure_rows, plan_rows, spacing_warning
+from gpr20_operator.plan.tiles import Row, about, plan_rows, spacing_warning
 from gpr20_operator.robot.events import Progress
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.words import local_time, size_text
@@ -51,15 +51,10 @@ def plan_question(
     permittivity: float,
     known: SurveyPreview,
     annotation: Annotation,
-    start: bool = True,
 ) -> HoldQuestion:
-    """Return all that a plan will do; without `start` also what it can show of the ground."""
+    """Return all that a survey will do, and why it may not serve its purpose."""
     rows, doubt = plan_rows(parameters, permittivity, known, annotation), spacing_warning(known)
-    if start:
-        title = Message("Start this survey?")
-        return HoldQuestion(title, rows, HANDS_CLEAR, HOLD_TO_START, doubt)
-    title, nothing = Message("This plan"), verbatim("")
-    return HoldQuestion(title, (*rows, *figure_rows(known)), nothing, None, doubt)
+    return HoldQuestion(Message("Start this survey?"), rows, HANDS_CLEAR, HOLD_TO_START, doubt)
 
 
 def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) -> HoldQuestion:
@@ -109,14 +104,6 @@ def change_records_question(survey: str, before: Annotation, after: Annotation) 
     rows = ((Message("Survey"), verbatim(survey)), *overwritten(before, after))
     warning = Message("The survey shows the new records; its log keeps the old ones.")
     return HoldQuestion(Message("Change these records?"), rows, warning, Message("HOLD\nTO CHANGE"))
-
-
-def delete_profile_question(name: str) -> HoldQuestion:
-    """Return what is asked before a stored plan is deleted."""
-    rows = ((Message("Plan"), verbatim(name)),)
-    return HoldQuestion(
-        Message("Delete this plan?"), rows, CANNOT_BE_RESTORED, Message("HOLD\nTO DELETE")
-    )
 
 
 def remove_marker_question(place: Message, text: str) -> HoldQuestion:

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Callable, Iterable, List, Mapping, Optional, Tuple
+from typing import Callable, Iterable, List, Mapping, Optional
 
 from gpr20_common.message import Message, verbatim
+from gpr20_operator.words import number_text
 from gpr20_survey.plan.survey_parameters import RobotTravel, coordinate_limits_mm
 from gpr20_survey.radar.soils import Soils
 
-SMALL_AREA_MM = 300.0
-SPACINGS_MM = (5, 10, 15, 20, 25)
-FREQUENCY_BANDS_MHZ = ((600, 6000), (600, 3000))
-FREQUENCY_POINTS = (201, 501, 1001)
-ROTATIONS_DEG = ("0", "90", "0, 90", "-45, 45")
-AVERAGES = ("1", "4", "16")
 AREA_FIELDS = ("x_start_mm", "x_stop_mm", "y_start_mm", "y_stop_mm")
+SMALL_AREA_MM = 300.0
 
 
 @dataclass(frozen=True)
@@ -27,108 +23,71 @@ class Preset:
     texts: Mapping[str, str]
 
 
-@dataclass(frozen=True)
-class PresetContext:
-    """What presets depend on.
-
-    Attributes:
-        last_area: Texts of the area of the survey before; empty if there is none.
-        address: Of the VNA in the robot's configuration; empty if it is not known.
-        quarter_wavelength_mm: In the soil [mm]; None if frequencies or permittivity are wrong.
-    """
-
-    travel: RobotTravel
-    last_area: Mapping[str, str]
-    address: str
-    quarter_wavelength_mm: Optional[float]
+# From the robot's axes, and a quarter wavelength in the soil [mm], None where it is not known.
+Presets = Callable[[RobotTravel, Optional[float]], List[Preset]]
 
 
-Presets = Callable[[PresetContext], List[Preset]]
-
-
-def areas(context: PresetContext) -> List[Preset]:
-    """Return the areas: all of the robot, two small ones, that of the survey before."""
-    x_mm = coordinate_limits_mm(context.travel.x)
-    y_mm = coordinate_limits_mm(context.travel.y)
+def areas(travel: RobotTravel, _quarter_mm: Optional[float]) -> List[Preset]:
+    """Return the areas: all of the robot, and a small one in its middle."""
+    whole_mm: List[float] = []
+    middle_mm: List[float] = []
+    for axis in (travel.x, travel.y):
+        lower, upper = coordinate_limits_mm(axis)
+        # Whole millimetres; a small axis has less than this area.
+        start = max(lower, math.floor((lower + upper - SMALL_AREA_MM) / 2.0))
+        whole_mm += [lower, upper]
+        middle_mm += [start, min(upper, start + SMALL_AREA_MM)]
     size = {"width": f"{SMALL_AREA_MM:g}", "height": f"{SMALL_AREA_MM:g}"}
-    found = [
-        Preset(Message("Whole robot"), _area(x_mm, y_mm)),
-        Preset(Message("{width} x {height} centre", **size), _area(_middle(x_mm), _middle(y_mm))),
-        Preset(Message("{width} x {height} origin", **size), _area(_first(x_mm), _first(y_mm))),
-    ]
-    if context.last_area:
-        found.append(Preset(Message("Last survey"), dict(context.last_area)))
-    return found
-
-
-def _area(x_mm: Tuple[float, float], y_mm: Tuple[float, float]) -> Mapping[str, str]:
-    return dict(zip(AREA_FIELDS, (f"{value:.12g}" for value in (*x_mm, *y_mm))))
-
-
-def _middle(limits_mm: Tuple[float, float]) -> Tuple[float, float]:
-    lower, upper = limits_mm
-    # Whole millimetres; a small axis has less than this area.
-    start = max(lower, math.floor((lower + upper - SMALL_AREA_MM) / 2.0))
-    return start, min(upper, start + SMALL_AREA_MM)
-
-
-def _first(limits_mm: Tuple[float, float]) -> Tuple[float, float]:
-    lower, upper = limits_mm
-    return lower, min(upper, lower + SMALL_AREA_MM)
-
-
-def spacings(context: PresetContext) -> List[Preset]:
-    """Return some distances of stops, and the coarsest one that suits the soil."""
-    found = [_spacing(verbatim(f"{mm} mm"), mm) for mm in SPACINGS_MM]
-    if context.quarter_wavelength_mm is not None:
-        # Rounded down to a tenth: rounded up it would be too coarse.
-        mm = math.floor(context.quarter_wavelength_mm * 10.0) / 10.0
-        found.append(_spacing(Message("Soil: {spacing:g} mm", spacing=mm), mm))
-    return found
-
-
-def _spacing(title: Message, spacing_mm: float) -> Preset:
-    return Preset(title, {f"{axis}_spacing_mm": f"{spacing_mm:g}" for axis in "xy"})
-
-
-def frequencies(_context: PresetContext) -> List[Preset]:
-    """Return bands and numbers of frequencies."""
-    ends = ("start_frequency_hz", "stop_frequency_hz")
-    bands = [
-        Preset(verbatim(f"{start} - {stop}"), dict(zip(ends, (str(start), str(stop)))))
-        for start, stop in FREQUENCY_BANDS_MHZ
-    ]
-    counts = [
-        Preset(Message("{count} points", count=count), {"frequency_points": str(count)})
-        for count in FREQUENCY_POINTS
-    ]
-    return bands + counts
-
-
-def soils(_context: PresetContext) -> List[Preset]:
-    """Return the soils."""
+    areas = (
+        (Message("Whole robot"), whole_mm),
+        (Message("{width} x {height} centre", **size), middle_mm),
+    )
     return [
-        Preset(soil.value.name, {"permittivity": f"{soil.value.permittivity:g}"}) for soil in Soils
+        Preset(title, dict(zip(AREA_FIELDS, map(number_text, ends_mm)))) for title, ends_mm in areas
     ]
 
 
-def rotations(_context: PresetContext) -> List[Preset]:
-    """Return usual rotations of the antennas."""
-    return [Preset(verbatim(f"{text}°"), {"polarizations_deg": text}) for text in ROTATIONS_DEG]
+def spacings(_travel: RobotTravel, quarter_mm: Optional[float]) -> List[Preset]:
+    """Return some distances of stops, and the coarsest one that suits the soil."""
+    titles = {float(mm): verbatim(f"{mm} mm") for mm in (5, 10, 15, 20, 25)}
+    if quarter_mm is not None:
+        # Rounded down to a tenth: rounded up it would be too coarse.
+        mm = math.floor(quarter_mm * 10.0) / 10.0
+        titles[mm] = Message("Soil: {spacing:g} mm", spacing=mm)
+    return [
+        Preset(title, {f"{axis}_spacing_mm": f"{mm:g}" for axis in "xy"})
+        for mm, title in titles.items()
+    ]
 
 
-def addresses(context: PresetContext) -> List[Preset]:
-    """Return the address of the robot's configuration."""
-    own = {"vna_address": context.address}
-    return [Preset(Message("Robot's own"), own)] if context.address else []
+def _fixed(*found: Preset) -> Presets:
+    return lambda _travel, _quarter_mm: list(found)
 
 
-def settings(field: str, texts: Iterable[str], unit: str = "") -> Presets:
+def one_of(name: str, texts: Iterable[str], unit: str, *first: Preset) -> Presets:
+    """Return the presets of one field: each text with its unit."""
+    return _fixed(*first, *(Preset(verbatim(f"{text}{unit}"), {name: text}) for text in texts))
+
+
+def as_set(name: str, texts: Iterable[str], unit: str = "") -> Presets:
     """Return the presets of a setting of the VNA: as it is, or one of some texts."""
-    as_set = Preset(Message("AS SET"), {field: ""})
-    chosen = [Preset(verbatim(f"{text} {unit}".strip()), {field: text}) for text in texts]
-    return lambda _context: [as_set, *chosen]
+    return one_of(name, texts, unit, Preset(Message("AS SET"), {name: ""}))
 
 
-# The decades.
-IF_BANDWIDTHS = ("100", "1000", "10000", "100000")
+def _band(start: str, stop: str) -> Preset:
+    ends = {"start_frequency_hz": start, "stop_frequency_hz": stop}
+    return Preset(verbatim(f"{start} - {stop}"), ends)
+
+
+FREQUENCIES = _fixed(
+    _band("600", "6000"),
+    _band("600", "3000"),
+    *(
+        Preset(Message("{count} points", count=count), {"frequency_points": str(count)})
+        for count in (201, 501, 1001)
+    ),
+)
+SOILS = _fixed(
+    *(Preset(one.value.name, {"permittivity": f"{one.value.permittivity:g}"}) for one in Soils)
+)
+ADDRESSES = _fixed(Preset(Message("Robot's own"), {"vna_address": ""}))

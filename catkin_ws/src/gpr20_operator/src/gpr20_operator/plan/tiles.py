@@ -10,17 +10,15 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, Tile, texts_of
-from gpr20_operator.plan.form import PlanCheck, SurveyPreview, problem_of
+from gpr20_operator.plan.form import PlanCheck, SurveyPreview
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import (
-    decimal_from_text,
     duration,
     entered_number,
     in_line,
     number_from_text,
     number_text,
-    plain_text,
 )
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -30,7 +28,6 @@ from gpr20_survey.results.survey_summary import SurveySummary
 Lines = Tuple[Message, ...]
 Row = Tuple[Message, Message]
 BYTES_PER_MEGABYTE, BYTES_PER_GIGABYTE = 1.0e6, 1.0e9
-MILLIMETRES_PER_METRE = 1000.0
 # Of rotations in a row; the sheet has no room for more.
 MOST_ROTATIONS = 6
 
@@ -51,7 +48,7 @@ def tile_lines(tile: Tile, texts: Mapping[str, str], annotation: Annotation) -> 
 def tile_problem(tile: Tile, check: PlanCheck) -> Optional[Message]:
     """Return what is wrong in a tile, first field first; None if it is right."""
     wrong = (name for name in TILE_FIELDS[tile] if name in check.problems)
-    return problem_of(next(wrong, ""), check)
+    return next(map(check.problem_of, wrong), None)
 
 
 def plan_rows(
@@ -67,24 +64,6 @@ def plan_rows(
     rows = [(tile.value, _joined(tile_lines(tile, texts, annotation))) for tile in Tile]
     size = Message("{traces} at {stops} stops", traces=known.traces, stops=known.stops)
     return (*rows, (Message("Traces"), size), (Message("Time"), cost_text(known)))
-
-
-def figure_rows(known: SurveyPreview) -> Tuple[Row, ...]:
-    """Return what the plan can show of the ground."""
-    return (
-        (
-            Message("Soil needs"),
-            Message("{spacing:.3g} mm between stops, or less", spacing=known.quarter_wavelength_mm),
-        ),
-        (
-            Message("Resolution"),
-            Message("{depth:.3g} mm in depth", depth=known.resolution_m * MILLIMETRES_PER_METRE),
-        ),
-        (
-            Message("Echoes repeat"),
-            Message("below {depth:.3g} m; this is not the reach", depth=known.depth_m),
-        ),
-    )
 
 
 def cost_text(known: SurveyPreview) -> Message:
@@ -158,20 +137,9 @@ def resume_lines(survey: SurveySummary) -> Lines:
     return name, Message("{stored} of {planned} stored", **counts)
 
 
-def check_lines(known: Optional[SurveyPreview]) -> Lines:
-    """Return the lines of the tile that opens everything about the plan."""
-    if known is None:
-        return ()
-    resolution = Message(
-        "resolution {depth:.3g} mm", depth=known.resolution_m * MILLIMETRES_PER_METRE
-    )
-    if known.cost is None:
-        return (resolution,)
-    return resolution, _size(known.cost.size_bytes)
-
-
 def _range(axis: str, texts: Mapping[str, str]) -> Message:
-    start, stop = (_rounded(texts[f"{axis}_{end}_mm"]) for end in ("start", "stop"))
+    # A longer number would be cut off.
+    start, stop = (entered_number(texts[f"{axis}_{end}_mm"], ".5g") for end in ("start", "stop"))
     return Message("{axis} {start} - {stop} mm", axis=axis.upper(), start=start, stop=stop)
 
 
@@ -218,27 +186,15 @@ def _antennas(text: str) -> Lines:
 
 def _analyzer(texts: Mapping[str, str]) -> Lines:
     address, averages = texts["vna_address"], texts["averages"]
+    bandwidth, power = texts["if_bandwidth_hz"], texts["output_power"]
     made = (
-        _bandwidth(texts["if_bandwidth_hz"]),
-        verbatim(f"{averages} x" if averages else ""),
-        verbatim(texts["output_power"]),
+        *([Message("{hertz} Hz", hertz=entered_number(bandwidth))] if bandwidth else []),
+        *(verbatim(one) for one in (f"{averages} x" if averages else "", power) if one),
     )
-    settings = in_line([one for one in made if str(one)])
     return (
-        verbatim(address) if address else Message("no address"),
-        settings if str(settings) else Message("as set"),
+        verbatim(address) if address else Message("as configured"),
+        in_line(made) if made else Message("as set"),
     )
-
-
-def _bandwidth(text: str) -> Message:
-    """Return a bandwidth [Hz] with its unit; the text if it is none."""
-    try:
-        hertz = number_from_text(text)
-    except InvalidValueError:
-        return verbatim(text)
-    if hertz < 1000.0:
-        return Message("{hertz:.12g} Hz", hertz=hertz)
-    return Message("{kilohertz:.12g} kHz", kilohertz=hertz / 1000.0)
 
 
 def _size(size_bytes: float) -> Message:
@@ -253,11 +209,3 @@ def _joined(lines: Lines) -> Message:
     if not second.sentence():
         return first
     return Message("{first}, {second}", first=first, second=second)
-
-
-def _rounded(text: str) -> Message:
-    """Return a coordinate [mm] to a motor step: a longer number would be cut off."""
-    try:
-        return entered_number(plain_text(round(decimal_from_text(text), 2)))
-    except (InvalidValueError, ArithmeticError):
-        return verbatim(text)

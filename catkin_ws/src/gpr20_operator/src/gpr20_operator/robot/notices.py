@@ -39,7 +39,6 @@ class Refused(enum.Enum):
         Message("STOP ends the survey at once; it can be resumed later."),
     )
     RESUME = Message("The survey was not resumed."), Message("Then resume the survey again.")
-    PROFILE = Message("The profile cannot be used."), Message("Or use another profile.")
     NOTES = (
         Message("The notes of the survey cannot be read or stored."),
         Message("Then press SAVE again."),

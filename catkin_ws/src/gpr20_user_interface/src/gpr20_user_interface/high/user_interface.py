@@ -32,7 +32,7 @@ from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.form import CostEstimator
-from gpr20_operator.plan.stored import PlanMemory, Profiles
+from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
@@ -54,7 +54,6 @@ from gpr20_user_interface.window.placement import ScreenPlacement
 from gpr20_user_interface.window.presenters import Presenters
 
 MASTER_WAIT_S = 30.0
-DEFAULT_PROFILES = "~/.config/gpr20/profiles"
 DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
 # Of the parameter ~language: the language that was used last.
 REMEMBERED = "auto"
@@ -96,7 +95,6 @@ class UserInterface:
         self,
         model: Union[SurveyModel, ReplayModel],
         languages: Languages,
-        profiles: Profiles,
         plan_settings: SettingsFile,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
@@ -119,7 +117,6 @@ class UserInterface:
                 TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 Imaging(self.storage, time.monotonic),
                 ServiceModel(self.storage, self.storage.examine, Clock()),
-                profiles,
                 self.plans,
                 Robots(
                     *(rospy.get_namespace(), may_choose_robot),
@@ -262,7 +259,6 @@ def _show(
     interface = UserInterface(
         ReplayModel() if replay else SurveyModel(Clock()),
         languages,
-        Profiles(_path("~profiles", DEFAULT_PROFILES)),
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),

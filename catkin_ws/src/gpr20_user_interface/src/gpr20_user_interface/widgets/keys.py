@@ -24,8 +24,8 @@ from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button, set_look
 
 # What these keys do is not the text on them.
-UP, DOWN, STEP, CLEAR, ERASE = "▲", "▼", "±", "C", "⌫"
-COMMANDS = (UP, DOWN, STEP, CLEAR, ERASE)
+CLEAR, ERASE = "C", "⌫"
+COMMANDS = (CLEAR, ERASE)
 NONE = ""
 DIGITS = ("789", "456", "123")
 REPEAT_DELAY_MS = 400
@@ -41,9 +41,8 @@ class Side(NamedTuple):
 
 
 SIDES: Mapping[Keys, Side] = {
-    Keys.NUMBER: Side((UP, DOWN, STEP), ".", CLEAR),
-    Keys.WHOLE: Side((UP, DOWN, STEP), NONE, CLEAR),
-    Keys.CHOICE: Side((UP, DOWN, "-"), ".", CLEAR),
+    Keys.NUMBER: Side((CLEAR, "-", NONE), ".", NONE),
+    Keys.WHOLE: Side((CLEAR, NONE, NONE), NONE, NONE),
     Keys.ADDRESS: Side(("192.168.", "10.", "172."), ".", CLEAR),
     Keys.LIST: Side((",", "-", CLEAR), ".", ";"),
 }
@@ -106,23 +105,18 @@ class KeyBlock(_Block):
         super().__init__(4, 4)
         self.use(Keys.NUMBER)
 
-    def use(self, keys: Keys, step: int = 1) -> None:
-        """Show other keys.
-
-        Args:
-            keys: What is written.
-            step: By how much an arrow changes a number.
-        """
+    def use(self, keys: Keys) -> None:
+        """Show the keys of what is written."""
         side = SIDES[keys]
         texts = [one for row, beside in zip(DIGITS, side.right) for one in (*row, beside)]
         for key, text in zip(self.keys, [*texts, side.before_0, "0", side.after_0, ERASE]):
             key.setProperty("character", text)
             # The beginning of an address is long.
             shown = text.replace(".", ".\n", 1) if text.count(".") > 1 else text
-            key.setText(f"±{step}" if text == STEP else shown)
-            set_look(key, "long", len(text) > 1 or (text == STEP and step > 9))
+            key.setText(shown)
+            set_look(key, "long", len(text) > 1)
             key.setEnabled(text != NONE)
-            key.setAutoRepeat(text in (UP, DOWN, ERASE))
+            key.setAutoRepeat(text == ERASE)
 
     def _on_key(self, text: str) -> None:
         (self.commanded if text in COMMANDS else self.written).emit(text)
@@ -261,7 +255,6 @@ class Pad(Overlay):
         if with_letters:
             self.letters.show_page(PLAIN if text else SHIFTED)
         else:
-            # Here are no arrows: nothing says how far they may change a number.
             self.digits.use(Keys.LIST)
         self.edit.setPlainText(text)
         cursor = self.edit.textCursor()

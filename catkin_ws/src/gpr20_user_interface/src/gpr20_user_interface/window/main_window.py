@@ -191,8 +191,7 @@ class MainWindow(TranslatedWidget):
         self.top_bar = TopBar()
         self.rail, self.tabs = Rail(), QStackedWidget()
         self.control = PlanPage(
-            *(self, self.survey, traces, presenters.profiles, presenters.plans),
-            self._imaging,
+            *(self, self.survey, traces, presenters.plans, self._imaging),
         )
         self.additions = AdditionsPresenter(
             traces.source,
@@ -203,7 +202,7 @@ class MainWindow(TranslatedWidget):
             *(self, SurveyResult(self._imaging), languages),
             lambda: self.control.next_annotation.value.operator,
         )
-        self.past = SurveysPage(self, traces.past)
+        self.past = SurveysPage(self, traces.past, self._imaging)
         self.job = JobPage(traces)
         self.survey_tab = SurveyTab(self.control, self.job, self.result)
 
@@ -249,7 +248,6 @@ class MainWindow(TranslatedWidget):
         self.notice, self.question = self.alerts.notice, self.alerts.question
         self.values = self.control.values
         self.stop_warning = self.alerts.stop_warning
-        self.profiles = self.control.profiles
         self.annotation = self.control.annotation
 
     def _all_bindings(self) -> Tuple[Page, ...]:

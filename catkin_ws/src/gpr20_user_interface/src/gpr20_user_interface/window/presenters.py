@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.stored import PlanMemory, Profiles
+from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
@@ -22,7 +22,6 @@ class Presenters:
         traces: The traces, and the requests to the storage.
         imaging: Focused images, results and exports.
         service: Maintenance of the robot.
-        profiles: Parameters that are stored under a name.
         plans: What the operator planned last.
         robots: The robots that share the ROS master.
         arming: Whether the web page may start and resume.
@@ -32,7 +31,6 @@ class Presenters:
     traces: TracePresenter
     imaging: Imaging
     service: ServiceModel
-    profiles: Profiles
     plans: PlanMemory
     robots: Robots
     arming: Arming

@@ -121,7 +121,7 @@ class GroundPage(WebPage):
         image, snapshot = live.additions.image, self._snapshot
         result = None
         if image is not None and snapshot is not None and not snapshot.running:
-            said = headline(image.found, most=max(1, image.found.primary))
+            said = headline(image.found)
             result = {"folder": live.folder, "text": text(said)}
         return {"ground": {"survey": survey, "revision": live.revision}, "result": result}
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, Optional
 
-from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys, present_verdict, title_of
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
-from gpr20_operator.words import local_time, size_text
+from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.mid.now_page import Text, sentence
@@ -35,18 +32,6 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
     }
 
 
-def lines_of(past: PastSurveys, survey: SurveySummary, text: Text) -> List[str]:
-    """Return the size of a survey, and how it ended."""
-    count = survey.stored_traces
-    lines = (
-        size_text(round(survey.width_mm), round(survey.height_mm)) if survey.width_mm else None,
-        Message("{count} traces", count=count) if survey.problem is None else None,
-        past.ending(survey),
-        present_verdict(survey),
-    )
-    return [sentence(text, one) for one in lines if one is not None]
-
-
 def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:
     """Return what people have written about a survey.
 
@@ -55,10 +40,7 @@ def written_of(stored: Optional[StoredSurvey], text: Text) -> Dict[str, Any]:
     """
     values = {} if stored is None else parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
     notes = annotation_texts(annotation_of(values))
-    return {
-        "notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]],
-        "markers": [asdict(one) for one in present_markers(values)],
-    }
+    return {"notes": [(text(one.title), notes[one.name]) for one in PEOPLE if notes[one.name]]}
 
 
 def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
@@ -77,7 +59,7 @@ def result_of(result: SurveyResult, text: Text) -> Dict[str, Any]:
     ]
     notes = [text(one) for one in (*texts.notices(result), texts.FROM_MARK)]
     shown["candidates"] = {
-        "headline": sentence(text, texts.headline(image.found, most=len(places))),
+        "headline": sentence(text, texts.headline(image.found)),
         "warnings": [text(one) for one in warnings],
         "notes": [*notes, soil],
         "list": list_sum(image.found),

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-import re
 import threading
 import time
 import uuid
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Protocol, Tuple
@@ -16,41 +16,39 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_operator.ground.past_surveys import NO_LIST, Listed, PastSurveys
+from gpr20_operator.ground.past_surveys import NO_LIST, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.errors import storing
+from gpr20_survey.files.file_sums import regular_files
+from gpr20_survey.files.folder_lock import writer_of
+from gpr20_survey.files.folder_zip import PIECE_BYTES, add_folder
+from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route
-from gpr20_web.errors import (
-    BadRequestError,
-    BusyError,
-    NotAllowedError,
-    NotFoundError,
-    NotNowError,
-)
-from gpr20_web.mid import survey_files, survey_values
+from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.mid import survey_values
 from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.web_page import WebPage
 
 SURVEYS_PER_PAGE = 50
 MOST_CHARACTERS = 2000
-SURVEY = f"/api/surveys/(?P<folder>{FOLDER_NAME.pattern})"
-FORMS = "|".join(map(re.escape, survey_files.FILES))
+SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
 MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
 SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
 AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
+UNREADABLE = Message("the survey could not be read")
 
 
 class SurveyServices(Protocol):
@@ -112,21 +110,13 @@ class SurveysPage(WebPage):
         "title": Message("Surveys"),
         "search": Message("Search"),
         "hint": Message("Name, site, operator, date"),
-        "listed": Message("Which"),
-        "all": Message("All"),
-        "not complete": Message("Not complete"),
-        "imported": Message("Imported"),
         "older": Message("Older"),
         "none": Message("No survey fits the search."),
         "simulated": Message("SIMULATED"),
         "notes": Message("Notes"),
         "add": Message("Add"),
-        "markers": Message("Markers"),
-        "x": Message("X (mm)"),
-        "y": Message("Y (mm)"),
         "depth": Message("Depth (mm), if known"),
         "text": Message("Text"),
-        "remove": Message("Remove"),
         "found": Message("Found"),
         "candidates": Message("Candidates"),
         "find": Message("Search for candidates"),
@@ -155,10 +145,9 @@ class SurveysPage(WebPage):
                 ("GET", "/api/surveys", self._list),
                 ("GET", SURVEY, self._details),
                 ("POST", f"{SURVEY}/notes", self._add_note),
-                ("POST", f"{SURVEY}/markers", self._change_markers),
+                ("POST", f"{SURVEY}/markers", self._add_marker),
                 ("POST", f"{SURVEY}/found", self._add_found),
                 ("POST", f"{SURVEY}/candidates", self._search),
-                ("GET", f"{SURVEY}/files/(?P<name>{FORMS})", self._form),
                 ("GET", f"{SURVEY}/zip", self._whole),
                 ("GET", f"{SURVEY}/made/(?P<kind>{MADE})", self._made),
             )
@@ -171,7 +160,7 @@ class SurveysPage(WebPage):
         self._running, self._replay = snapshot.running_survey, snapshot.replay is not None
 
     def _folder(self, call: Call) -> Path:
-        return survey_files.folder_of(self._data, call.parts["folder"])
+        return folder_of(self._data, call.parts["folder"])
 
     def _past(self, before: str, most: int) -> PastSurveys:
         if self._replay:
@@ -198,11 +187,10 @@ class SurveysPage(WebPage):
 
     def _list(self, call: Call) -> Mapping[str, Any]:
         before, text = _text(call, "before"), _text(call, "text")
-        listed = _one_of(Listed, call.values.get("listed", Listed.ALL.value))
-        if before and not FOLDER_NAME.fullmatch(before):
+        if before and not survey_folder.FOLDER_NAME.fullmatch(before):
             raise BadRequestError(Message("before is the folder of a survey"))
         past = self._past(before, SURVEYS_PER_PAGE)
-        found = past.found(listed, text, call.text)
+        found = past.found(text, call.text)
         return {
             "surveys": [survey_values.row_of(past, one, call.text) for one in found],
             "next": past.next_before if past.more else "",
@@ -212,15 +200,13 @@ class SurveysPage(WebPage):
         past, survey = self._survey(call)
         shown = {
             **survey_values.row_of(past, survey, call.text),
-            "lines": survey_values.lines_of(past, survey, call.text),
+            "lines": [sentence(call.text, one) for one in texts.survey_lines(past, survey)],
             "can_open": past.can_open(survey),
             "can_search": past.can_analyze(survey),
-            "files": [],
         }
         problems = [survey.problem]
         try:
-            survey_files.check_closed(self._folder(call))
-            shown.update(survey_files.sizes_of(self._folder(call)))
+            shown["bytes"] = size_of(self._folder(call))
         except Gpr20Error as error:
             problems.append(error.message)
         if survey.problem is None:
@@ -248,40 +234,22 @@ class SurveysPage(WebPage):
         self._add_fact(folder, Kind.ANNOTATION, values)
         return {}
 
-    def _change_markers(self, call: Call) -> Mapping[str, Any]:
-        folder, who = self._folder(call).name, call.who.name
-        text, removed = _text(call, "text"), _text(call, "remove")
+    def _add_marker(self, call: Call) -> Mapping[str, Any]:
         place: Dict[str, Any] = {one: call.values.get(one) for one in ("x_mm", "y_mm", "depth_mm")}
-        if removed:
-            self._check_own_marker(call, removed)
-            self._add_fact(folder, Kind.MARKER_REMOVED, {"marker_id": removed, "author": who})
-        else:
-            values = {"marker_id": str(uuid.uuid4()), **place, "text": text, "author": who}
-            marker = record_from(Marker, values, "marker")
-            self._add_fact(folder, Kind.MARKER, marker.request())
+        people = {"text": _text(call, "text"), "author": call.who.name}
+        marker = record_from(Marker, {"marker_id": str(uuid.uuid4()), **place, **people}, "marker")
+        self._add_fact(self._folder(call).name, Kind.MARKER, marker.request())
         return {}
 
     def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
         self._services.ask(Service.FACT, survey=folder, kind=kind, values=values)
 
-    def _check_own_marker(self, call: Call, marker_id: str) -> None:
-        stored = self._services.ask(Service.READ, survey=self._folder(call).name)
-        markers = present_markers(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
-        authors = [one.author for one in markers if one.marker_id == marker_id]
-        if not authors:
-            raise NotFoundError(Message("there is no such marker; it may have been removed"))
-        if call.who.role < Role.CONTROL and authors != [call.who.name]:
-            raise NotAllowedError(
-                Message(
-                    "the marker is by {author}; to remove it needs the right {right}",
-                    author=authors[0] or "?",
-                    right=Role.CONTROL.word,
-                )
-            )
-
     def _add_found(self, call: Call) -> Mapping[str, Any]:
         folder, depth_mm = self._folder(call).name, call.values.get("depth_mm")
-        what = _one_of(What, call.values.get("what"))
+        what = next((one for one in What if one.value == call.values.get("what")), None)
+        if what is None:
+            whats = ", ".join(one.value for one in What)
+            raise BadRequestError(Message("what was found is one of: {known}", known=whats))
         if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
             raise BadRequestError(Message("depth_mm is a number"))
         result = _OpenedSurvey(self._services, folder, only_known=True).result
@@ -305,11 +273,11 @@ class SurveysPage(WebPage):
             raise NotNowError(problem)
         return survey_values.result_of(result, call.text)
 
-    def _form(self, call: Call) -> Body:
-        return survey_files.form_of(self._folder(call), call.parts["name"])
-
     def _whole(self, call: Call) -> Body:
-        return survey_files.whole_of(self._folder(call))
+        """Return a ZIP file of a survey, which is made while it is sent."""
+        folder = self._folder(call)
+        size_of(folder)
+        return Body(zip_parts(folder), "application/zip", f"{folder.name}_survey.zip")
 
     def _made(self, call: Call) -> Body:
         """Return a file that the imaging node makes."""
@@ -318,7 +286,7 @@ class SurveysPage(WebPage):
         wanted = {"request_id": self._work_id, "kinds": [call.parts["kind"]], **options}
         with self._at_work():
             made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
-        return Body(made.content, survey_files.BYTES, made.files[0])
+        return Body(made.content, "application/octet-stream", made.files[0])
 
     @contextlib.contextmanager
     def _at_work(self) -> Iterator[None]:
@@ -339,16 +307,6 @@ def _just_after(folder: str) -> str:
     return f"{later[:8]}T{later[8:]}_{number & 0xFFFFFFFF:08x}"
 
 
-def _one_of(kind: Any, value: object) -> Any:
-    for one in kind:
-        if one.value == value:
-            return one
-    known = ", ".join(str(one.value) for one in kind)
-    raise BadRequestError(
-        Message("{value} is not allowed; allowed: {known}", value=repr(value)[:40], known=known)
-    )
-
-
 def _text(call: Call, name: str) -> str:
     text = call.values.get(name, "")
     if isinstance(text, str) and len(text) <= MOST_CHARACTERS:
@@ -356,3 +314,56 @@ def _text(call: Call, name: str) -> str:
     raise BadRequestError(
         Message("{name} is a text of at most {most} characters", name=name, most=MOST_CHARACTERS)
     )
+
+
+def folder_of(data: Path, name: str) -> Path:
+    """Return the folder of a survey, in which no file is a link.
+
+    Raises:
+        Gpr20Error: There is none, or the name is not that of one.
+    """
+    if survey_folder.FOLDER_NAME.fullmatch(name):
+        for folder in survey_folder.candidate_folders(data, name):
+            survey_folder.check_no_links(folder)
+            return folder
+    raise NotFoundError(Message("there is no survey {survey}", survey=name[:64]))
+
+
+def size_of(folder: Path) -> int:
+    """Return the size of a survey [bytes] that nobody writes: half of one looks whole.
+
+    Raises:
+        Gpr20Error: Somebody writes it, or it cannot be read.
+    """
+    with storing(UNREADABLE, folder):
+        if writer_of(folder) is not None:
+            raise NotNowError(
+                Message("the survey is being written; it can be downloaded when it has ended")
+            )
+        return sum((folder / one).lstat().st_size for one in regular_files(folder))
+
+
+class _Collected(bytearray):
+    """Takes what a ZIP file writes; without `tell` and `seek` it writes in one pass."""
+
+    def write(self, data: bytes) -> int:
+        self += data
+        return len(data)
+
+    def flush(self) -> None:
+        """Do nothing: everything is here."""
+
+
+def zip_parts(folder: Path) -> Iterator[bytes]:
+    """Yield a ZIP file of a folder as it is made, stored without compression.
+
+    Raises:
+        ProcessingError: See `add_folder`; what was yielded so far is no ZIP file.
+    """
+    parts: Any = _Collected()
+    with zipfile.ZipFile(parts, "w", zipfile.ZIP_STORED) as archive:
+        for _ in add_folder(archive, folder):
+            if len(parts) >= PIECE_BYTES:
+                yield bytes(parts)
+                parts.clear()
+    yield bytes(parts)

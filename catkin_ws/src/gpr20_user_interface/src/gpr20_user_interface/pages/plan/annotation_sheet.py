@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Dict
+from typing import Dict
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
@@ -11,7 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.plan.annotation import annotation_texts, check_annotation, replaces_text
+from gpr20_operator.plan.annotation import annotation_from, annotation_texts
 from gpr20_operator.plan.fields import PEOPLE, SPECS
 from gpr20_operator.plan.hold_question import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
@@ -21,11 +21,11 @@ from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
 from gpr20_user_interface.look.look import TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import fill, new_button, space
 
 BUTTON_PX = 130
@@ -42,7 +42,7 @@ PLACES = {
 class AnnotationSheet(Overlay):
     """A tile for each text, which opens keys on the screen when it is touched.
 
-    What somebody wrote about a survey that exists is changed only by a hold.
+    The records of a survey that exists are changed only by a hold.
 
     Attributes:
         survey: The survey of the records, an id or the name of its folder; empty: the next one.
@@ -53,9 +53,8 @@ class AnnotationSheet(Overlay):
     # Carries the reason, a Message, why records could not be read or changed.
     failed = pyqtSignal(object)
 
-    def __init__(self, window: QWidget, storage: Imaging, running: Callable[[], str]) -> None:
+    def __init__(self, window: QWidget, storage: Imaging) -> None:
         super().__init__(window)
-        self._running = running
         failed = self.failed.emit
         self._reading: Job[StoredSurvey] = storage.job(Service.READ, self._take, failed)
         self._storing: Job[Message] = storage.job(Service.FACT, self._on_stored, failed)
@@ -68,7 +67,7 @@ class AnnotationSheet(Overlay):
         self.title = ElidedLabel()
         self.title.setObjectName("title")
         self.pad = Pad(window)
-        self.tiles: Dict[str, PlanTile] = {one.name: PlanTile(lines=0) for one in PEOPLE}
+        self.tiles: Dict[str, TileButton] = {one.name: TileButton(lines=0) for one in PEOPLE}
         for name, tile in self.tiles.items():
             tile.clicked.connect(lambda _checked, name=name: self._ask(name))
         self.save = new_button(self._on_save)
@@ -120,9 +119,7 @@ class AnnotationSheet(Overlay):
 
     def _on_save(self) -> None:
         before, survey = self._before, self.survey
-        after, _problems = check_annotation(self.texts)
-        if after is None:
-            return
+        after = annotation_from(self.texts)
         if not survey:
             self.hide()
             self.saved.emit(after)
@@ -134,24 +131,24 @@ class AnnotationSheet(Overlay):
             values = {**after.values(), "notes_before": before.notes}
             self._storing.ask(survey=survey, kind=Kind.ANNOTATION, values=values)
 
-        if survey == self._running() and not replaces_text(before, after):
-            store()
-        else:
-            name = before.name or survey
-            self.confirm.ask(change_records_question(name, before, after), store)
+        question = change_records_question(before.name or survey, before, after)
+        self.confirm.ask(question, store)
 
     def _ask(self, name: str) -> None:
         spec = SPECS[name]
 
         def judge(text: str) -> str:
-            problem = check_annotation({**self.texts, name: text})[1].get(name)
-            return "" if problem is None else shown_text(problem)
+            try:
+                spec.kind.read(text)
+            except InvalidValueError as error:
+                return shown_text(error.message)
+            return ""
 
         def deliver(text: str) -> None:
             self.texts[name] = text
             self.retranslate()
 
-        hint = shown_text(spec.allows(DOCUMENTED_TRAVEL))
+        hint = shown_text(spec.allowed(DOCUMENTED_TRAVEL))
         self.pad.ask(deliver, shown_text(spec.title), hint, self.texts[name], judge, spec.kind.keys)
 
     def _lay_out(self) -> None:

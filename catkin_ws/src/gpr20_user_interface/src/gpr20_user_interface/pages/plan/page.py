@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import singledispatchmethod
-from typing import Dict, Mapping, Optional
+from typing import Dict, Optional
 
-from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtCore import QPointF, QRectF, pyqtSignal
 from PyQt5.QtWidgets import QGridLayout, QWidget
 
 from gpr20_operator.ground.traces import TracePresenter
@@ -14,11 +14,8 @@ from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
-from gpr20_operator.plan.hold_question import plan_question
-from gpr20_operator.plan.presets import AREA_FIELDS
-from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, Profiles, RememberedPlan
+from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.tiles import (
-    check_lines,
     resumable,
     resume_lines,
     short_size,
@@ -32,15 +29,13 @@ from gpr20_operator.robot.remote_control import RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.translation import TranslatedWidget, shown_number, shown_text
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
-from gpr20_user_interface.pages.plan.profiles_sheet import ProfilesSheet
-from gpr20_user_interface.pages.plan.tile import PlanTile
 from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
-from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.tile import AreaTile, TileButton
 from gpr20_user_interface.widgets.widgets import space
 
 COLUMNS, ROWS = 3, 4
@@ -52,7 +47,6 @@ class PlanPage(TranslatedWidget, Page):
     """Shows the plan; a touch on a tile opens its sheet, and START says why it is locked.
 
     Attributes:
-        summary: The sheet with everything that the plan does.
         annotation: The sheet of name, operator, site, position and notes of a survey.
     """
 
@@ -68,7 +62,6 @@ class PlanPage(TranslatedWidget, Page):
         window: QWidget,
         survey: WindowPresenter,
         traces: TracePresenter,
-        profiles: Profiles,
         memory: PlanMemory,
         storage: Imaging,
     ) -> None:
@@ -76,20 +69,18 @@ class PlanPage(TranslatedWidget, Page):
         self._survey, self._traces, self._memory = survey, traces, memory
         self._snapshot: Optional[Snapshot] = None
         self._offer: Optional[SurveySummary] = None
-        self._asked_area: Mapping[str, str] = {}
         self._waiting = 0
         self._previewed: Optional[SurveyPreview] = None
         self.form = PlanForm(DOCUMENTED_TRAVEL)
         self._check: PlanCheck = self.form.check()
         self.next_annotation = NextAnnotation()
-        self.tiles: Dict[Tile, PlanTile] = {tile: PlanTile() for tile in Tile}
-        self.saved, self.check_plan = PlanTile(), PlanTile()
-        self.start, self.resume = PlanTile("start"), PlanTile("start")
+        self.area = AreaTile()
+        self.tiles: Dict[Tile, TileButton] = {
+            tile: self.area if tile is Tile.AREA else TileButton() for tile in Tile
+        }
+        self.start, self.resume = TileButton("start"), TileButton("start")
         self.values = ValueSheet(window, self.form)
-        self.summary = HoldSheet(window)
-        self.profiles = ProfilesSheet(window, profiles)
-        running = lambda: survey.snapshot.running_survey  # noqa: E731
-        self.annotation = AnnotationSheet(window, storage, running)
+        self.annotation = AnnotationSheet(window, storage)
         self._lay_out()
         self._connect()
         self.retranslate()
@@ -116,9 +107,7 @@ class PlanPage(TranslatedWidget, Page):
     def begin(self) -> None:
         """Start with what was planned last."""
         plan = self._memory.load()
-        self.form.proposed_address = plan.configured_address
-        self.form.restore(plan.texts, plan.following)
-        self.values.arrow_step, self.values.last_area = plan.arrow_step, plan.last_area
+        self.form.restore(plan.texts)
         self.next_annotation.value = plan.annotation
         self.show_plan()
         if self._memory.problem is not None:
@@ -131,7 +120,6 @@ class PlanPage(TranslatedWidget, Page):
     @on_event.register
     def _(self, event: Answer) -> None:
         if event.request is Request.START and event.success:
-            self.values.last_area = self._asked_area
             self.note_started()
 
     @on_event.register
@@ -143,10 +131,9 @@ class PlanPage(TranslatedWidget, Page):
         before, self._snapshot = self._snapshot, snapshot
         changed, robot = False, snapshot.robot
         if robot is not None and (before is None or robot != before.robot):
-            changed = self.form.propose_address(robot.vna_address)
-            if snapshot.replay is None:
+            changed = snapshot.replay is None
+            if changed:
                 self.next_annotation.take_defaults(robot.site.annotation)
-                changed = True
         travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
@@ -161,15 +148,14 @@ class PlanPage(TranslatedWidget, Page):
         for tile, button in self.tiles.items():
             named = tile is Tile.NAME
             button.setEnabled(snapshot.replay is None if named else not locked)
-        self.saved.setEnabled(not locked)
         if locked:
             # An entry would replace the survey's parameters in the fields.
-            for sheet in (self.values, self.profiles.pad, self.profiles.confirm, self.profiles):
-                sheet.hide()
+            self.values.hide()
         self._ask_for_surveys(snapshot)
         self._show_commands()
         if not self.values.isVisible() and snapshot.replay is None:
-            self._memory.save(self._plan())
+            people = replace(self.next_annotation.value, notes="", position=None)
+            self._memory.save(RememberedPlan(dict(self.form.texts), people))
 
     def note_started(self) -> None:
         """Note that this plan was started, here or from the web page."""
@@ -177,7 +163,13 @@ class PlanPage(TranslatedWidget, Page):
         self._show_tiles()
 
     def show_parameters(self, parameters: SurveyParameters) -> None:
-        """Take over the parameters of a stored plan, or of the survey that runs."""
+        """Take over the parameters of a finer plan, or of the survey that runs.
+
+        An address that is that of the configuration goes on following the configuration.
+        """
+        robot = None if self._snapshot is None else self._snapshot.robot
+        if robot is not None and parameters.vna_address == robot.vna_address:
+            parameters = replace(parameters, vna_address="")
         self.form.show_parameters(parameters)
         self.show_plan()
 
@@ -198,23 +190,12 @@ class PlanPage(TranslatedWidget, Page):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.saved.show_texts(self.tr("Saved plans"), self.tr("load or save"))
         self._show_tiles()
         self._show_commands()
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
         space(self, self._grid)
-
-    def _plan(self) -> RememberedPlan:
-        return RememberedPlan(
-            dict(self.form.texts),
-            self.form.following,
-            self.values.arrow_step,
-            replace(self.next_annotation.value, notes="", position=None),
-            self.values.last_area,
-            self.form.proposed_address,
-        )
 
     def _show_tiles(self) -> None:
         known = self._previewed = self._survey.preview
@@ -231,13 +212,17 @@ class PlanPage(TranslatedWidget, Page):
                 level = "doubtful"
             sentence = "" if problem is None else shown_text(problem)
             button.show_texts(shown_text(tile.value), *lines, sentence=sentence, level=level)
+        travel, parameters = self.form.travel, self.parameters
+        (left, right), (bottom, top) = map(coordinate_limits_mm, (travel.x, travel.y))
+        area_mm = QRectF()
+        if parameters is not None:
+            start = QPointF(parameters.x_start_mm, parameters.y_start_mm)
+            area_mm = QRectF(start, QPointF(parameters.x_stop_mm, parameters.y_stop_mm))
+        self.area.show_area(area_mm, QRectF(QPointF(left, bottom), QPointF(right, top)))
 
     def _show_commands(self) -> None:
         """Show what can be started or resumed, and why not."""
         known, lock = self._survey.preview, start_lock(self._snapshot, self._check)
-        self.check_plan.setEnabled(known is not None)
-        lines = (shown_text(line) for line in check_lines(known))
-        self.check_plan.show_texts(self.tr("Check plan"), *lines)
         offered = resumable(self._traces.past, self._snapshot)
         if (offered is None) is not (self._offer is None):
             self._place_start(offered is not None)
@@ -269,43 +254,32 @@ class PlanPage(TranslatedWidget, Page):
 
     def _on_start(self) -> None:
         if self.parameters is not None and self.permittivity is not None:
-            self._asked_area = {name: self.form.texts[name] for name in AREA_FIELDS}
             self.start_pressed.emit(self.parameters, self.permittivity, self.next_annotation.value)
 
     def _on_resume(self) -> None:
         if self._offer is not None:
             self.resume_pressed.emit(self._offer.folder)
 
-    def _on_check(self) -> None:
-        if self.parameters is not None and self.permittivity is not None:
-            known = self._survey.preview_of(self.parameters)
-            question = plan_question(
-                *(self.parameters, self.permittivity, known, self.next_annotation.value),
-                start=False,
-            )
-            self.summary.ask(question, self.summary.hide)
-
     def _on_saved(self, annotation: Annotation) -> None:
-        self.next_annotation.take(annotation)
+        self.next_annotation.value = annotation
         self._show_tiles()
 
     def _connect(self) -> None:
         for tile, button in self.tiles.items():
             button.clicked.connect(lambda _checked, tile=tile: self._on_tile(tile))
         self.start.clicked.connect(self._on_start)
-        self.check_plan.clicked.connect(self._on_check)
         self.resume.clicked.connect(self._on_resume)
-        self.saved.clicked.connect(lambda: self.profiles.show_profiles(self.parameters))
         self.values.changed.connect(self.show_plan)
         self.annotation.saved.connect(self._on_saved)
         self.annotation.failed.connect(lambda reason: self.refused.emit(Refused.NOTES, reason))
-        self.profiles.loaded.connect(self.show_parameters)
-        self.profiles.failed.connect(lambda reason: self.refused.emit(Refused.PROFILE, reason))
 
     def _lay_out(self) -> None:
         self._grid = QGridLayout(self)
-        for number, tile in enumerate((*self.tiles.values(), self.saved, self.check_plan)):
-            self._grid.addWidget(tile, *divmod(number, COLUMNS))
+        self._grid.addWidget(self.area, 0, 0, ROWS - 1, 1)
+        others = [button for tile, button in self.tiles.items() if tile is not Tile.AREA]
+        for number, button in enumerate(others):
+            row, column = divmod(number, COLUMNS - 1)
+            self._grid.addWidget(button, row, 1 + column)
         for column in range(COLUMNS):
             self._grid.setColumnStretch(column, 1)
         for row in range(ROWS):

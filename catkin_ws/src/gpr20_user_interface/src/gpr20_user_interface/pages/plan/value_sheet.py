@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import List, Mapping
+from typing import List
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
@@ -18,13 +18,12 @@ from PyQt5.QtWidgets import (
 
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, FieldSpec, Tile
 from gpr20_operator.plan.form import PlanForm, quarter_wavelength_mm
-from gpr20_operator.plan.presets import Preset, PresetContext
-from gpr20_operator.plan.stored import ARROW_STEPS
+from gpr20_operator.plan.presets import Preset
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.plan.tile import PlanTile
-from gpr20_user_interface.widgets.keys import CLEAR, DOWN, ERASE, STEP, UP, KeyBlock
+from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock
 from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import fill, in_two_lines, new_button, set_look, space
 
 FIELDS_PX, PRESETS_PX, KEYS_PX, BUTTON_PX, FIELD_PX = 252, 232, 284, 134, 84
@@ -36,14 +35,9 @@ MAX_LENGTH = 80
 
 
 class ValueSheet(Overlay):
-    """Writes in the plan at once; UNDO brings back what there was when it was opened.
+    """Writes in the plan at once; UNDO brings back what there was when it was opened."""
 
-    Attributes:
-        last_area: Texts of the area of the survey before; empty if there is none.
-        arrow_step: By how much an arrow changes a number.
-    """
-
-    # The plan, or the step of the arrows, has changed.
+    # The plan has changed.
     changed = pyqtSignal()
 
     def __init__(self, window: QWidget, form: PlanForm) -> None:
@@ -54,10 +48,8 @@ class ValueSheet(Overlay):
         self._specs: List[FieldSpec] = []
         # Whether the next key replaces the text, and whether something was written.
         self._fresh, self._touched = True, False
-        self._before, self._following = dict(form.texts), form.following
+        self._before = dict(form.texts)
         self._offered: List[Preset] = []
-        self.last_area: Mapping[str, str] = {}
-        self.arrow_step = ARROW_STEPS[0]
         self.title, self.hint = QLabel(), QLabel()
         self.title.setObjectName("title")
         self.hint.setWordWrap(True)
@@ -74,7 +66,7 @@ class ValueSheet(Overlay):
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
         self._tile, self._specs = tile, [SPECS[name] for name in TILE_FIELDS[tile]]
-        self._before, self._following = dict(self._form.texts), self._form.following
+        self._before = dict(self._form.texts)
         for number, field in enumerate(self.fields):
             field.setVisible(number < len(self._specs))
         self._choose(0)
@@ -150,15 +142,11 @@ class ValueSheet(Overlay):
         problem = check.problems.get(chosen.name) if self._touched else None
         self.hint.setText(shown_text(problem or chosen.hint(self._form.travel)))
         set_look(self.hint, "level", "wrong" if problem else "")
-        self.keys.use(chosen.kind.keys, self.arrow_step)
+        self.keys.use(chosen.kind.keys)
         quarter_mm = None
         if check.parameters is not None and check.permittivity is not None:
             quarter_mm = quarter_wavelength_mm(check.parameters, check.permittivity)
-        self._offered = chosen.presets(
-            PresetContext(
-                self._form.travel, self.last_area, self._form.proposed_address, quarter_mm
-            )
-        )
+        self._offered = chosen.presets(self._form.travel, quarter_mm)
         room_px = look_of(self).px((PRESETS_PX - GAP_PX) / PRESET_COLUMNS - PRESET_FRAME_PX)
         for number, button in enumerate(self.presets):
             button.setVisible(number < len(self._offered))
@@ -175,32 +163,23 @@ class ValueSheet(Overlay):
         self.changed.emit()
 
     def _on_command(self, command: str) -> None:
-        if command in (CLEAR, ERASE):
-            text = "" if self._fresh or command == CLEAR else self._form.texts[self._name][:-1]
-            self._set_text(text)
-        elif command == STEP:
-            place = ARROW_STEPS.index(self.arrow_step) + 1
-            self.arrow_step = ARROW_STEPS[place % len(ARROW_STEPS)]
-            self._show()
-            self.changed.emit()
-        else:
-            self._form.arrow(self._name, {UP: 1, DOWN: -1}[command] * self.arrow_step)
-            self._after_fill()
+        erased = "" if self._fresh or command == CLEAR else self._form.texts[self._name][:-1]
+        self._set_text(erased)
 
     def _on_preset(self, number: int) -> None:
         self._form.set_texts(self._offered[number].texts)
         self._after_fill()
 
     def _on_undo(self) -> None:
-        self._form.restore(self._before, self._following)
+        self._form.restore(self._before)
         self._after_fill()
 
     def _after_fill(self) -> None:
         self._choose(self._active)
         self.changed.emit()
 
-    def _field(self, number: int) -> PlanTile:
-        field = PlanTile(lines=1)
+    def _field(self, number: int) -> TileButton:
+        field = TileButton(lines=1)
         field.title.setObjectName("field_title")
         field.lines[0].setObjectName("figure")
         field.setFocusPolicy(Qt.FocusPolicy.NoFocus)

@@ -5,96 +5,48 @@ It searches by itself when a survey has ended and the page is seen.
 
 from __future__ import annotations
 
-from typing import Callable, List, Optional
+from typing import Callable, List
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtGui import QResizeEvent
+from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QLayout,
     QProgressBar,
-    QPushButton,
-    QSizePolicy,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
 )
 
-from gpr20_common.message import Message
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
-from gpr20_user_interface.look.look import BORDER_PX, GAP_PX, look_of
+from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import Languages, TranslatedWidget, shown_text
+from gpr20_user_interface.pages.result.entries import PlaceSheet, SoilSheet
 from gpr20_user_interface.pages.result.sheets import (
     DoubtsSheet,
     HidingSheet,
-    PlaceSheet,
-    SoilSheet,
+    StickSheet,
     with_remedy,
 )
-from gpr20_user_interface.pages.result.stick_sheet import StickSheet
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.labels import LinesLabel, SurveyBand
+from gpr20_user_interface.widgets.labels import SurveyBand
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import new_button, set_look
+from gpr20_user_interface.widgets.tile import TileButton
+from gpr20_user_interface.widgets.widgets import fill, new_button, set_look
 
-PANEL_PX = 296
-RANK_PX = 36
+PANEL_PX = 320
 # Few places do not fill the list: what belongs together stays together.
-MOST_ROW_PX = 112
+MOST_ROW_PX = 72
 # Shares of the longer side: numbers stand beside the image, not on it.
 RIM_BESIDE, RIM_ABOVE = 0.12, 0.07
-
-
-class PlaceRow(QPushButton):
-    """Rank and place; below, where there is room, why it is on the list."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.setObjectName("tile")
-        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
-        self.rank, self.place, self.why = QLabel(), QLabel(), LinesLabel()
-        self.rank.setObjectName("tile_title")
-        self.place.setObjectName("first_title")
-        self.rank.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        grid = QGridLayout(self)
-        grid.setSpacing(0)
-        grid.setContentsMargins(BORDER_PX, BORDER_PX, BORDER_PX, BORDER_PX)
-        grid.addWidget(self.rank, 0, 0, 2, 1)
-        grid.addWidget(self.place, 0, 1)
-        grid.addWidget(self.why, 1, 1)
-        grid.setColumnStretch(1, 1)
-        grid.setRowStretch(1, 1)
-        for label in (self.rank, self.place, self.why):
-            label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-
-    def show_place(self, place: Candidate, found: Optional[Message]) -> None:
-        """Show a place, and what people found there."""
-        self.rank.setText(str(place.number))
-        number_px = self.rank.fontMetrics().horizontalAdvance(self.rank.text()) + 2 * BORDER_PX
-        self.rank.setFixedWidth(max(look_of(self).px(RANK_PX), number_px))
-        self.setMaximumHeight(look_of(self).px(MOST_ROW_PX))
-        self.place.setText(shown_text(texts.place_line(place)))
-        self.why.show_text(shown_text(found or texts.why_line(place)))
-        for widget in (self, self.rank, self.place, self.why):
-            set_look(widget, "level", "locked" if place.is_doubtful else "")
-        self._fit()
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Qt: there is more or less room."""
-        super().resizeEvent(event)
-        self._fit()
-
-    def _fit(self) -> None:
-        lines_px = self.place.fontMetrics().height() + self.why.fontMetrics().height()
-        self.why.setVisible(self.height() >= lines_px + 2 * BORDER_PX)
 
 
 class ResultPage(TranslatedWidget, Page):
@@ -134,25 +86,19 @@ class ResultPage(TranslatedWidget, Page):
         )
         self.place_sheet.finer_wanted.connect(self._on_finer)
         self.place_sheet.show_wanted.connect(self._on_show)
-        self._simulated_robot = False
         self._drawn: object = None
         self._drawn_image: object = None
-        self.title = QLabel()
-        self.title.setObjectName("first_title")
-        self.title.setWordWrap(True)
-        self.simulated = QLabel()
-        self.simulated.setObjectName("simulated")
-        self.no_clearance = QLabel()
+        self.title, self.no_clearance, self.nothing = QLabel(), QLabel(), QLabel()
+        for label in (self.title, self.no_clearance, self.nothing):
+            label.setObjectName("first_title")
+            label.setWordWrap(True)
         self.no_clearance.setObjectName("small_alarm")
-        self.no_clearance.setWordWrap(True)
         self.band = SurveyBand()
         self.doubts = new_button(self.doubts_sheet.open_now)
         self.doubts.setObjectName("doubts")
         self.picture = GroundPicture()
-        self.rows: List[PlaceRow] = [self._row(number) for number in range(PLACES_SHOWN)]
-        self.nothing = QLabel()
-        self.nothing.setObjectName("title")
-        self.nothing.setWordWrap(True)
+        self.picture.mark_touched.connect(self.place_sheet.ask)
+        self.rows: List[TileButton] = [self._row(number) for number in range(PLACES_SHOWN)]
         self.card = EmptyState()
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
@@ -163,7 +109,6 @@ class ResultPage(TranslatedWidget, Page):
         self.more = new_button(self._on_more)
         self.plan = new_button(self.plan_wanted.emit)
         self.keys = (self.stick, self.hiding, self.soil, self.plan)
-        self.picture.mark_touched.connect(self.place_sheet.ask)
         self._lay_out()
         self.retranslate()
 
@@ -171,8 +116,6 @@ class ResultPage(TranslatedWidget, Page):
         """Search while the page is seen; during a survey only what is known is shown."""
         self.result.note_running(snapshot.running)
         self.result.latest_id = "" if snapshot.state is None else snapshot.state.survey_id
-        if snapshot.simulated != self._simulated_robot:
-            self._simulated_robot, self._drawn = snapshot.simulated, None
         if snapshot.running:
             for sheet in (*self.sheets, self.place_sheet.pad, self.soil_sheet.pad):
                 sheet.hide()
@@ -196,8 +139,8 @@ class ResultPage(TranslatedWidget, Page):
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        self.simulated.setText(self.tr("SIMULATED"))
         self.no_clearance.setText(shown_text(NO_CLEARANCE))
+        self.nothing.setText(shown_text(texts.NOT_SAFE))
         self.stick.setText(self.tr("Report\nto stick"))
         self.hiding.setText(self.tr("Where could\na mine hide?"))
         self.plan.setText(self.tr("Plan the\nnext survey"))
@@ -213,53 +156,57 @@ class ResultPage(TranslatedWidget, Page):
         for layout in (self._page, self._left, self._beside, self._keys):
             layout.setSpacing(gap_px // 2)
         self._list.setSpacing(look.px(1))
+        for row in self.rows:
+            row.setMaximumHeight(look.px(MOST_ROW_PX))
         self._drawn_image = self._drawn = None
 
     def _show(self) -> None:
-        result = self.result
-        done = result.image is not None
-        record = result.record
-        # If the robot is simulated, the band says so.
+        result, record, image = self.result, self.result.record, self.result.image
         self.band.show_band(texts.band(result))
-        simulated = record is not None and record.grid.simulated
-        self.simulated.setVisible(simulated and not self._simulated_robot)
-        self._stack.setCurrentIndex(int(done))
-        found = texts.doubts(result)
-        self.doubts.setVisible(bool(found))
-        self.doubts.setText(shown_text(texts.doubted(found)) if found else "")
+        doubts = len(texts.doubts(result))
+        self.doubts.setVisible(doubts > 0)
+        self.doubts.setText(self.tr("Doubts: {count}").format(count=doubts))
         can_ask = record is not None and not result.survey_runs
         self.stick.setEnabled(can_ask)
-        self.hiding.setEnabled(done and can_ask)
+        self.hiding.setEnabled(image is not None and can_ask)
         self.soil.setEnabled(can_ask)
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
         more = len(result.places) - len(result.shown)
         self.more.setVisible(more > 0)
         self.more.setText(self.tr("{count}\nmore").format(count=more))
-        if done:
-            self._show_places()
-        else:
+        # Nothing of another survey, nor of the search before.
+        for row, place in zip(self.rows, (*result.shown, *[None] * PLACES_SHOWN)):
+            row.setVisible(place is not None)
+            row.setEnabled(not result.survey_runs)
+            if place is not None:
+                self._show_row(row, place)
+        self._stack.setCurrentIndex(int(image is not None))
+        self._right.setCurrentIndex(int(image is not None and not result.places))
+        if image is None:
             self._show_state()
+        else:
+            self._show_image(image)
+
+    def _show_row(self, row: TileButton, place: Candidate) -> None:
+        found = self.result.find_at(place)
+        where = f"{place.number}  {shown_text(texts.place_line(place))}"
+        line = texts.why_line(place) if found is None else texts.found_line(found)
+        level = "locked" if place.is_doubtful else ""
+        row.show_texts(where, shown_text(line), level=level)
 
     def _show_state(self) -> None:
-        result = self.result
-        record, reading, search = result.record, result.reading, result.search
+        result, record = self.result, self.result.record
+        reading, search = result.reading, result.search
         running = reading.running or search.running
         failed = search.problem or (reading.problem if record is None else None)
         part = texts.measured(result)
-        self.title.setText(
-            "" if record is None else record.name if part is None else shown_text(part)
-        )
+        named = "" if record is None else record.name
+        self.title.setText(named if part is None else shown_text(part))
         self.progress.setVisible(running)
-        # Nothing of another survey, nor of the search before.
-        self._right.setCurrentIndex(0)
-        for row in self.rows:
-            row.hide()
         if result.waits:
             self.card.show_state("pause", shown_text(SURVEY_RUNS))
         elif running:
-            what = texts.SEARCHING if search.running else texts.READING
-            seconds = int(search.running_s or reading.running_s)
-            text = f"{shown_text(what)} {seconds} s"
+            text = shown_text(texts.SEARCHING if search.running else texts.READING)
             self.card.show_state("search", text, self.tr("CANCEL"), result.cancel)
         elif failed is not None:
             again = self.tr("SEARCH") if failed == CANCELLED else self.tr("TRY AGAIN")
@@ -267,11 +214,9 @@ class ResultPage(TranslatedWidget, Page):
         else:
             self.card.show_state("search", shown_text(texts.READING))
 
-    def _show_places(self) -> None:
-        result, image = self.result, self.result.image
-        if image is None:
-            return
-        self.title.setText(shown_text(texts.headline(image.found, result.first)))
+    def _show_image(self, image: FocusedImage) -> None:
+        result = self.result
+        self.title.setText(shown_text(texts.headline(image.found)))
         if image is not self._drawn_image:
             self._drawn_image = image
             self.picture.show_picture(FocusedSource(image).from_above())
@@ -296,17 +241,11 @@ class ResultPage(TranslatedWidget, Page):
         self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
         # At the top: at the bottom it would take the room of the numbers.
         self.picture.labels = "", shown_text(texts.FROM_MARK)
-        self._right.setCurrentIndex(int(not result.places))
-        for row, place in zip(self.rows, result.shown):
-            found = result.find_at(place)
-            row.show_place(place, None if found is None else texts.found_line(found))
-        for number, row in enumerate(self.rows):
-            row.setVisible(number < len(result.shown))
-            row.setEnabled(not result.survey_runs)
-        self.nothing.setText(shown_text(texts.NOT_SAFE))
 
-    def _row(self, number: int) -> PlaceRow:
-        row = PlaceRow()
+    def _row(self, number: int) -> TileButton:
+        row = TileButton(lines=1)
+        row.title.setObjectName("first_title")
+        row.lines[0].setObjectName("small")
         row.clicked.connect(lambda: self.place_sheet.ask(self.result.shown[number]))
         return row
 
@@ -316,24 +255,18 @@ class ResultPage(TranslatedWidget, Page):
 
     def _lay_out(self) -> None:
         card = QVBoxLayout()
-        card.addWidget(self.card, 1)
-        card.addWidget(self.progress)
+        fill(card, (self.card, 1), self.progress)
         self._list = QVBoxLayout()
         self._list.setContentsMargins(0, 0, 0, 0)
-        for row in self.rows:
-            self._list.addWidget(row, 1)
+        fill(self._list, *((row, 1) for row in self.rows))
         self._list.addStretch()
-        self._right = QStackedWidget()
+        self._right, self._stack = QStackedWidget(), QStackedWidget()
         self._right.addWidget(_holding(self._list))
         self._right.addWidget(self.nothing)
         # Five rows beside the image; each is as high as a finger needs.
         self._right.setStyleSheet("QPushButton#tile { min-height: 1px; }")
-        self._stack = QStackedWidget()
         self._stack.addWidget(_holding(card))
         self._stack.addWidget(self.picture)
-        top = QHBoxLayout()
-        top.addWidget(self.title, 1)
-        top.addWidget(self.more)
         for key in (*self.keys, self.more, self.doubts):
             set_look(key, "compact", True)
         self._keys = QGridLayout()
@@ -341,19 +274,14 @@ class ResultPage(TranslatedWidget, Page):
             self._keys.addWidget(key, *divmod(number, 2))
         self._left, self._beside = QVBoxLayout(), QVBoxLayout()
         self._beside.setContentsMargins(0, 0, 0, 0)
-        # Not over the image, where it could cover a ring.
-        self._left.addWidget(self.simulated, 0, Qt.Alignment() | Qt.AlignmentFlag.AlignRight)
-        self._left.addWidget(self.band)
-        self._left.addWidget(self.doubts)
-        self._left.addWidget(self._stack, 1)
-        self._left.addWidget(self.no_clearance)
-        for part in (top, self._keys):
-            self._beside.addLayout(part)
-        self._beside.insertWidget(1, self._right, 1)
+        fill(self._left, self.band, self.doubts, (self._stack, 1), self.no_clearance)
+        top = QHBoxLayout()
+        fill(top, (self.title, 1), self.more)
+        fill(self._beside, top, (self._right, 1), self._keys)
         self._page = QHBoxLayout(self)
-        self._page.addLayout(self._left, 1)
         self._panel = _holding(self._beside)
-        self._page.addWidget(self._panel)
+        fill(self._page, (_holding(self._left), 1), self._panel)
+        self._left.setContentsMargins(0, 0, 0, 0)
 
     def _on_finer(self, place: Candidate) -> None:
         if self.result.record is not None:

@@ -1,10 +1,9 @@
-"""What opens over the result: one place, what was found there, the soil, hiding places."""
+"""What opens over the result: doubts, hiding places, the USB stick, and what all sheets share."""
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Optional, Sequence
+from typing import Callable, List, Tuple
 
-from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -14,33 +13,24 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.plan.fields import Keys
+from gpr20_operator.jobs.result import ALL_DATA, CANCELLING, REPORT, SurveyResult
 from gpr20_operator.robot.condition import first_step
-from gpr20_operator.words import entered_number, number_from_text
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
-from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
-from gpr20_survey.results.found import MAX_DEPTH_MM, What
+from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
+from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.keys import Judge, Pad
+from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_button
 
 LONGEST_NAME = 12
-NONE = "—"
-PERMITTIVITIES = Message(
-    "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
-)
-DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
+MOST_STICKS = 3
+BYTES_PER_GB = 1e9
 
 
 def with_remedy(problem: Message) -> str:
@@ -51,7 +41,7 @@ def with_remedy(problem: Message) -> str:
 
 
 class ResultSheet(Overlay):
-    """A title, rows of keys, a text, a bar while something runs, and keys below.
+    """A title, rows of keys, a text, a bar while something runs, and what the list is not.
 
     Args:
         window: The window that it covers.
@@ -65,6 +55,7 @@ class ResultSheet(Overlay):
         self.title, self.text, self.progress = QLabel(), PulledText(), QProgressBar()
         self.title.setObjectName("title")
         self.progress.setRange(0, 0)  # it is not known how long it takes
+        self.progress.hide()
         self.close_button = new_button(self.hide)
         self.no_clearance = QLabel()
         self.no_clearance.setObjectName("alarm")
@@ -80,7 +71,6 @@ class ResultSheet(Overlay):
         revision = self.result.revision
         if self.isVisible() and revision != self._drawn:
             self._drawn = revision
-            self.band.show_band(texts.band(self.result))
             self.show_now()
 
     def show_now(self) -> None:
@@ -105,7 +95,7 @@ class ResultSheet(Overlay):
         for layout in (self._page, *self._rows):
             layout.setSpacing(gap_px)
 
-    def add_row(self, widgets: Sequence[QWidget]) -> None:
+    def add_row(self, *widgets: QWidget) -> None:
         """Add a row of keys."""
         row = QHBoxLayout()
         for widget in widgets:
@@ -113,16 +103,16 @@ class ResultSheet(Overlay):
         self._rows.append(row)
         self._page.addLayout(row)
 
-    def add_text(self, *keys: QWidget) -> None:
-        """Add the text, the bar and the keys below them."""
+    def add_text(self) -> None:
+        """Add the text, and the bar below it."""
         self._page.addWidget(self.text, 1)
         self._page.addWidget(self.progress)
-        self.add_end(*keys)
 
     def add_end(self, *keys: QWidget) -> None:
         """Add the last keys, and what the list is not."""
-        self.add_row([*keys, self.close_button])
+        self.add_row(*keys, self.close_button)
         self._page.addWidget(self.no_clearance)
+        self.retranslate()
 
     def choice(self, act: Callable[[], None]) -> QPushButton:
         """Return a key that is chosen or not."""
@@ -142,188 +132,13 @@ class ResultSheet(Overlay):
         self.text.setText(rest if job.problem is None else with_remedy(job.problem))
 
 
-class PlaceSheet(ResultSheet):
-    """One place: why it is on the list, and what to do; a hold stores what was found there.
-
-    Args:
-        window: The window that it covers.
-        result: The result.
-        operator: Returns who operates the robot now.
-    """
-
-    # A Candidate.
-    finer_wanted = pyqtSignal(object)
-    show_wanted = pyqtSignal(object)
-
-    def __init__(self, window: QWidget, result: SurveyResult, operator: Callable[[], str]) -> None:
-        super().__init__(window, result)
-        self._operator = operator
-        self._what: Optional[What] = None
-        self._depth, self._who = "", ""
-        self._problem: Optional[Message] = None
-        self.pad = Pad(window)
-        self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
-        self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
-        self.store = HoldButton()
-        self.store.held.connect(self._on_store)
-        self.finer = new_button(lambda: self._leave(self.finer_wanted))
-        self.view = new_button(lambda: self._leave(self.show_wanted))
-        self._page.addWidget(self.text, 1)
-        self.add_row(list(self.whats.values()))
-        self.add_row([self.deep, self.who, self.store])
-        self.add_end(self.finer, self.view)
-        self.retranslate()
-
-    def ask(self, place: Candidate) -> None:
-        """Open for a place."""
-        record = self.result.record
-        self._what, self._depth, self._problem = None, "", None
-        self._who = self._operator() or (record.operator if record is not None else "")
-        self.result.chosen = place
-        self.result.noting.end()
-        self.open_now()
-
-    def show_now(self) -> None:
-        """Show the place, and what is entered."""
-        self.finer.setText(self.tr("Measure\nfiner"))
-        self.view.setText(self.tr("Show in\nGround"))
-        depth = shown_text(entered_number(self._depth)) or NONE
-        self.deep.setText(f"{self.tr('Depth')}\n{depth} mm")
-        self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or NONE}")
-        self.store.setText(self.tr("Hold to\nstore"))
-        for what, key in self.whats.items():
-            text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))
-            self.show_choice(key, text, what is self._what)
-        place, record, noting = self.result.chosen, self.result.record, self.result.noting
-        if place is None or record is None:
-            self.hide()
-            return
-        self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
-        self.finer.setEnabled(record.grid.plan is not None)
-        self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
-        problem = self._problem or noting.problem
-        lines = self._lines(place) if problem is None else [with_remedy(problem)]
-        self.text.setText("\n".join(lines))
-
-    def _lines(self, place: Candidate) -> List[str]:
-        found, hidden = self.result.find_at(place), self.result.hiding.result
-        lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
-        if hidden is not None:
-            lines.append(hidden.at(place.x_m, place.y_m))
-        return [sentence_text(one) for one in [*lines, texts.FROM_MARK]]
-
-    def _leave(self, wanted: Any) -> None:
-        self.hide()
-        if self.result.chosen is not None:
-            wanted.emit(self.result.chosen)
-
-    def _key(self, what: What) -> QPushButton:
-        def act() -> None:
-            self._what = what
-            self.show_now()
-
-        return self.choice(act)
-
-    def _on_depth(self) -> None:
-        def take(text: str) -> None:
-            self._depth = text.strip()
-            self.show_now()
-
-        judge = _judge(0.0, MAX_DEPTH_MM, DEPTHS)
-        title, hint = self.tr("Depth"), shown_text(DEPTHS)
-        self.pad.ask(take, title, hint, self._depth, judge, Keys.NUMBER)
-
-    def _on_who(self) -> None:
-        def take(text: str) -> None:
-            self._who = text.strip()
-            self.show_now()
-
-        self.pad.ask(take, self.tr("Who"), "", self._who, lambda _text: "", Keys.LETTERS)
-
-    def _on_store(self) -> None:
-        if self.result.chosen is None or self._what is None:
-            return
-        try:
-            depth_mm = number_from_text(self._depth) if self._depth else None
-            self.result.note_found(self.result.chosen, self._what, depth_mm, self._who)
-            self._problem = None
-        except InvalidValueError as error:
-            self._problem = error.message
-        self.show_now()
-
-
-class SoilSheet(ResultSheet):
-    """Changes the permittivity, and with it everything that is made with it, by a hold."""
-
-    def __init__(self, window: QWidget, result: SurveyResult) -> None:
-        super().__init__(window, result)
-        self._value: Optional[float] = None
-        self.pad = Pad(window)
-        self.soils = {one: self._key(one.value.permittivity) for one in Soils}
-        self.unknown, self.other = self._key(None), new_button(self._on_other)
-        self.use = HoldButton()
-        self.use.held.connect(self._on_use)
-        self.add_row(list(self.soils.values()))
-        self.add_row([self.unknown, self.other])
-        self.add_text(self.use)
-        self.progress.hide()
-        self.retranslate()
-
-    def ask(self) -> None:
-        """Open with the present value."""
-        self._value = self.result.permittivity
-        self.open_now()
-
-    def show_now(self) -> None:
-        """Show what is chosen."""
-        self.title.setText(self.tr("Soil of this survey"))
-        for soil, key in self.soils.items():
-            value = soil.value.permittivity
-            self.show_choice(
-                key, f"{shown_text(soil.value.name)}\n{shown_number(value)}", value == self._value
-            )
-        self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
-        other, known = self._value, [one.value.permittivity for one in Soils]
-        number = "" if other is None or other in known else f"\n{shown_number(other)}"
-        self.other.setText(self.tr("Other value") + number)
-        self.use.setText(self.tr("Hold to use it"))
-        self.use.setEnabled(self._value != self.result.permittivity)
-        self.text.setText(
-            self.tr(
-                "Depths, places, hiding places and reports use this permittivity. The search "
-                "begins again with it."
-            )
-        )
-
-    def _key(self, value: Optional[float]) -> QPushButton:
-        return self.choice(lambda: self._choose(value))
-
-    def _choose(self, value: Optional[float]) -> None:
-        self._value = value
-        self.show_now()
-
-    def _on_other(self) -> None:
-        self.pad.ask(
-            lambda text: self._choose(number_from_text(text)),
-            *(self.tr("Permittivity"), shown_text(PERMITTIVITIES)),
-            "" if self._value is None else f"{self._value:g}",
-            _judge(MIN_PERMITTIVITY, LARGEST_PERMITTIVITY, PERMITTIVITIES, may_be_empty=False),
-            Keys.NUMBER,
-        )
-
-    def _on_use(self) -> None:
-        self.hide()
-        self.result.set_permittivity(self._value)
-
-
 class DoubtsSheet(ResultSheet):
     """Says what of the survey may not be believed, and what to do first."""
 
     def __init__(self, window: QWidget, result: SurveyResult) -> None:
         super().__init__(window, result)
         self.add_text()
-        self.progress.hide()
-        self.retranslate()
+        self.add_end()
 
     def show_now(self) -> None:
         """Show all of it."""
@@ -341,9 +156,9 @@ class HidingSheet(ResultSheet):
         super().__init__(window, result)
         self.targets = {one: self._key(one) for one in Targets}
         self.cancel = new_button(lambda: self.result.hiding.end())
-        self.add_row(list(self.targets.values()))
-        self.add_text(self.cancel)
-        self.retranslate()
+        self.add_row(*self.targets.values())
+        self.add_text()
+        self.add_end(self.cancel)
 
     def show_now(self) -> None:
         """Show the targets, and the answer for the last one."""
@@ -358,7 +173,7 @@ class HidingSheet(ResultSheet):
             key.setEnabled(not job.running)
         rest = self.tr("Choose a size. The search takes up to some minutes.")
         if job.running:
-            rest = self.tr("Searching for {seconds} s.").format(seconds=int(job.running_s))
+            rest = self.tr("Searching; this takes up to some minutes.")
         elif job.result is not None:
             lines = [ONLY_THIS, *job.result.details]
             hatched = self.tr("Hatched on the image: where it could hide.")
@@ -369,14 +184,103 @@ class HidingSheet(ResultSheet):
         return self.choice(lambda: self.result.choose_target(target))
 
 
-def _judge(lowest: float, highest: float, allowed: Message, may_be_empty: bool = True) -> Judge:
-    def judge(text: str) -> str:
-        if not text.strip() and may_be_empty:
-            return ""
-        try:
-            right = lowest <= number_from_text(text) <= highest
-        except InvalidValueError:
-            right = False
-        return "" if right else shown_text(allowed)
+class StickSheet(ResultSheet):
+    """The report on the stick that is touched, how far it is, and when it can be removed.
 
-    return judge
+    Args:
+        window: The window that it covers.
+        result: The result.
+        language: Returns the code of the window's language.
+    """
+
+    def __init__(self, window: QWidget, result: SurveyResult, language: Callable[[], str]) -> None:
+        super().__init__(window, result)
+        self._language = language
+        self._parts: Tuple[ExportPart, ...] = REPORT
+        self.report, self.all_data = self._part(REPORT), self._part(ALL_DATA)
+        self.sticks = [self._stick(number) for number in range(MOST_STICKS)]
+        self.cancel = new_button(lambda: self.result.export.job.cancel(CANCELLING))
+        self.add_row(self.report, self.all_data)
+        self.add_row(*self.sticks)
+        self.add_text()
+        self.add_end(self.cancel)
+
+    def ask(self) -> None:
+        """Open, and look for sticks."""
+        self._parts = REPORT
+        self.result.export.begin()
+        self.open_now()
+
+    def refresh(self) -> None:
+        """Look for sticks while it is open."""
+        if self.isVisible():
+            self.result.export.look_for_sticks()
+        super().refresh()
+
+    def show_now(self) -> None:
+        """Show what is written where."""
+        export = self.result.export
+        running = export.job.running
+        self.cancel.setText(self.tr("CANCEL"))
+        self.cancel.setVisible(running)
+        self.show_choice(self.report, self.tr("Report"), self._parts is REPORT)
+        self.show_choice(self.all_data, self.tr("All data"), self._parts is ALL_DATA)
+        for key in (self.report, self.all_data):
+            key.setVisible(not running)
+        for key, volume in zip(self.sticks, export.offered):
+            key.setText(f"{volume.name[:LONGEST_NAME]}\n{self._room(volume)}")
+            key.setEnabled(volume.writable)
+        for number, key in enumerate(self.sticks):
+            key.setVisible(not running and number < len(export.offered))
+        title, text = self._sentences()
+        record = self.result.record
+        if record is not None and export.survey not in ("", record.survey_id):
+            text = "\n".join(filter(None, (self.tr("This is the export of another survey."), text)))
+        self.title.setText(title)
+        self.show_job(export.job, text)
+
+    def _sentences(self) -> Tuple[str, str]:
+        """Return what to do with the stick, and what happens."""
+        export, exported = self.result.export, self.result.export.job.result
+        problem = export.job.problem or export.listing.problem
+        if export.job.running:
+            stage = export.job.stage
+            waiting = self.tr("Waiting for the computer of the storage.")
+            text = waiting if stage is None else sentence_text(stage)
+            return self.tr("Do not remove the stick."), text
+        if exported is not None:
+            files = exported.files
+            text = self.tr("Files: {count}, in its folder {folder}.")
+            where = text.format(count=len(files), folder=files[0].split("/")[0])
+            return self.tr("Done. Remove the stick."), where
+        if problem is not None:
+            return self.tr("Nothing was written."), with_remedy(problem)
+        if not export.sticks.computer:
+            return self.tr("Looking for USB sticks."), ""
+        if not any(one.writable for one in export.offered):
+            text = self.tr("Plug a USB stick into the computer {computer}.")
+            return text.format(computer=export.sticks.computer), ""
+        return self.tr("Touch the stick that it is written to."), ""
+
+    def _room(self, volume: Volume) -> str:
+        if not volume.writable:
+            return self.tr("write-protected")
+        return shown_text(Message("{free:.1f} GB free", free=volume.free_bytes / BYTES_PER_GB))
+
+    def _part(self, parts: Tuple[ExportPart, ...]) -> QPushButton:
+        def act() -> None:
+            self._parts = parts
+            self.show_now()
+
+        return self.choice(act)
+
+    def _stick(self, number: int) -> QPushButton:
+        def act() -> None:
+            record, export = self.result.record, self.result.export
+            if record is not None and number < len(export.offered):
+                volume = export.offered[number]
+                export.write(volume, record.survey_id, self._parts, self._language())
+
+        key = new_button(act)
+        key.setObjectName("choice")
+        return key

@@ -1,44 +1,51 @@
-"""SURVEYS: the stored surveys, searched and filtered; a touch on one shows what can be done."""
+"""ARCHIVE: the stored surveys; a touch on one shows its map, its answer and what can be done."""
 
 from __future__ import annotations
 
-from typing import Dict, List, Optional
+from typing import List, Optional
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import (
-    QButtonGroup,
     QGridLayout,
     QHBoxLayout,
-    QPushButton,
+    QLabel,
     QStackedWidget,
     QVBoxLayout,
     QWidget,
 )
 
-from gpr20_operator.ground.past_surveys import Listed, PastSurveys, present_verdict, title_of
+from gpr20_operator.ground.past_surveys import PastSurveys, title_of
+from gpr20_operator.jobs.job import Job, Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
+from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import local_time
+from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
 from gpr20_user_interface.pages.surveys.survey_list import (
+    PICTURE_PX,
     ROW_PX,
     SURVEY,
-    SurveyRow,
     SurveysModel,
+    map_picture,
 )
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import fill, new_button
 
-PANEL_PX = 216
+PANEL_PX = 248
+MAP_PX = 112
 SIGN_PX = 28
-ELIDE = Qt.TextElideMode.ElideRight
+# Of a search; its button has no room for more.
+LONGEST_SHOWN = 20
 
 
 class SurveysPage(TranslatedWidget, Page):
@@ -47,6 +54,7 @@ class SurveysPage(TranslatedWidget, Page):
     Args:
         window: Keys for the search open over it.
         surveys: The list.
+        imaging: The answers that are known.
 
     Attributes:
         chosen: The survey that the operator touched.
@@ -63,25 +71,25 @@ class SurveysPage(TranslatedWidget, Page):
     # The operator wants to plan the next survey.
     plan_requested = pyqtSignal()
 
-    def __init__(self, window: QWidget, surveys: PastSurveys) -> None:
+    def __init__(self, window: QWidget, surveys: PastSurveys, imaging: Imaging) -> None:
         super().__init__()
         self._surveys = surveys
         self._revision = -1
         self._asked_before: Optional[str] = None
-        self._text, self._listed = "", Listed.ALL
+        self._text = ""
         self.chosen: Optional[SurveySummary] = None
+        show = lambda _answer: self._show_choice()  # noqa: E731
+        self._answer: Job[FocusedImage] = imaging.job(Service.FOCUS, show, show)
         self.pad = Pad(window)
         self.search = new_button(self._ask_text)
         self.clear = new_button(lambda: self.search_for(""), "✕")
-        self.filters: Dict[Listed, QPushButton] = {}
-        self.model = SurveysModel()
+        self.model = SurveysModel(surveys, self._is_chosen)
         self.list = FingerList()
         self.list.setModel(self.model)
-        self.list.setItemDelegate(SurveyRow(surveys, self._is_chosen))
         self.list.tapped.connect(lambda row: self.choose(row.data(SURVEY)))
         self.list.verticalScrollBar().valueChanged.connect(lambda _: self._read_older())
         self.empty = EmptyState()
-        self.title, self.details = ElidedLabel(), PulledText()
+        self.title, self.map, self.details = ElidedLabel(), QLabel(), PulledText()
         self.result = new_button(lambda: self.result_requested.emit(self._folder))
         self.open = new_button(lambda: self.open_requested.emit(self._folder))
         self.resume = new_button(lambda: self.resume_requested.emit(self._folder))
@@ -106,21 +114,20 @@ class SurveysPage(TranslatedWidget, Page):
             self._show_list()
 
     def choose(self, survey: Optional[SurveySummary]) -> None:
-        """Show a survey and what can be done with it; None: no survey."""
+        """Show a survey, its answer and what can be done with it; None: no survey."""
         self.chosen = survey
         self.list.viewport().update()
+        self._answer.end()
+        if survey is not None and self._surveys.can_open(survey):
+            self._answer.ask(survey=survey.folder, permittivity=NOT_KNOWN, only_known=True)
         self._show_choice()
 
     def search_for(self, text: str) -> None:
-        """List the surveys that hold every word of a text."""
+        """List the surveys that hold every word of a text; another one is not chosen any more."""
         self._text = " ".join(text.split())
-        self._show_found()
-
-    def show_listed(self, listed: Listed) -> None:
-        """List the surveys that ended in some ways."""
-        self._listed = listed
-        self.filters[listed].setChecked(True)
-        self._show_found()
+        if self.chosen not in self._surveys.found(self._text, shown_text):
+            self.choose(None)
+        self._show_list()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802 (Qt's name)
         """Request the list whenever the tab is opened."""
@@ -130,11 +137,10 @@ class SurveysPage(TranslatedWidget, Page):
     def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
         """Qt: there is more or less room for rows."""
         super().resizeEvent(event)
-        self._show_search()
         self._read_older()
 
     def _is_chosen(self, survey: SurveySummary) -> bool:
-        return self.chosen is not None and survey.folder == self.chosen.folder
+        return survey.folder == self._folder
 
     @property
     def _folder(self) -> str:
@@ -162,18 +168,14 @@ class SurveysPage(TranslatedWidget, Page):
             self._asked_before = before
             self.page_requested.emit(before)
 
-    def _show_found(self) -> None:
-        """List what is searched for; a survey that is not in the list is not chosen any more."""
-        self._show_list()
-        if self.chosen is not None and self.chosen not in self.model.surveys:
-            self.choose(None)
-
     def _show_list(self) -> None:
-        self.model.show(self._surveys.found(self._listed, self._text, shown_text))
+        self.model.show(self._surveys.found(self._text, shown_text))
         if self.chosen is not None:
             # It may have changed; it stays chosen where it is not read yet.
             found = self._surveys.find(self.chosen.folder)
             self.chosen = self.chosen if self._surveys.more and found is None else found
+        if self.chosen is None and self.model.surveys and self.isVisible():
+            self.choose(self.model.surveys[0])
         self.list.viewport().update()
         self._show_empty()
         self._show_search()
@@ -182,13 +184,9 @@ class SurveysPage(TranslatedWidget, Page):
 
     def _show_search(self) -> None:
         self.clear.setVisible(bool(self._text))
-        self._layouts[0].activate()
-        room_px = self.search.width() - look_of(self).px(SIGN_PX + 4 * GAP_PX)
         # Dots, while there may be more than were found.
-        count = f" · {len(self.model.surveys)}{'…' if self._surveys.more else ''}"
-        metrics = self.search.fontMetrics()
-        room_px -= metrics.horizontalAdvance(count)
-        shown = metrics.elidedText(self._text, ELIDE, room_px) + count
+        count = f"{len(self.model.surveys)}{'…' if self._surveys.more else ''}"
+        shown = f"{self._text[:LONGEST_SHOWN]} · {count}"
         self.search.setText(shown if self._text else self.tr("Search"))
 
     def _show_empty(self) -> None:
@@ -203,20 +201,16 @@ class SurveysPage(TranslatedWidget, Page):
         elif not surveys.read or surveys.more:
             self.empty.show_state("surveys", self.tr("The surveys are being read."))
         elif surveys.surveys:
-            text = self.tr("No survey fits the search.")
-            self.empty.show_state("search", text, self.tr("Show all"), self._show_all)
+            text, show_all = self.tr("No survey fits the search."), self.tr("Show all")
+            self.empty.show_state("search", text, show_all, lambda: self.search_for(""))
         else:
             text = self.tr("No survey is stored yet.")
             self.empty.show_state(
                 "surveys", text, self.tr("Plan a survey"), self.plan_requested.emit
             )
 
-    def _show_all(self) -> None:
-        self._text = ""
-        self.show_listed(Listed.ALL)
-
     def _show_choice(self) -> None:
-        surveys, chosen = self._surveys, self.chosen
+        surveys, chosen, look = self._surveys, self.chosen, look_of(self)
         for button, can in (
             (self.result, surveys.can_open),
             (self.open, surveys.can_open),
@@ -228,23 +222,23 @@ class SurveysPage(TranslatedWidget, Page):
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
             title, lines = shown_text(title_of(chosen)), self._lines(chosen)
+            self.map.setPixmap(map_picture(chosen, look.px(MAP_PX), look))
+        self.map.setVisible(chosen is not None and bool(chosen.map_percent))
         if surveys.problem is not None:
             lines = [sentence_text(surveys.problem)]
         self.title.show_text(title)
         self.details.setText("\n".join(lines))
 
     def _lines(self, survey: SurveySummary) -> List[str]:
+        """Return the answer, when and what was measured, and how the survey ended."""
         if survey.problem is not None:
             return [survey.folder, sentence_text(survey.problem)]
-        lines = [
-            f"{survey.width_mm:.0f} x {survey.height_mm:.0f} mm" if survey.width_mm else "",
-            self.tr("{count} traces").format(count=survey.stored_traces),
-            sentence_text(self._surveys.ending(survey)),
-        ]
-        verdict = present_verdict(survey)
-        if verdict is not None:
-            lines.append(sentence_text(verdict))
-        return [one for one in lines if one]
+        answer = self._answer.problem
+        if self._answer.result is not None:
+            answer = headline(self._answer.result.found)
+        when = local_time(survey.started, survey.folder) if survey.name.strip() else None
+        lines = (answer, when, *survey_lines(self._surveys, survey))
+        return [sentence_text(one) for one in lines if one is not None]
 
     def retranslate(self) -> None:
         """Write every text that does not come with the next refresh."""
@@ -252,21 +246,15 @@ class SurveysPage(TranslatedWidget, Page):
         self.open.setText(self.tr("Ground"))
         self.resume.setText(self.tr("Resume"))
         self.notes.setText(self.tr("Notes"))
-        names = {
-            Listed.ALL: self.tr("All"),
-            Listed.NOT_COMPLETE: self.tr("Not complete"),
-            Listed.IMPORTED: self.tr("Imported"),
-        }
-        for listed, button in self.filters.items():
-            button.setText(names[listed])
         self._show_list()
 
     def restyle(self) -> None:
         """Take the sizes and colours of the look."""
-        look = look_of(self)
+        self.model.look = look = look_of(self)
         ink = look.text(TextColours.ARROW).ink
         self.search.setIcon(icon("search", ink, look.px(SIGN_PX)))
         self.search.setIconSize(QSize(look.px(SIGN_PX), look.px(SIGN_PX)))
+        self.list.setIconSize(QSize(look.px(PICTURE_PX), look.px(PICTURE_PX)))
         self.panel.setFixedWidth(look.px(PANEL_PX))
         for layout in self._layouts:
             layout.setSpacing(look.px(GAP_PX))
@@ -277,35 +265,20 @@ class SurveysPage(TranslatedWidget, Page):
         self.search.setObjectName("field")
         self.title.setObjectName("first_title")
         self.result.setObjectName("primary")
+        self.map.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.shown = QStackedWidget()
         self.shown.addWidget(self.list)
         self.shown.addWidget(self.empty)
-        top, group = QHBoxLayout(), QButtonGroup(self)
-        top.addWidget(self.search, 1)
-        top.addWidget(self.clear)
-        for listed in Listed:
-            button = self.filters[listed] = QPushButton()
-            button.setObjectName("choice")
-            button.setCheckable(True)
-            button.clicked.connect(lambda _on, one=listed: self.show_listed(one))
-            group.addButton(button)
-            top.addWidget(button)
-        self.filters[Listed.ALL].setChecked(True)
+        top, left, keys = QHBoxLayout(), QVBoxLayout(), QGridLayout()
+        fill(top, (self.search, 1), self.clear)
+        fill(left, top, (self.shown, 1))
+        for number, button in enumerate((self.result, self.open, self.resume, self.notes)):
+            keys.addWidget(button, *divmod(number, 2))
         self.panel = QWidget()
-        buttons = QVBoxLayout(self.panel)
-        buttons.setContentsMargins(0, 0, 0, 0)
-        buttons.addWidget(self.title)
-        buttons.addWidget(self.details, 1)
-        row = QHBoxLayout()
-        for button in (self.resume, self.notes):
-            row.addWidget(button, 1)
-        for button in (self.result, self.open):
-            buttons.addWidget(button)
-        buttons.addLayout(row)
-        grid = QGridLayout(self)
-        grid.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
-        grid.addLayout(top, 0, 0, 1, 2)
-        grid.addWidget(self.shown, 1, 0)
-        grid.addWidget(self.panel, 1, 1)
-        grid.setColumnStretch(0, 1)
-        self._layouts = (grid, top, buttons, row)
+        right = QVBoxLayout(self.panel)
+        right.setContentsMargins(0, 0, 0, 0)
+        fill(right, self.title, self.map, (self.details, 1), keys)
+        page = QHBoxLayout(self)
+        page.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
+        fill(page, (left, 1), self.panel)
+        self._layouts = (page, top, left, right, keys)

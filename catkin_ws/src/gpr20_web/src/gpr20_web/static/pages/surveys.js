@@ -2,7 +2,6 @@
 
 import { ask, button, element, field, write } from "../dom.js";
 
-const LISTED = ["all", "not complete", "imported"];
 const FINDS = ["nothing", "scrap", "device"];
 const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
 const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
@@ -12,9 +11,6 @@ const TYPED_MS = 300;
 const SEARCH_LIMIT_MS = 600000;
 
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
-const number = (attributes) => element("input", { type: "number", step: "any", ...attributes });
-const valueOf = (input) => (input.value === "" ? null : Number(input.value));
-const size = (count, app) => `${app.number(Math.ceil(count / 1e4) / 100)} MB`;
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
 export default {
@@ -25,24 +21,15 @@ export default {
     this.folder = "";
     const hint = this.word("hint");
     this.text = element("input", { type: "search", placeholder: hint, maxlength: 200 });
-    this.listed = element(
-      "select", {}, ...LISTED.map((one) => element("option", { value: one }, this.word(one))),
-    );
     this.rows = element("ul", { class: "list" });
     this.none = element("p", { class: "muted", role: "status" });
     this.older = button(this.word("older"), () => this.read(), { hidden: true });
     this.details = element("div");
     this.text.addEventListener("input", () => this.search(TYPED_MS));
-    this.listed.addEventListener("change", () => this.search(0));
     root.append(
       element(
         "div", { class: "columns" },
-        element(
-          "div", {},
-          field(this.word("search"), this.text),
-          field(this.word("listed"), this.listed),
-          this.rows, this.none, this.older,
-        ),
+        element("div", {}, field(this.word("search"), this.text), this.rows, this.none, this.older),
         this.details,
       ),
     );
@@ -87,9 +74,7 @@ export default {
     return this.act(async () => {
       const before = this.rows.childElementCount;
       do {
-        const query = new URLSearchParams({
-          listed: this.listed.value, text: this.text.value, before: this.next,
-        });
+        const query = new URLSearchParams({ text: this.text.value, before: this.next });
         const page = await this.app.get(`/api/surveys?${query}`);
         if (turn !== this.turn) return;
         this.next = page.next;
@@ -131,7 +116,7 @@ export default {
       if (folder !== this.folder) return;
       this.details.replaceChildren(
         this.summary(survey), this.candidates(survey), this.found(survey),
-        this.notes(survey), this.markers(survey), this.downloads(survey),
+        this.notes(survey), this.downloads(survey),
       );
       const headings = [...this.details.querySelectorAll("h2")];
       headings.find((one) => one.textContent === heading)?.focus();
@@ -150,14 +135,6 @@ export default {
     return element("section", { class: "card" }, heading, ...content);
   },
 
-  form(fields, values) {
-    const send = (event) => {
-      event.preventDefault();
-      this.add(...values());
-    };
-    return element("form", { onsubmit: send }, ...fields, element("button", {}, this.word("add")));
-  },
-
   summary(survey) {
     const problems = paragraphs(survey.problems, { class: "warn" });
     const lines = paragraphs(survey.lines);
@@ -170,26 +147,26 @@ export default {
     );
   },
 
-  candidates({ candidates, can_search: can }) {
-    this.said = element("p", { role: "status" });
-    this.again = button(this.word("find"), () => this.find(), { hidden: !can || Boolean(candidates) });
-    const shown = candidates ? this.places(candidates) : [];
-    this.list = this.card(this.word("candidates"), ...shown, this.said, this.again);
-    return this.list;
-  },
-
   // What nobody has found yet is searched for; else the answer is the one that is known.
-  async find() {
-    const { list: card, said, again } = this;
-    again.disabled = true;
-    write(said, this.word("searching"));
-    await this.act(async () => {
+  candidates({ candidates, can_search: can }) {
+    const said = element("p", { role: "status" });
+    const again = button(this.word("find"), () => this.work(again, said, "searching", async () => {
       const path = this.path("/candidates");
       const found = await this.app.server.ask("POST", path, {}, SEARCH_LIMIT_MS);
       if (card.isConnected) card.replaceWith(this.candidates({ ...found, can_search: true }));
-    });
+    }), { hidden: !can || Boolean(candidates) });
+    const shown = candidates ? this.places(candidates) : [];
+    const card = this.card(this.word("candidates"), ...shown, said, again);
+    return card;
+  },
+
+  // Ask for what takes a while, and may be refused with a reason.
+  async work(pressed, said, word, request) {
+    pressed.disabled = true;
+    write(said, this.word(word));
+    await this.act(request);
     write(said, "");
-    again.disabled = false;
+    pressed.disabled = false;
   },
 
   places({ headline, warnings, notes, list, places, weaker }) {
@@ -225,12 +202,15 @@ export default {
     const what = element(
       "select", {}, ...FINDS.map((one) => element("option", { value: one }, this.word(one))),
     );
-    const depth = number({ min: 0, max: 10000 });
+    const depth = element("input", { type: "number", step: "any", min: 0, max: 10000 });
     const lines = [
       element("p", {}, place), field(this.word("found"), what), field(this.word("depth"), depth),
     ];
     if (await ask(this.app, this.word("found"), lines, this.word("add")))
-      this.add("/found", { candidate: id, list, what: what.value, depth_mm: valueOf(depth) });
+      this.add("/found", {
+        candidate: id, list, what: what.value,
+        depth_mm: depth.value === "" ? null : Number(depth.value),
+      });
   },
 
   found({ found }) {
@@ -241,58 +221,33 @@ export default {
     const shown = (notes ?? []).map(([name, text]) =>
       element("div", {}, element("dt", {}, name), element("dd", { class: "lines" }, text)));
     const text = element("textarea", { required: true, maxlength: 2000, rows: 2 });
+    const send = (event) => {
+      event.preventDefault();
+      this.add("/notes", { text: text.value });
+    };
     return this.card(
       this.word("notes"), element("dl", {}, ...shown),
-      this.form([field(this.word("text"), text)], () => ["/notes", { text: text.value }]),
+      element("form", { onsubmit: send },
+        field(this.word("text"), text), element("button", {}, this.word("add"))),
     );
   },
 
-  markers({ markers }) {
-    const shown = (markers ?? []).map((one) => {
-      const depth = one.depth_mm === null ? "" : ` (${this.app.number(one.depth_mm)} mm)`;
-      const text = `X ${this.app.number(one.x_mm)}  Y ${this.app.number(one.y_mm)}${depth}: ${one.text} (${one.author})`;
-      const remove = () => this.add("/markers", { remove: one.marker_id });
-      const label = { "aria-label": `${this.word("remove")}: ${text}` };
-      return element("li", {}, text, " ", button(this.word("remove"), remove, label));
-    });
-    const [x, y] = [number({ required: true }), number({ required: true })];
-    const depth = number({ min: 0, max: 10000 });
-    const text = element("input", { maxlength: 500 });
-    const named = [["x", x], ["y", y], ["depth", depth], ["text", text]];
-    const fields = named.map(([name, input]) => field(this.word(name), input));
-    return this.card(
-      this.word("markers"), element("ul", {}, ...shown),
-      this.form(fields, () => ["/markers", {
-        x_mm: valueOf(x), y_mm: valueOf(y), depth_mm: valueOf(depth), text: text.value,
-      }]),
-    );
-  },
-
-  // A report takes a while to be made, and may be refused with a reason.
-  async make(kind, making, said) {
-    making.disabled = true;
-    write(said, this.word("making"));
-    await this.act(() => this.app.server.save(this.path(`/made/${kind}`)));
-    write(said, "");
-    making.disabled = false;
-  },
-
-  downloads({ files, bytes, can_search: can }) {
-    if (!files.length) return "";
+  downloads({ bytes, can_search: can }) {
+    if (bytes === undefined) return "";
     const said = element("p", { role: "status" });
     const made = MADE.map((one) => {
-      const making = button(this.word(one), () => this.make(one, making, said), { disabled: !can });
+      const save = () => this.app.server.save(this.path(`/made/${one}`));
+      const make = () => this.work(making, said, "making", save);
+      const making = button(this.word(one), make, { disabled: !can });
       return making;
     });
-    const link = (rest, name, count) => element("li", {}, element(
-      "a", { href: this.app.server.address(this.path(rest)), download: true },
-      `${name} (${size(count, this.app)})`,
-    ));
+    const size = this.app.number(Math.ceil(bytes / 1e4) / 100);
+    const whole = element(
+      "a", { href: this.app.server.address(this.path("/zip")), download: true, class: "button" },
+      `${this.word("whole")} (${size} MB)`,
+    );
     return this.card(
-      this.word("downloads"),
-      element("ul", {}, link("/zip", this.word("whole"), bytes),
-        ...files.map((one) => link(`/files/${one.name}`, one.name, one.bytes))),
-      element("div", { class: "row" }, ...made), said,
+      this.word("downloads"), element("div", { class: "row" }, whole, ...made), said,
     );
   },
 };

@@ -1,0 +1,207 @@
+"""What a person enters about a survey: what was found at a place, and what its soil is."""
+
+from __future__ import annotations
+
+from typing import Any, Callable, Dict, Optional
+
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QPushButton, QWidget
+
+from gpr20_common.errors import InvalidValueError
+from gpr20_common.message import Message
+from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.plan.fields import Keys
+from gpr20_operator.words import entered_number, number_from_text
+from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.results.found import MAX_DEPTH_MM, What
+from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
+from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet
+from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.widgets.keys import Judge, Pad
+from gpr20_user_interface.widgets.widgets import new_button
+
+NONE = "—"
+PERMITTIVITIES = Message(
+    "{lowest:g} to {highest:g}", lowest=MIN_PERMITTIVITY, highest=LARGEST_PERMITTIVITY
+)
+DEPTHS = Message("0 to {deepest:g} mm; empty: not known", deepest=MAX_DEPTH_MM)
+
+
+class PlaceSheet(ResultSheet):
+    """One place: why it is on the list, and what to do; a hold stores what was found there.
+
+    Args:
+        window: The window that it covers.
+        result: The result.
+        operator: Returns who operates the robot now.
+    """
+
+    # A Candidate.
+    finer_wanted = pyqtSignal(object)
+    show_wanted = pyqtSignal(object)
+
+    def __init__(self, window: QWidget, result: SurveyResult, operator: Callable[[], str]) -> None:
+        super().__init__(window, result)
+        self._operator = operator
+        self._what: Optional[What] = None
+        self._depth, self._who = "", ""
+        self.pad = Pad(window)
+        self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
+        self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
+        self.store = HoldButton()
+        self.store.held.connect(self._on_store)
+        self.finer = new_button(lambda: self._leave(self.finer_wanted))
+        self.view = new_button(lambda: self._leave(self.show_wanted))
+        self.add_text()
+        self.add_row(*self.whats.values())
+        self.add_row(self.deep, self.who, self.store)
+        self.add_end(self.finer, self.view)
+
+    def ask(self, place: Candidate) -> None:
+        """Open for a place."""
+        record = self.result.record
+        self._what, self._depth = None, ""
+        self._who = self._operator() or (record.operator if record is not None else "")
+        self.result.chosen = place
+        self.result.noting.end()
+        self.open_now()
+
+    def show_now(self) -> None:
+        """Show the place, and what is entered."""
+        self.finer.setText(self.tr("Measure\nfiner"))
+        self.view.setText(self.tr("Show in\nGround"))
+        depth = shown_text(entered_number(self._depth)) or NONE
+        self.deep.setText(f"{self.tr('Depth')}\n{depth} mm")
+        self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or NONE}")
+        self.store.setText(self.tr("Hold to\nstore"))
+        for what, key in self.whats.items():
+            text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))
+            self.show_choice(key, text, what is self._what)
+        place, record, noting = self.result.chosen, self.result.record, self.result.noting
+        if place is None or record is None:
+            self.hide()
+            return
+        self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
+        self.finer.setEnabled(record.grid.plan is not None)
+        self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
+        found, hidden = self.result.find_at(place), self.result.hiding.result
+        lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
+        if hidden is not None:
+            lines.append(hidden.at(place.x_m, place.y_m))
+        self.show_job(noting, "\n".join(map(sentence_text, [*lines, texts.FROM_MARK])))
+
+    def _leave(self, wanted: Any) -> None:
+        self.hide()
+        if self.result.chosen is not None:
+            wanted.emit(self.result.chosen)
+
+    def _key(self, what: What) -> QPushButton:
+        def act() -> None:
+            self._what = what
+            self.show_now()
+
+        return self.choice(act)
+
+    def _on_depth(self) -> None:
+        def take(text: str) -> None:
+            self._depth = text.strip()
+            self.show_now()
+
+        judge = _judge(0.0, MAX_DEPTH_MM, DEPTHS)
+        title, hint = self.tr("Depth"), shown_text(DEPTHS)
+        self.pad.ask(take, title, hint, self._depth, judge, Keys.NUMBER)
+
+    def _on_who(self) -> None:
+        def take(text: str) -> None:
+            self._who = text.strip()
+            self.show_now()
+
+        self.pad.ask(take, self.tr("Who"), "", self._who, lambda _text: "", Keys.LETTERS)
+
+    def _on_store(self) -> None:
+        place, what = self.result.chosen, self._what
+        if place is not None and what is not None:
+            depth_mm = number_from_text(self._depth) if self._depth else None
+            try:
+                self.result.note_found(place, what, depth_mm, self._who)
+            except InvalidValueError as error:
+                self.result.noting.refuse(error.message)
+            self.show_now()
+
+
+class SoilSheet(ResultSheet):
+    """Stores another permittivity by a hold; everything is made anew with it."""
+
+    def __init__(self, window: QWidget, result: SurveyResult) -> None:
+        super().__init__(window, result)
+        self._value: Optional[float] = None
+        self.pad = Pad(window)
+        self.soils = {one: self._key(one.value.permittivity) for one in Soils}
+        self.unknown, self.other = self._key(None), new_button(self._on_other)
+        self.use = HoldButton()
+        self.use.held.connect(self._on_use)
+        self.add_row(*self.soils.values())
+        self.add_row(self.unknown, self.other)
+        self.add_text()
+        self.add_end(self.use)
+
+    def ask(self) -> None:
+        """Open with the present value."""
+        self._value = self.result.permittivity
+        self.open_now()
+
+    def show_now(self) -> None:
+        """Show what is chosen."""
+        self.title.setText(self.tr("Soil of this survey"))
+        for soil, key in self.soils.items():
+            value = soil.value.permittivity
+            self.show_choice(
+                key, f"{shown_text(soil.value.name)}\n{shown_number(value)}", value == self._value
+            )
+        self.show_choice(self.unknown, self.tr("Not known"), self._value is None)
+        other, known = self._value, [one.value.permittivity for one in Soils]
+        number = "" if other is None or other in known else f"\n{shown_number(other)}"
+        self.other.setText(self.tr("Other value") + number)
+        self.use.setText(self.tr("Hold to use it"))
+        self.use.setEnabled(self._value != self.result.permittivity)
+        self.text.setText(
+            self.tr(
+                "Depths, places, hiding places and reports use this permittivity. The search "
+                "begins again with it."
+            )
+        )
+
+    def _key(self, value: Optional[float]) -> QPushButton:
+        return self.choice(lambda: self._choose(value))
+
+    def _choose(self, value: Optional[float]) -> None:
+        self._value = value
+        self.show_now()
+
+    def _on_other(self) -> None:
+        self.pad.ask(
+            lambda text: self._choose(number_from_text(text)),
+            *(self.tr("Permittivity"), shown_text(PERMITTIVITIES)),
+            "" if self._value is None else f"{self._value:g}",
+            _judge(MIN_PERMITTIVITY, LARGEST_PERMITTIVITY, PERMITTIVITIES, may_be_empty=False),
+            Keys.NUMBER,
+        )
+
+    def _on_use(self) -> None:
+        self.hide()
+        self.result.set_permittivity(self._value)
+
+
+def _judge(lowest: float, highest: float, allowed: Message, may_be_empty: bool = True) -> Judge:
+    def judge(text: str) -> str:
+        if not text.strip() and may_be_empty:
+            return ""
+        try:
+            right = lowest <= number_from_text(text) <= highest
+        except InvalidValueError:
+            right = False
+        return "" if right else shown_text(allowed)
+
+    return judge
