@@ -22,7 +22,7 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.low.display_probe import display_problem
+from gpr20_user_interface.low.display import display_problem
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 
 

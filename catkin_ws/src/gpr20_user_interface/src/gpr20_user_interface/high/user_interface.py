@@ -40,19 +40,16 @@ from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
-from gpr20_user_interface.high.display import (
+from gpr20_user_interface.look.settings import WindowMemory
+from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.low.display import (
     check_display,
     draw_without_opengl,
     on_display_lost,
     wait_for_display,
 )
-from gpr20_user_interface.look.settings import WindowMemory
-from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
-from gpr20_user_interface.low.screen_saver import ScreenSaver
-from gpr20_user_interface.window.main_window import MainWindow
-from gpr20_user_interface.window.placement import ScreenPlacement
-from gpr20_user_interface.window.presenters import Presenters
+from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
 DEFAULT_PROFILES = "~/.config/gpr20/profiles"
@@ -134,7 +131,7 @@ class UserInterface:
             languages,
             memory,
         )
-        self._placement = ScreenPlacement(self.window, full_screen)
+        self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
 
     def begin(self) -> None:
@@ -147,7 +144,7 @@ class UserInterface:
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
-        self._placement.show()
+        self.window.show_on_screen(self._full_screen)
 
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
@@ -276,8 +273,6 @@ def _show(
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
-    screen_saver = ScreenSaver()
-    _note(screen_saver.switch_off())
     keeper = GraphKeeper()
     # What came before the event loop may have been handled without effect.
     if signals.received or rospy.is_shutdown():
@@ -289,7 +284,6 @@ def _show(
     status = application.exec_()
     if guard is not None:
         guard.end()
-    _note(screen_saver.restore())
     keeper.close()
     interface.end()
     memory.close(SETTINGS_LIMIT_S)
@@ -324,11 +318,6 @@ def _path(parameter: str, default: str) -> Path:
 
 def _log(reason: Message) -> None:
     rospy.logwarn("%s", reason)
-
-
-def _note(problem: Optional[str]) -> None:
-    if problem is not None:
-        rospy.loginfo("the screen saver is left as it is: %s", problem)
 
 
 def _connect_queued(signal: Any, slot: Callable[..., None]) -> None:
