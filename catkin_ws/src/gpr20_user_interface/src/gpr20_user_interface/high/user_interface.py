@@ -42,12 +42,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.display import (
-    check_display,
-    draw_without_opengl,
-    on_display_lost,
-    wait_for_display,
-)
+from gpr20_user_interface.low.display import check_display, on_display_lost, wait_for_display
 from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
@@ -185,9 +180,9 @@ def main() -> NoReturn:
 
 def _run(options: argparse.Namespace) -> Tuple[int, str]:
     """Return the exit status, and the robot of a window in place of this one; empty: none."""
-    draw_without_opengl(os.environ)
+    # It costs memory and time, and crashes when the display closes while the window is made.
+    os.environ.setdefault("QT_XCB_GL_INTEGRATION", "none")
     try:
-        # First: there are no threads yet.
         if options.wait_for_display:
             wait_for_display(_say)
         else:

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
-import resource
-import signal
+import subprocess
 import sys
-import tempfile
 import time
-from typing import Callable, Mapping, MutableMapping, NoReturn, Optional
+from typing import Callable, Mapping, Optional
 
 from PyQt5.QtCore import QMessageLogContext, QtMsgType, qInstallMessageHandler
-from PyQt5.QtGui import QGuiApplication
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -20,28 +16,19 @@ from gpr20_operator.errors import DisplayUnavailableError
 
 # A screen over a slow network opens within this time [s].
 OPEN_LIMIT_S = 15.0
-# A library that cannot open the display says why in a few lines.
-MAX_WORDS_BYTES = 65536
-NO_ANSWER = "no answer within {limit_s:g} s"
+# Without a display Qt ends its process with a core dump, so this is tried in another one.
+OPEN = (
+    "import resource; resource.setrlimit(resource.RLIMIT_CORE, (0, 0))\n"
+    "from PyQt5.QtGui import QGuiApplication; QGuiApplication([])"
+)
 # Between two attempts, where a window waits for its display [s].
 RETRY_S = 3.0
 # What Qt says before it calls exit(): of X11, and of Wayland.
 LOST = "connection broke"
 
 
-def draw_without_opengl(environment: MutableMapping[str, str]) -> None:
-    """Keep Qt from loading OpenGL, unless the user has set something there.
-
-    It costs memory and time at the start, and crashes when the display closes while the
-    window is made.
-    """
-    environment.setdefault("QT_XCB_GL_INTEGRATION", "none")
-
-
 def check_display(environment: Mapping[str, str]) -> None:
-    """Check that a window can be shown: Qt would end this process with a core dump.
-
-    Call it before there are threads.
+    """Check that a window can be shown.
 
     Args:
         environment: `os.environ` or the like, for the sentence.
@@ -49,8 +36,7 @@ def check_display(environment: Mapping[str, str]) -> None:
     Raises:
         DisplayUnavailableError: It cannot.
     """
-    # Only the name of the program: the options of the window are not Qt's.
-    problem = display_problem(lambda: QGuiApplication(sys.argv[:1]))
+    problem = problem_of(OPEN)
     if problem is None:
         return
     name = environment.get("DISPLAY", "")
@@ -67,6 +53,27 @@ def check_display(environment: Mapping[str, str]) -> None:
             details=problem,
         )
     )
+
+
+def problem_of(program: str, limit_s: float = OPEN_LIMIT_S) -> Optional[str]:
+    """Return why a program does not succeed; None if it does.
+
+    Args:
+        program: Python code.
+        limit_s: How long it may take [s].
+    """
+    command = [sys.executable, "-c", program]
+    try:
+        done = subprocess.run(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=limit_s
+        )
+    except subprocess.TimeoutExpired:
+        return f"no answer within {limit_s:g} s"
+    if done.returncode == 0:
+        return None
+    lines = [one.strip() for one in done.stdout.decode(errors="replace").splitlines()]
+    # The line that names the display, or else the first one.
+    return next((one for one in lines if "display" in one), next(filter(None, lines), ""))
 
 
 def wait_for_display(say: Callable[[str], None]) -> None:
@@ -95,53 +102,3 @@ def on_display_lost(leave: Callable[[], None]) -> None:
         say(text or "", file=sys.stderr, flush=True)
 
     qInstallMessageHandler(handle)
-
-
-def display_problem(
-    open_display: Callable[[], object], limit_s: float = OPEN_LIMIT_S
-) -> Optional[str]:
-    """Return why the display cannot be opened; None if it can.
-
-    A library without a display ends its process with a core dump, so the attempt is made in
-    a child. Call it before there are threads.
-
-    Args:
-        open_display: Opens the display, such as the constructor of an application.
-        limit_s: How long the attempt may take [s].
-    """
-    with tempfile.TemporaryFile() as words:
-        fork = multiprocessing.get_context("fork")
-        child = fork.Process(target=_attempt, args=(open_display, words.fileno()))
-        child.start()
-        child.join(limit_s)
-        if child.exitcode is None:
-            child.kill()
-            child.join()
-            return NO_ANSWER.format(limit_s=limit_s)
-        words.seek(0)
-        # Warnings are no problem.
-        said = words.read(MAX_WORDS_BYTES).decode(errors="replace")
-        return None if child.exitcode == 0 else _first_line(said)
-
-
-def _attempt(open_display: Callable[[], object], writing: int) -> NoReturn:
-    status = 1
-    try:
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, signal.SIG_DFL)
-        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-        for stream in (1, 2):
-            os.dup2(writing, stream)
-        open_display()
-        status = 0
-    except Exception as error:
-        os.write(writing, repr(error).encode())
-    finally:
-        os._exit(status)
-
-
-def _first_line(words: str) -> str:
-    """Return the line that names the display, or else the first one."""
-    lines = [line.strip() for line in words.splitlines() if line.strip()]
-    named = [line for line in lines if "display" in line]
-    return (named or lines or [""])[0]

@@ -130,6 +130,7 @@ class Overview(QWidget):
             tile.setVisible(number < len(self._nodes))
         for tile, node in zip(self.tiles, self._nodes):
             self._show_part(tile, node)
+        self._write_counts()
 
     def _show_part(self, tile: QPushButton, node: NodeHealth) -> None:
         level, sign, colours = PART_LOOKS[node.level]

@@ -5,15 +5,49 @@ from __future__ import annotations
 import math
 from typing import Callable, Optional
 
-from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtCore import QCoreApplication, QEvent, QObject, Qt, pyqtSignal
+from PyQt5.QtGui import QTouchEvent
 from PyQt5.QtWidgets import QLabel, QPushButton, QWidget
 
 from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
 from gpr20_operator.robot.remote_control import Arming, RemotePlan, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.touch.any_touch import AnyTouch
+from gpr20_user_interface.touch.filter import PRESSES
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
+
+BEGINS = (*PRESSES, QEvent.Type.TouchBegin, QEvent.Type.Wheel, QEvent.Type.KeyPress)
+
+
+class AnyTouch(QObject):
+    """Emits `touched` when a person touches anything, or presses a key, while it watches.
+
+    The release of a touch that began before is none. It takes no touch away.
+    """
+
+    touched = pyqtSignal()
+
+    def watch(self, wanted: bool) -> None:
+        """Watch from now on, or no longer: every event of the application costs time."""
+        application = QCoreApplication.instance()
+        if application is not None:
+            application.removeEventFilter(self)
+            if wanted:
+                application.installEventFilter(self)
+
+    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:  # noqa: N802
+        """Qt: anything happens."""
+        if event.type() in BEGINS or _is_another_finger(event):
+            self.touched.emit()
+        return False
+
+
+def _is_another_finger(event: QEvent) -> bool:
+    """Return whether a finger comes beside one that is there: Qt makes no press of it."""
+    pressed = Qt.TouchPointState.TouchPointPressed
+    return isinstance(event, QTouchEvent) and any(
+        one.state() == pressed for one in event.touchPoints()
+    )
 
 
 class RemotePage(HoldSheet, Page):
