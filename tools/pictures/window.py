@@ -23,7 +23,9 @@ def make(folder: Path) -> None:
     """Take pictures of the plan, and of each tab during a survey."""
     with simulated_robot("time_scale:=50") as robot, shown_window(robot.data) as shown:
         window, operator = shown.window, Operator()
-        wait(lambda: window.survey.snapshot.can_start, "the robot is ready")
+        known = window.survey
+        wait(lambda: known.snapshot.can_start, "the robot is there")
+        wait(lambda: known.snapshot.health.trouble is None, "each part reports")
         shown.take(folder, "plan")
         operator.start(**SMALL_SURVEY)
         wait(lambda: operator.code == ControlStatus.FINISHED, "a small survey ends")

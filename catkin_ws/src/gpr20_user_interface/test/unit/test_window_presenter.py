@@ -1,5 +1,6 @@
 """What the window asks its robot for, and which of several robots that is."""
 
+import os
 import random
 import sys
 from dataclasses import replace
@@ -22,7 +23,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.low.process import NAMESPACE, command, with_namespace
+from gpr20_user_interface.low.process import open_in
 
 
 class Asked:
@@ -239,10 +240,11 @@ def test_the_window_of_a_real_robot_stays_with_it(window):
     assert window.top_bar.band.message.whole.startswith("/: ")
 
 
-def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
+def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own(monkeypatch):
+    begun = []
+    monkeypatch.setattr(os, "execve", lambda *given: begun.extend(given))
     words = ["/x/user_interface", "_language:=es", "__name:=user_interface", "__ns:=/robot1"]
-    assert command("/robot2", words) == [
-        *(sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2")
-    ]
-    environment = {"DISPLAY": ":0", NAMESPACE: "/robot1"}
-    assert with_namespace("/robot2", environment) == {"DISPLAY": ":0", NAMESPACE: "/robot2"}
+    open_in("/robot2", words, {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot1"})
+    _program, command, environment = begun
+    assert command == [sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2"]
+    assert environment == {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot2"}

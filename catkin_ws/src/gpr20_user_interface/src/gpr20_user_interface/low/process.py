@@ -7,14 +7,13 @@ import os
 import signal
 import sys
 from types import FrameType
-from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence
+from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence
 
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
 # Far longer than anything that the window does between two events [s].
 HANG_LIMIT_S = 30.0
 # roslaunch gives a name; in another namespace it could be that of a window that is open there.
 OWN_NAMES = ("__ns:=", "__name:=")
-NAMESPACE = "ROS_NAMESPACE"
 
 
 class SecondStopSignal(BaseException):
@@ -101,15 +100,6 @@ def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]
     """
     sys.stdout.flush()
     sys.stderr.flush()
-    os.execve(sys.executable, command(namespace, words), with_namespace(namespace, environment))
-
-
-def command(namespace: str, words: Sequence[str]) -> List[str]:
-    """Return the command of the window of another robot."""
     kept = [word for word in words if not word.startswith(OWN_NAMES)]
-    return [sys.executable, *kept, f"__ns:={namespace}"]
-
-
-def with_namespace(namespace: str, environment: Mapping[str, str]) -> Dict[str, str]:
-    """Return the environment of the window of another robot."""
-    return {**environment, NAMESPACE: namespace}
+    command = [sys.executable, *kept, f"__ns:={namespace}"]
+    os.execve(sys.executable, command, {**environment, "ROS_NAMESPACE": namespace})

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import Callable, Optional, Sequence
 
 from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent, QTouchEvent, QWindow
@@ -40,6 +40,7 @@ class TouchFilter(QObject):
         stop: The button that always works.
         unlock: The button that works while the screen is locked.
         views: Work on a screen that is too small to operate the robot, where nothing else does.
+        wake: Notes a touch; returns whether it only wakes a dimmed screen.
     """
 
     # A touch came that does not count because the screen is locked, or too small.
@@ -51,14 +52,15 @@ class TouchFilter(QObject):
         guard: TouchGuard,
         stop: QPushButton,
         unlock: QWidget,
-        views: Sequence[QWidget] = (),
+        views: Sequence[QWidget],
+        wake: Callable[[], bool],
     ) -> None:
         super().__init__(window)
         self._window = window
         self.guard = guard
         self._stop = stop
         self._unlock = unlock
-        self._views = views
+        self._views, self._wake = views, wake
         self._screen: Optional[QWindow] = None
         window.installEventFilter(self)
 
@@ -101,6 +103,8 @@ class TouchFilter(QObject):
             return self._is_ignored(event)
         if event.type() == QEvent.Type.Wheel:
             return self.guard.quiet or self.guard.locked
+        if event.type() == QEvent.Type.KeyPress:
+            return self._wake()
         if isinstance(event, QTouchEvent) and len(event.touchPoints()) > 1:
             begins = Qt.TouchPointState.TouchPointPressed
             points = [one for one in event.touchPoints() if one.state() == begins]
@@ -123,6 +127,8 @@ class TouchFilter(QObject):
             self._drop(self.guard.note_second_finger())
             return self.guard.taken
         target = self._target(event)
+        if self._wake() and target is not TouchTarget.STOP:
+            target = TouchTarget.DIMMED
         taken = self.guard.press(target)
         if not taken and (self.guard.locked or target is TouchTarget.TOO_SMALL):
             self.refused.emit()

@@ -78,6 +78,8 @@ class TouchTarget(enum.Enum):
     OTHER = "other"
     TOO_SMALL = "too small"
     """What a gloved finger does not hit alone on this screen."""
+    DIMMED = "dimmed"
+    """What nobody sees well."""
 
 
 class _Touch(enum.Enum):
@@ -162,7 +164,7 @@ class TouchGuard:
         return self.note_change()
 
     def _allows(self, target: TouchTarget) -> bool:
-        if self.quiet or target is TouchTarget.TOO_SMALL:
+        if self.quiet or target in (TouchTarget.TOO_SMALL, TouchTarget.DIMMED):
             return False
         return not self.locked or target is TouchTarget.UNLOCK
 

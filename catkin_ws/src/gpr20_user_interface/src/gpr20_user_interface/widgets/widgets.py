@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Callable, Sequence, TypeVar
 
-from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
+    QApplication,
     QBoxLayout,
     QFrame,
     QGridLayout,
@@ -139,6 +140,8 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         widget.setProperty(name, value)
         widget.style().unpolish(widget)
         widget.style().polish(widget)
+        # The padding of a label, too, may be another one.
+        QApplication.sendEvent(widget, QEvent(QEvent.Type.StyleChange))
 
 
 def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Callable, Sequence
 
 from PyQt5.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
 from PyQt5.QtWidgets import QPushButton, QWidget
@@ -85,6 +85,7 @@ class TouchBinding:
         window: The window.
         stop: STOP, which always works.
         views: Work on a screen that is too small to operate the robot.
+        wake: Notes a touch; returns whether it only wakes a dimmed screen.
         clock: Measures the time after something has opened or closed.
 
     Attributes:
@@ -93,13 +94,20 @@ class TouchBinding:
     """
 
     def __init__(
-        self, window: QWidget, stop: QPushButton, views: Sequence[QWidget], clock: Clock
+        self,
+        window: QWidget,
+        stop: QPushButton,
+        views: Sequence[QWidget],
+        wake: Callable[[], bool],
+        clock: Clock,
     ) -> None:
         self._window = window
         self.band = LockBand(window)
         self.band.unlock.set_clock(clock)
         self.band.unlocked.connect(lambda: self.set_locked(False))
-        self.touches = TouchFilter(window, TouchGuard(clock), stop, self.band.unlock, views)
+        self.touches = TouchFilter(
+            *(window, TouchGuard(clock), stop, self.band.unlock, views, wake)
+        )
         self.touches.watch_pages()
         self.touches.refused.connect(self._on_refused)
 

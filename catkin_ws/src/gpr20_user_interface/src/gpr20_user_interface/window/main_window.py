@@ -125,7 +125,9 @@ class MainWindow(QWidget):
         ]
         self._lay_out()
         views = (self.top_bar, *self.rail.tabs.values())
-        self.touch_binding = TouchBinding(self, self.top_bar.stop, views, clock)
+        self.touch_binding = TouchBinding(
+            *(self, self.top_bar.stop, views, self.settings.cover.wake, clock)
+        )
         self.rail.settings.clicked.connect(lambda: self.settings.open())
         self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()

@@ -18,7 +18,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.settings import DIM_CHOICES_MIN, WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.touch.dimming import DimCover, Dimming
+from gpr20_user_interface.touch.dimming import DimCover
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import column, grid, new_button, new_label, row, say
@@ -61,8 +61,7 @@ class SettingsPage(Overlay, Page):
         self._languages = languages_used
         self._apply_theme = use_theme
         self._memory = memory
-        self._dimming = Dimming(clock, memory.settings.dim_after_s)
-        self.cover = DimCover(window, stop, self._dimming)
+        self.cover = DimCover(window, stop, clock, memory.settings.dim_after_s)
         self.title, self.hint = new_label("title"), new_label("quiet", wraps=True)
         say(self.title, Message("Settings"))
         self.close_button = new_button(self.hide)
@@ -82,8 +81,7 @@ class SettingsPage(Overlay, Page):
         waits = snapshot.state is not None and snapshot.state.code in AWAKE
         seen = any(notice.isVisible() for notice in self._notices)
         level = condition_of(snapshot).level
-        self._dimming.refresh(waits or seen or level in (JobLevel.ATTENTION, JobLevel.FAULT))
-        self.cover.refresh()
+        self.cover.refresh(waits or seen or level in (JobLevel.ATTENTION, JobLevel.FAULT))
 
     def open(self) -> None:
         """Show what is chosen."""
@@ -111,7 +109,7 @@ class SettingsPage(Overlay, Page):
 
     def _dim_after(self, minutes: int) -> None:
         self._memory.change(dim_after_min=minutes)
-        self._dimming.set_after(self._memory.settings.dim_after_s)
+        self.cover.set_after(self._memory.settings.dim_after_s)
 
     def _write_choices(self) -> None:
         for language, button in self.languages.items():
