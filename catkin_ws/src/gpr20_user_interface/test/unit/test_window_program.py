@@ -40,14 +40,6 @@ def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
     assert signal.getsignal(number) is before
 
 
-def test_further_signals_can_be_told_to_somebody_else():
-    printed = []
-    with StopSignals(printed.append, on_next=lambda: printed.append("again")):
-        os.kill(os.getpid(), signal.SIGINT)
-        os.kill(os.getpid(), signal.SIGTERM)
-    assert printed == ["Ctrl-C", "again"]
-
-
 def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
     program = (
         "import atexit, time\n"
