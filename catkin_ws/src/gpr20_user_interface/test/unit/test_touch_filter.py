@@ -289,13 +289,14 @@ def test_in_any_order_nothing_counts_within_the_quiet_time_or_while_locked_but_s
             assert guard.release() is counts
             began_s = None
         elif act == "second finger":
-            assert guard.note_second_finger() is (began_s is not None and not on_stop)
+            assert guard.drop() is (began_s is not None and not on_stop)
             if not on_stop:
                 began_s = None
         else:
             counted = began_s is not None and not on_stop and began_s > changed_s
-            change = {"change": guard.note_change, "lock": guard.lock, "unlock": guard.unlock}
-            assert change[act]() is counted
+            locks = act == "lock"
+            changed = guard.note_change() if act == "change" else guard.set_locked(locks)
+            assert changed is counted
             changed_s = now_s
             locked = {"lock": True, "unlock": False}.get(act, locked)
             if not on_stop:

@@ -24,6 +24,7 @@ def note_touch_change(widget: QWidget) -> None:
 
 
 PRESSES = (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick)
+BEGINS = (*PRESSES, QEvent.Type.TouchBegin, QEvent.Type.Wheel, QEvent.Type.KeyPress)
 # Outside of every widget: a button that is released here does not act.
 NOWHERE = QPointF(-100_000.0, -100_000.0)
 
@@ -43,6 +44,8 @@ class TouchFilter(QObject):
         wake: Notes a touch; returns whether it only wakes a dimmed screen.
     """
 
+    # A finger or a key has come, whatever becomes of it.
+    touched = pyqtSignal()
     # A touch came that does not count because the screen is locked, or too small.
     refused = pyqtSignal()
 
@@ -76,7 +79,7 @@ class TouchFilter(QObject):
 
     def set_locked(self, locked: bool) -> None:
         """Lock or unlock the screen."""
-        self._drop(self.guard.lock() if locked else self.guard.unlock())
+        self._drop(self.guard.set_locked(locked))
 
     def take_fingers(self, places: Sequence[QPoint]) -> None:
         """Note that several fingers touch the screen.
@@ -87,7 +90,8 @@ class TouchFilter(QObject):
         Args:
             places: Where fingers have just come.
         """
-        self._drop(self.guard.note_second_finger())
+        self.touched.emit()
+        self._drop(self.guard.drop())
         if self._stop in map(self._window.childAt, places):
             self._stop.pressed.emit()
 
@@ -99,6 +103,8 @@ class TouchFilter(QObject):
             elif event.type() in (QEvent.Type.Show, QEvent.Type.WinIdChange):
                 self._follow_screen()
             return False
+        if event.type() in BEGINS:
+            self.touched.emit()
         if isinstance(event, QMouseEvent):
             return self._is_ignored(event)
         if event.type() == QEvent.Type.Wheel:
@@ -108,7 +114,8 @@ class TouchFilter(QObject):
         if isinstance(event, QTouchEvent) and len(event.touchPoints()) > 1:
             begins = Qt.TouchPointState.TouchPointPressed
             points = [one for one in event.touchPoints() if one.state() == begins]
-            self.take_fingers([one.pos().toPoint() for one in points])
+            if points:
+                self.take_fingers([one.pos().toPoint() for one in points])
         return False
 
     def _is_ignored(self, event: QMouseEvent) -> bool:
@@ -124,7 +131,7 @@ class TouchFilter(QObject):
         if event.type() == QEvent.Type.MouseButtonDblClick and self.guard.touching:
             return self.guard.taken  # Qt's second event of the same press
         if self.guard.touching and event.buttons() != event.button():
-            self._drop(self.guard.note_second_finger())
+            self._drop(self.guard.drop())
             return self.guard.taken
         target = self._target(event)
         if self._wake() and target is not TouchTarget.STOP:

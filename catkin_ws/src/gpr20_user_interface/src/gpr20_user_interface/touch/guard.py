@@ -147,29 +147,21 @@ class TouchGuard:
             Whether a touch that counted is to be dropped: it was meant for something else.
         """
         self._changed_s = self._clock.now_s()
-        return self._drop()
+        return self.drop()
 
-    def note_second_finger(self) -> bool:
-        """Note that two fingers touch at once; return as `note_change`."""
-        return self._drop()
-
-    def lock(self) -> bool:
-        """Lock the screen; return as `note_change`."""
-        self.locked = True
+    def set_locked(self, locked: bool) -> bool:
+        """Lock or unlock the screen; return as `note_change`."""
+        self.locked = locked
         return self.note_change()
 
-    def unlock(self) -> bool:
-        """Unlock the screen; return as `note_change`."""
-        self.locked = False
-        return self.note_change()
+    def drop(self) -> bool:
+        """Take the touch no more, as when another finger comes; return as `note_change`."""
+        if self._touch is not _Touch.TAKEN:
+            return False
+        self._touch = _Touch.IGNORED
+        return True
 
     def _allows(self, target: TouchTarget) -> bool:
         if self.quiet or target in (TouchTarget.TOO_SMALL, TouchTarget.DIMMED):
             return False
         return not self.locked or target is TouchTarget.UNLOCK
-
-    def _drop(self) -> bool:
-        if self._touch is not _Touch.TAKEN:
-            return False
-        self._touch = _Touch.IGNORED
-        return True

@@ -128,6 +128,7 @@ class MainWindow(QWidget):
         self.touch_binding = TouchBinding(
             *(self, self.top_bar.stop, views, self.settings.cover.wake, clock)
         )
+        self.touch_binding.touches.touched.connect(self.remote.end)
         self.rail.settings.clicked.connect(lambda: self.settings.open())
         self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()

@@ -5,49 +5,14 @@ from __future__ import annotations
 import math
 from typing import Callable, Optional
 
-from PyQt5.QtCore import QCoreApplication, QEvent, QObject, Qt, pyqtSignal
-from PyQt5.QtGui import QTouchEvent
+from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QLabel, QPushButton, QWidget
 
 from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
 from gpr20_operator.robot.remote_control import Arming, RemotePlan, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.touch.filter import PRESSES
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
-
-BEGINS = (*PRESSES, QEvent.Type.TouchBegin, QEvent.Type.Wheel, QEvent.Type.KeyPress)
-
-
-class AnyTouch(QObject):
-    """Emits `touched` when a person touches anything, or presses a key, while it watches.
-
-    The release of a touch that began before is none. It takes no touch away.
-    """
-
-    touched = pyqtSignal()
-
-    def watch(self, wanted: bool) -> None:
-        """Watch from now on, or no longer: every event of the application costs time."""
-        application = QCoreApplication.instance()
-        if application is not None:
-            application.removeEventFilter(self)
-            if wanted:
-                application.installEventFilter(self)
-
-    def eventFilter(self, _watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: anything happens."""
-        if event.type() in BEGINS or _is_another_finger(event):
-            self.touched.emit()
-        return False
-
-
-def _is_another_finger(event: QEvent) -> bool:
-    """Return whether a finger comes beside one that is there: Qt makes no press of it."""
-    pressed = Qt.TouchPointState.TouchPointPressed
-    return isinstance(event, QTouchEvent) and any(
-        one.state() == pressed for one in event.touchPoints()
-    )
 
 
 class RemotePage(HoldSheet, Page):
@@ -75,8 +40,6 @@ class RemotePage(HoldSheet, Page):
         super().__init__(window)
         self._arming, self._plan, self._mark = arming, plan, mark
         self._snapshot: Optional[Snapshot] = None
-        self.touches = AnyTouch(self)
-        self.touches.touched.connect(self.end)
         open_button.clicked.connect(lambda: self.ask(self._current(), self._arm))
 
     def on_event(self, event: object) -> None:
@@ -95,9 +58,10 @@ class RemotePage(HoldSheet, Page):
             self.show_question(self._current())
 
     def end(self) -> None:
-        """Allow it no more."""
-        self._arming.touched()
-        self._show_mark()
+        """Allow it no more: somebody has touched the window, or it closes."""
+        if self._arming.armed:
+            self._arming.touched()
+            self._show_mark()
 
     def _arm(self) -> None:
         if self._snapshot is not None:
@@ -112,8 +76,6 @@ class RemotePage(HoldSheet, Page):
 
     def _show_mark(self) -> None:
         left_s = math.ceil(self._arming.remaining_s)
-        if self._mark.isHidden() is (left_s > 0):
-            self._mark.setVisible(left_s > 0)
-            self.touches.watch(left_s > 0)
+        self._mark.setVisible(left_s > 0)
         title = self.tr("REMOTE")
         self._mark.setText(f"{title}\n{left_s // 60}:{left_s % 60:02d}")
