@@ -97,12 +97,12 @@ def test_instruments_are_tested_and_faults_have_their_reason(service):
     service.robot.overview.entered.emit()
     click(service.robot.service.switch_button)
     tools = service.robot.service
-    click(tools.height)
+    click(tools.measure)
     stuck = Message("the height sensor is stuck; check its plug and supply")
     failed = HeightTested(float("nan"), float("nan"), 3.297, stuck)
     service.tools.done(Service.HEIGHT, failed)
     service.refresh()
-    assert tools.answers[tools.height].toPlainText() == f"Sensor 3.297 V\n{stuck}"
+    assert tools.answers[tools.measure].toPlainText() == f"Sensor 3.297 V\n{stuck}"
     click(tools.analyzer)
     assert service.tools.asked == ["height", "analyzer"]
     tested = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)

@@ -12,7 +12,15 @@ from typing import Any, Callable, NoReturn, Optional, Tuple, Union
 
 import rosgraph
 import rospy
-from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import (
+    QMessageLogContext,
+    QObject,
+    Qt,
+    QTimer,
+    QtMsgType,
+    pyqtSignal,
+    qInstallMessageHandler,
+)
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language, language_from_code, read_catalogue
@@ -42,7 +50,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.display import check_display, on_display_lost, wait_for_display
+from gpr20_user_interface.low.display import check_display, wait_for_display
 from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
@@ -62,6 +70,8 @@ EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
 EXIT_DISPLAY_LOST = 4
 EXIT_BY_SIGNAL = 130
+# What Qt says before it calls exit(): of X11, and of Wayland.
+LOST = "connection broke"
 
 
 class EventSignal(QObject):
@@ -203,7 +213,7 @@ def _run(options: argparse.Namespace) -> Tuple[int, str]:
             _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
             return EXIT_NO_MASTER, ""
-        on_display_lost(lambda: _leave_without_display(signals.received))
+        _on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
             # Only the window of a robot is started again.
@@ -223,6 +233,20 @@ def _quit_soon(_name: str = "") -> None:
     if application is not None:
         # A quit() before the event loop runs would be lost; this waits for the loop.
         QTimer.singleShot(0, application.quit)
+
+
+def _on_display_lost(leave: Callable[[], None]) -> None:
+    """Call a function, which ends the process, when the connection to the display breaks.
+
+    Qt aborts, or calls exit() and so the destructors of what other threads still use.
+    """
+
+    def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
+        if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
+            leave()
+        say(text or "", file=sys.stderr, flush=True)
+
+    qInstallMessageHandler(handle)
 
 
 def _leave_without_display(asked_to_end: bool) -> NoReturn:

@@ -24,11 +24,9 @@ TOUCHABLE_SCALE = 0.8
 
 # What a gloved finger hits: 60 pixels are 11 mm on a 7 inch screen of 800x480.
 TOUCH_PX = 60
-COMMAND_PX = 72
 # All other sizes are multiples of half of it.
 GAP_PX = 8
 TEXT_PX = 18
-TITLE_PX = 22
 BORDER_PX = 2
 TOP_BAR_PX = 76
 

@@ -1,4 +1,4 @@
-"""The display that the window is shown on: none at the start, or lost later."""
+"""Whether there is a display for the window."""
 
 from __future__ import annotations
 
@@ -8,10 +8,7 @@ import sys
 import time
 from typing import Callable, Mapping, Optional
 
-from PyQt5.QtCore import QMessageLogContext, QtMsgType, qInstallMessageHandler
-
 from gpr20_common.message import Message
-from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError
 
 # A screen over a slow network opens within this time [s].
@@ -23,8 +20,6 @@ OPEN = (
 )
 # Between two attempts, where a window waits for its display [s].
 RETRY_S = 3.0
-# What Qt says before it calls exit(): of X11, and of Wayland.
-LOST = "connection broke"
 
 
 def check_display(environment: Mapping[str, str]) -> None:
@@ -88,17 +83,3 @@ def wait_for_display(say: Callable[[str], None]) -> None:
             said = True
         # A signal ends the process meanwhile.
         time.sleep(RETRY_S)
-
-
-def on_display_lost(leave: Callable[[], None]) -> None:
-    """Call a function, which ends the process, when the connection to the display breaks.
-
-    Qt aborts, or calls exit() and so the destructors of what other threads still use.
-    """
-
-    def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
-        if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
-            leave()
-        say(text or "", file=sys.stderr, flush=True)
-
-    qInstallMessageHandler(handle)

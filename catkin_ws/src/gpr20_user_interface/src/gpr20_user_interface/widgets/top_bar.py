@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional
+from typing import Any, Dict, Optional
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
@@ -150,11 +150,12 @@ class TopBar(QWidget):
         """
         self._snapshot = snapshot
         condition, left = condition_of(snapshot), left_of(snapshot)
-        title, message = condition.title, condition.message
+        title: Any = condition.title
+        message = condition.message
         if ready and condition.level is JobLevel.REST and snapshot.code in PLANNED:
             title, message = Message("READY"), verbatim("")
-        elif figures:
-            title = title.values.get("state", title)
+        elif figures and "percent" in title.values:
+            title = title.values["state"]
         elif left is not None and condition.level in (JobLevel.WORKING, JobLevel.PAUSED):
             message = left
         self.band.show_condition(condition, title, message, self._name)

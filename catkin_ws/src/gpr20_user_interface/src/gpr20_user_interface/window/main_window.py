@@ -152,7 +152,8 @@ class MainWindow(QWidget):
         self.setWindowFlag(Qt.WindowType.FramelessWindowHint)
         # A screen that is rotated or replaced, or has another resolution.
         application = QGuiApplication.instance()
-        application.primaryScreenChanged.connect(lambda _screen: cover())
+        if isinstance(application, QGuiApplication):
+            application.primaryScreenChanged.connect(lambda _screen: cover())
         screen.geometryChanged.connect(lambda _geometry: cover())
         cover()
         self.showFullScreen()

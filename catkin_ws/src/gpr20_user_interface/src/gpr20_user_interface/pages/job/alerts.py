@@ -143,8 +143,8 @@ class Alerts(Page):
     def _open(self, card: Notice) -> None:
         """Open the card of a fault, unless a dialog asks about it or says it already."""
         shown = self.notice.notice if self.notice.isVisible() else None
-        told = shown is not None and (shown.text, shown.first) == (card.text, card.first)
-        if not self.question.isVisible() and not told:
+        said = shown is not None and (shown.text, shown.first) == (card.text, card.first)
+        if not self.question.isVisible() and not said:
             self._opened = card
             self.notice.show_notice(card)
 

@@ -200,7 +200,7 @@ class RobotPage(QStackedWidget, Page):
         service.move_requested.connect(
             lambda axis, action, distance: self._after(lambda: model.move(axis, action, distance))
         )
-        service.height.clicked.connect(lambda: self._after(model.measure_height))
+        service.measure.clicked.connect(lambda: self._after(model.measure_height))
         service.analyzer.clicked.connect(lambda: self._after(model.test_analyzer))
         service.daily.clicked.connect(lambda: self._after(model.check_daily))
 

@@ -62,15 +62,15 @@ class ServiceScreen(QWidget):
         self.moves: Dict[AxisId, List[HoldButton]] = {axis: [] for axis in AxisId}
         self.places = {axis: new_label("figure") for axis in AxisId}
         self.lamps = {axis: QLabel() for axis in (AxisId.X, AxisId.Y)}
-        self.height, self.analyzer, self.daily = QPushButton(), QPushButton(), QPushButton()
+        self.measure, self.analyzer, self.daily = QPushButton(), QPushButton(), QPushButton()
         self.answers: Dict[QPushButton, QTextEdit] = {
-            button: text_area() for button in (self.height, self.analyzer, self.daily)
+            button: text_area() for button in (self.measure, self.analyzer, self.daily)
         }
         self.outcome = new_label(wraps=True)
         self.switch_button = new_button(self._on_switch)
         leave_button = new_button(self.left.emit)
         for button, text in (
-            (self.height, Message("MEASURE HEIGHT")),
+            (self.measure, Message("MEASURE HEIGHT")),
             (self.analyzer, Message("TEST VNA")),
             (leave_button, Message("END SERVICE")),
         ):
@@ -101,7 +101,7 @@ class ServiceScreen(QWidget):
             text = shown_text(Message("MEASURE {number}/{total}", number=number, total=len(PARTS)))
         self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
         lines = {
-            self.height: _height_lines(model.height),
+            self.measure: _height_lines(model.height),
             self.analyzer: _analyzer_lines(model),
             self.daily: _daily_lines(model),
         }
