@@ -96,37 +96,6 @@ def test_a_display_that_does_not_open_is_a_problem_with_its_reason(program, limi
     assert problem_of(program, limit_s) == problem
 
 
-GUARDED = """
-import threading, time
-from gpr20_user_interface.low.process import HangGuard
-
-def hang_here():
-    {hang}
-
-guard = HangGuard(3.0)
-for _ in range(160):
-    guard.beat()
-    time.sleep(0.02)
-{end}
-hang_here()
-"""
-
-
-def guarded(hang, end=""):
-    command = [sys.executable, "-c", GUARDED.format(hang=hang, end=end)]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-
-
-def test_a_window_that_hangs_ends_and_says_where_and_one_that_is_closed_takes_its_time():
-    hanging = [guarded(one) for one in ("threading.Event().wait(200)", "while True: pass")]
-    closed = guarded("threading.Event().wait(4.0)", end="guard.end()")
-    for one in hanging:
-        _, said = one.communicate()
-        assert one.returncode == 1 and "hang_here" in said
-    closed.communicate()
-    assert closed.returncode == 0
-
-
 PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"
 LIMIT_S = 100.0
 

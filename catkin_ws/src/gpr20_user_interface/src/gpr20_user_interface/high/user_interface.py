@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import os
 import sys
 import threading
@@ -51,7 +52,7 @@ from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.display import check_display, wait_for_display
-from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
+from gpr20_user_interface.low.process import StopSignals, leave_now, open_in
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
@@ -65,6 +66,8 @@ SETTINGS_LIMIT_S = 5.0
 LEAVE_LIMIT_S = 3.0
 # Between two signs of life of a window that is started again when it hangs.
 BEAT_MS = 1000
+# Far longer than anything that the window does between two events [s].
+HANG_LIMIT_S = 30.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
@@ -216,9 +219,7 @@ def _run(options: argparse.Namespace) -> Tuple[int, str]:
         _on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
-            # Only the window of a robot is started again.
-            guard = HangGuard() if options.wait_for_display else None
-            return _show(application, signals, options.replay, guard)
+            return _show(application, signals, options)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return EXIT_WRONG_PARAMETER, ""
@@ -271,22 +272,19 @@ def _robot_is_here() -> bool:
 
 
 def _show(
-    application: QApplication,
-    signals: StopSignals,
-    replay: bool,
-    guard: Optional[HangGuard] = None,
+    application: QApplication, signals: StopSignals, options: argparse.Namespace
 ) -> Tuple[int, str]:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
-        ReplayModel() if replay else SurveyModel(Clock()),
+        ReplayModel() if options.replay else SurveyModel(Clock()),
         languages,
         Profiles(_path("~profiles", DEFAULT_PROFILES)),
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
-        bool(rospy.get_param("~choose_robot", True)) and not replay,
+        bool(rospy.get_param("~choose_robot", True)) and not options.replay,
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
@@ -296,13 +294,13 @@ def _show(
     # What came before the event loop may have been handled without effect.
     if signals.received or rospy.is_shutdown():
         _quit_soon()
-    if guard is not None:
-        beats = QTimer(interface.window)
-        beats.timeout.connect(guard.beat)
+    beats = QTimer(interface.window)
+    # Measured outside Python: it also ends a process whose interpreter hangs.
+    beats.timeout.connect(lambda: faulthandler.dump_traceback_later(HANG_LIMIT_S, exit=True))
+    if options.wait_for_display:  # only the window of a robot is started again
         beats.start(BEAT_MS)
     status = application.exec_()
-    if guard is not None:
-        guard.end()
+    faulthandler.cancel_dump_traceback_later()
     keeper.close()
     interface.end()
     memory.close(SETTINGS_LIMIT_S)

@@ -1,8 +1,7 @@
-"""This process: signals that ask it to stop, its end when it hangs, another window in its place."""
+"""This process: signals that ask it to stop, its end, another window in its place."""
 
 from __future__ import annotations
 
-import faulthandler
 import os
 import signal
 import sys
@@ -10,8 +9,6 @@ from types import FrameType
 from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence
 
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
-# Far longer than anything that the window does between two events [s].
-HANG_LIMIT_S = 30.0
 # roslaunch gives a name; in another namespace it could be that of a window that is open there.
 OWN_NAMES = ("__ns:=", "__name:=")
 
@@ -73,24 +70,6 @@ def leave_now(status: int) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
-
-
-class HangGuard:
-    """Ends this process with a traceback of every thread unless `beat` is called again and again.
-
-    The time is measured outside Python: it also ends a process whose interpreter hangs.
-    """
-
-    def __init__(self, limit_s: float = HANG_LIMIT_S) -> None:
-        self._limit_s = limit_s
-
-    def beat(self) -> None:
-        """Say that the window still handles its events."""
-        faulthandler.dump_traceback_later(self._limit_s, exit=True)
-
-    def end(self) -> None:
-        """Expect no further beat."""
-        faulthandler.cancel_dump_traceback_later()
 
 
 def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]) -> NoReturn:

@@ -67,15 +67,12 @@ class Overview(QWidget):
         super().__init__()
         self._findings: Tuple[Finding, ...] = ()
         self._nodes: Tuple[NodeHealth, ...] = ()
-        self._folded = True
         self.headline = new_label("title", wraps=True)
         self.hint = new_label("quiet", wraps=True)
         self.table = new_label(wraps=True)
         self.table.setTextFormat(Qt.TextFormat.RichText)
         self.tiles: List[QPushButton] = []
         self._grid = grid()
-        self.fold_button = new_button(self._on_fold)
-        self.fold_button.setObjectName("choice")
         self.check_button = new_button(self.check_requested.emit)
         self.enter_button = HoldButton()
         say(self.enter_button, Message("HOLD FOR SERVICE"))
@@ -85,8 +82,8 @@ class Overview(QWidget):
 
     @property
     def listed(self) -> List[Finding]:
-        """The findings that are listed: what is wrong or not known, or every check."""
-        return [one for one in self._findings if not self._folded or one.level >= Level.UNKNOWN]
+        """The findings that are listed: what is wrong or not known."""
+        return [one for one in self._findings if one.level >= Level.UNKNOWN]
 
     def tile(self, name: str) -> QPushButton:
         """Return the tile of a node."""
@@ -161,12 +158,6 @@ class Overview(QWidget):
             say(self.headline, Message("The checks have not ended yet."))
         rated = bool(checks) or worst >= Level.UNKNOWN
         set_look(self.headline, "level", LEVEL_LOOKS[worst][0] if rated else "")
-        good = Message("{good} checks good", good=checks.count(Level.OK))
-        say(self.fold_button, good if self._folded else Message("Only what is wrong"))
-
-    def _on_fold(self) -> None:
-        self._folded = not self._folded
-        self.show_findings(self._findings)
 
     def _lay_out(self) -> None:
         content, tiles = QWidget(), QWidget()
@@ -176,8 +167,8 @@ class Overview(QWidget):
         content.setLayout(inside)
         # Not at the bottom, where sheets are closed: a second touch must not begin the service.
         top = row((column(self.headline, self.hint), 2), (self.enter_button, 1))
-        bottom = row((self.fold_button, 1), (self.check_button, 1))
-        self.setLayout(column(top, (scroll_area(content), 1), bottom, margin=GAP_PX))
+        parts = (top, (scroll_area(content), 1), self.check_button)
+        self.setLayout(column(*parts, margin=GAP_PX))
 
 
 class RobotPage(QStackedWidget, Page):
