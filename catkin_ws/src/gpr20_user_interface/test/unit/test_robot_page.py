@@ -200,7 +200,6 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
     for tile in tiles:
         assert tile.isVisible() and tile.height() >= TOUCH_PX
-    service.draw()
     # One word for the worst of checks and parts.
     assert service.robot.overview.headline.text() == "FAULT: 2"
     click(tiles[0])

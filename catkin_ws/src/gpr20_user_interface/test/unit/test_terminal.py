@@ -216,6 +216,7 @@ def test_ctrl_c_stops_the_survey_and_waits_for_its_end():
     assert client.requests == ["survey", "stop"] and client.status is None
     client.say(state("STOPPING")).wait(50, state("STOPPING"))
     assert client.say(state("STOPPED")).status is ExitStatus.STOPPED
+    assert Client(*BEGIN, STOP, state("FAILED")).status is ExitStatus.FAILED
     # What is not confirmed may move.
     client = Client(*BEGIN, STOP).wait(62, state("STOPPING"))
     assert client.status is ExitStatus.FAILED and client.fault == MAY_MOVE
