@@ -1,4 +1,4 @@
-"""The processes of window and client: how they end, by signals, a hang or without a display."""
+"""The processes of window and client: how they end, by signals or without a display."""
 
 import argparse
 import os
@@ -21,7 +21,7 @@ from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.high import user_interface
 from gpr20_user_interface.low.display import problem_of
-from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals
 
 
 @pytest.mark.parametrize(
@@ -38,45 +38,6 @@ def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
             os.kill(os.getpid(), signal.SIGINT)
             events.get(timeout=LIMIT_S)
     assert signal.getsignal(number) is before
-
-
-def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
-    program = (
-        "import atexit, time\n"
-        f"from {leave_now.__module__} import leave_now\n"
-        "atexit.register(time.sleep, 60)\n"
-        "print('last words')\n"
-        "leave_now(130)\n"
-    )
-    ended = subprocess.run(
-        [sys.executable, "-c", program],
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
-    assert (ended.returncode, ended.stdout) == (130, b"last words\n")
-
-
-def test_ctrl_c_while_the_client_is_loaded_ends_it_quietly(tmp_path):
-    # In place of the first library that it loads; a shell may have begun this deaf to Ctrl-C.
-    (tmp_path / "rospy.py").write_text(
-        "import signal\nprint('loading', flush=True)\nwhile True: signal.pause()\n"
-    )
-    program = Path(__file__).resolve().parents[2] / "nodes" / "run_survey"
-    process = subprocess.Popen(
-        [sys.executable, str(program)],
-        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    try:
-        assert process.stdout.readline() == "loading\n"
-        process.send_signal(signal.SIGINT)
-        _, error = process.communicate(timeout=LIMIT_S)
-    finally:
-        process.kill()
-    assert (process.returncode, error) == (-signal.SIGINT, "")
 
 
 @each_case(
