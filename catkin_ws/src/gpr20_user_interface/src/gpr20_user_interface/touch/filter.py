@@ -46,8 +46,8 @@ class TouchFilter(QObject):
 
     # A finger or a key has come, whatever becomes of it.
     touched = pyqtSignal()
-    # A touch came that does not count because the screen is locked, or too small.
-    refused = pyqtSignal()
+    # A touch came that does not count because the screen is too small.
+    too_small = pyqtSignal()
 
     def __init__(
         self,
@@ -136,10 +136,9 @@ class TouchFilter(QObject):
         target = self._target(event)
         if self._wake() and target is not TouchTarget.STOP:
             target = TouchTarget.DIMMED
-        taken = self.guard.press(target)
-        if not taken and (self.guard.locked or target is TouchTarget.TOO_SMALL):
-            self.refused.emit()
-        return taken
+        if target is TouchTarget.TOO_SMALL and not self.guard.locked:
+            self.too_small.emit()
+        return self.guard.press(target)
 
     def _target(self, event: QMouseEvent) -> TouchTarget:
         touched = self._window.childAt(event.pos())

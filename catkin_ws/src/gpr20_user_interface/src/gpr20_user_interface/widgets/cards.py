@@ -26,13 +26,10 @@ class NoticeView(Overlay):
         self._on_accepted: Optional[Callable[[], None]] = None
         self.title = new_label("title", wraps=True)
         self.reason, self.details = text_area("reason"), text_area("details")
-        self.first_title = new_label("first_title")
-        say(self.first_title, Message("Do this first"))
+        self.first_title = new_label("first_title", text=Message("Do this first"))
         self.first, self.then = new_label("first", wraps=True), new_label(wraps=True)
-        self.accept_button = new_button(self._on_accept)
-        say(self.accept_button, Message("CONTINUE WITH THIS VNA"))
-        self.resume = new_button(self._on_resume)
-        say(self.resume, Message("RESUME"))
+        self.accept_button = new_button(self._on_accept, Message("CONTINUE WITH THIS VNA"))
+        self.resume = new_button(self._on_resume, Message("RESUME"))
         self.details_button = new_button(lambda: self._show_details(self.details.isHidden()))
         self.close_button = new_button(self.hide)
         # Its words are longer than those of the other buttons.

@@ -46,9 +46,8 @@ class StateBand(QFrame):
         self.sign, self.title, self.message = QLabel(), ElidedLabel(), LinesLabel()
         self.title.setObjectName("title")
         self.message.setObjectName("band_message")
-        self.simulated, self.more = new_label("simulated"), new_label("what_to_do")
-        say(self.simulated, Message("SIMULATED"))
-        say(self.more, Message("WHAT TO DO"))
+        self.simulated = new_label("simulated", text=Message("SIMULATED"))
+        self.more = new_label("what_to_do", text=Message("WHAT TO DO"))
         for chip in (self.simulated, self.more):
             chip.setAlignment(Qt.AlignmentFlag.AlignCenter)
         words = column(self.title, (self.message, 1), gap=0)

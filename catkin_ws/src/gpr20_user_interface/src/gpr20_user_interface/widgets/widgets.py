@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Sequence, TypeVar
+from typing import Callable, Optional, Sequence, TypeVar, Union
 
 from PyQt5.QtCore import QEvent, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
@@ -98,11 +98,13 @@ def say_again(window: QWidget) -> None:
             say(widget, widget.property(TEXT))
 
 
-def new_label(name: str = "", wraps: bool = False) -> QLabel:
+def new_label(name: str = "", wraps: bool = False, text: Optional[Message] = None) -> QLabel:
     """Return a label with its name in the style sheet."""
     label = QLabel()
     label.setObjectName(name)
     label.setWordWrap(wraps)
+    if text is not None:
+        say(label, text)
     return label
 
 
@@ -114,9 +116,13 @@ def space(widget: QWidget, outer: QLayout, *inner: QLayout) -> None:
         layout.setSpacing(gap_px)
 
 
-def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
+def new_button(act: Callable[[], None], text: Union[str, Message] = "") -> QPushButton:
     """Return a button that does something when it is clicked."""
-    button = QPushButton(text)
+    button = QPushButton()
+    if isinstance(text, Message):
+        say(button, text)
+    else:
+        button.setText(text)
     # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
     return button

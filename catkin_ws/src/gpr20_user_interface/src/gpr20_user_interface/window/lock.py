@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Sequence
 
-from PyQt5.QtCore import QEvent, QObject, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import QEvent, QObject, Qt, pyqtSignal
 from PyQt5.QtWidgets import QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
@@ -14,10 +14,9 @@ from gpr20_user_interface.touch.filter import TouchFilter
 from gpr20_user_interface.touch.guard import TouchGuard
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_label, row, say, set_look
+from gpr20_user_interface.widgets.widgets import new_label, row, say
 
 BAND_PX = 62
-FLASH_MS = 600
 
 
 class LockBand(QWidget):
@@ -33,10 +32,6 @@ class LockBand(QWidget):
         self.unlock.held.connect(self.unlocked)
         self.text = new_label("locked", wraps=True)
         self.locked = False
-        self._flash = QTimer(self)
-        self._flash.setSingleShot(True)
-        self._flash.setInterval(FLASH_MS)
-        self._flash.timeout.connect(lambda: set_look(self.text, "flash", False))
         self.setLayout(row(self.unlock, (self.text, 1)))
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.hide()
@@ -51,11 +46,6 @@ class LockBand(QWidget):
         self.setVisible(locked or not look_of(self).touchable)
         if self.isVisible():
             self._cover()
-
-    def flash(self) -> None:
-        """Let the operator see why a touch does nothing."""
-        set_look(self.text, "flash", True)
-        self._flash.start()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Qt: something happens to the window."""
@@ -109,7 +99,7 @@ class TouchBinding:
             *(window, TouchGuard(clock), stop, self.band.unlock, views, wake)
         )
         self.touches.watch_pages()
-        self.touches.refused.connect(self._on_refused)
+        self.touches.too_small.connect(self._on_too_small)
 
     def set_locked(self, locked: bool) -> None:
         """Lock or unlock the screen, and show which it is."""
@@ -119,10 +109,8 @@ class TouchBinding:
             if isinstance(overlay, Overlay):
                 overlay.leave_free(BAND_PX if locked else 0)
 
-    def _on_refused(self) -> None:
-        self.band.flash()
-        if not self.band.locked:
-            # Nothing on a small screen could close them.
-            for overlay in self._window.findChildren(Overlay):
-                if isinstance(overlay, Overlay):
-                    overlay.hide()
+    def _on_too_small(self) -> None:
+        # Nothing on a small screen could close them.
+        for overlay in self._window.findChildren(Overlay):
+            if isinstance(overlay, Overlay):
+                overlay.hide()

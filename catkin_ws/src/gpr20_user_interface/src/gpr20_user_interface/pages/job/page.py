@@ -15,7 +15,7 @@ from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import LinesLabel
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say
+from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row
 
 UNKNOWN = "—"
 
@@ -31,14 +31,13 @@ class JobPage(QWidget, Page):
         # The survey that was described last, and its name.
         self._named = ("", "")
         self._drawn: object = None
-        self.percent, stored = new_label("percent"), new_label("quiet")
-        say(stored, Message("stored"))
+        self.percent = new_label("percent")
+        stored = new_label("quiet", text=Message("stored"))
         self.left, self.line = new_label("figure", wraps=True), new_label("figure", wraps=True)
         self.area = LinesLabel()
         self.area.setObjectName("quiet")
         self.map = GroundPicture(interactive=False)
-        self.notes = new_button(self.notes_pressed.emit)
-        say(self.notes, Message("NOTES"))
+        self.notes = new_button(self.notes_pressed.emit, Message("NOTES"))
         left = column(self.percent, stored, self.left, self.line, (self.area, 1), self.notes)
         self.setLayout(row((left, 2), (self.map, 3), margin=GAP_PX))
 

@@ -22,7 +22,6 @@ from gpr20_user_interface.widgets.widgets import (
     grid,
     new_button,
     new_label,
-    say,
     scroll_area,
 )
 
@@ -48,12 +47,11 @@ class RobotsPage(Overlay, Page):
         self._clock, self._opened_s = clock, clock.now_s()
         self._control_seen = self._proposed = False
         self._listed: Tuple[ListedRobot, ...] = ()
-        title, hint = new_label("title"), new_label("quiet", wraps=True)
-        say(title, Message("Which robot does this window show?"))
-        say(hint, Message("STOP stops the robot that is shown, and no other. Surveys continue."))
+        title = new_label("title", text=Message("Which robot does this window show?"))
+        only = Message("STOP stops the robot that is shown, and no other. Surveys continue.")
+        hint = new_label("quiet", wraps=True, text=only)
         self.buttons: List[QPushButton] = []
-        self.close_button = new_button(self._close)
-        say(self.close_button, Message("CLOSE"))
+        self.close_button = new_button(self._close, Message("CLOSE"))
         open_button.clicked.connect(self._open)
         content = QWidget()
         self._grid = grid()

@@ -62,13 +62,11 @@ class SettingsPage(Overlay, Page):
         self._apply_theme = use_theme
         self._memory = memory
         self.cover = DimCover(window, stop, clock, memory.settings.dim_after_s)
-        self.title, self.hint = new_label("title"), new_label("quiet", wraps=True)
-        say(self.title, Message("Settings"))
-        self.close_button = new_button(self.hide)
-        say(self.close_button, Message("CLOSE"))
-        self.robot_button, self.remote_button = new_button(self.hide), new_button(self.hide)
-        say(self.robot_button, Message("OTHER ROBOT"))
-        say(self.remote_button, Message("REMOTE CONTROL"))
+        self.title = new_label("title", text=Message("Settings"))
+        self.hint = new_label("quiet", wraps=True)
+        self.close_button = new_button(self.hide, Message("CLOSE"))
+        self.robot_button = new_button(self.hide, Message("OTHER ROBOT"))
+        self.remote_button = new_button(self.hide, Message("REMOTE CONTROL"))
         self.robot_button.hide()
         self.languages: Dict[Language, QPushButton] = self._choices(languages(), self._use_language)
         self.themes: Dict[Theme, QPushButton] = self._choices(Theme, self._use_theme)
