@@ -237,8 +237,13 @@ def test_a_locked_screen_says_so_and_takes_nothing_but_stop_and_the_unlocking(wi
     finger.tap(window.rail.lock)
     assert lock.band.isVisible()
     assert "locked" in lock.band.text.text()
+    # What opens since leaves it free, and its own title in sight.
+    window.stop_warning.open()
     window.notice.show_notice(NOTICE)
-    assert not place_of(window, window.notice).intersects(place_of(window, lock.band))
+    window.refresh()
+    unlock = place_of(window, lock.band.unlock).center()
+    assert window.childAt(unlock) is lock.band.unlock
+    assert not place_of(window, window.notice.title).intersects(place_of(window, lock.band))
     finger.wait(AFTER_S)
     finger.tap(window.notice.close_button)
     assert window.notice.isVisible()

@@ -9,7 +9,7 @@ from PyQt5.QtWidgets import QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_user_interface.look.look import TOP_BAR_PX, look_of
+from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.touch.filter import TouchFilter
 from gpr20_user_interface.touch.guard import TouchGuard
 from gpr20_user_interface.touch.hold_button import HoldButton
@@ -20,7 +20,10 @@ BAND_PX = 62
 
 
 class LockBand(QWidget):
-    """Says why touches have no effect: over the top of a locked screen, below a small one."""
+    """Says why touches have no effect, over the bottom of a locked or a small screen.
+
+    There are buttons, which do not act then; the title of a card stays in sight.
+    """
 
     unlocked = pyqtSignal()
 
@@ -32,7 +35,8 @@ class LockBand(QWidget):
         self.unlock.held.connect(self.unlocked)
         self.text = new_label("locked", wraps=True)
         self.locked = False
-        self.setLayout(row(self.unlock, (self.text, 1)))
+        # Not where the lock is: a touch that comes twice must not begin the hold.
+        self.setLayout(row((self.text, 1), self.unlock))
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.hide()
         window.installEventFilter(self)
@@ -44,13 +48,12 @@ class LockBand(QWidget):
         small = Message("This screen is too small to operate the robot. Use 800x480 or larger.")
         say(self.text, Message("Screen locked. STOP works.") if locked else small)
         self.setVisible(locked or not look_of(self).touchable)
-        if self.isVisible():
-            self._cover()
+        self.cover()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
         """Qt: something happens to the window."""
-        if event.type() == QEvent.Type.Resize and self.isVisible():
-            self._cover()
+        if event.type() == QEvent.Type.Resize:
+            self.cover()
         return super().eventFilter(watched, event)
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
@@ -59,12 +62,10 @@ class LockBand(QWidget):
             self.show_state(self.locked)
         super().changeEvent(event)
 
-    def _cover(self) -> None:
-        """Lie over everything that is there."""
-        look, window = look_of(self), self.parentWidget()
-        height_px = look.px(BAND_PX)
-        top_px = look.px(TOP_BAR_PX) if self.locked else window.height() - height_px
-        self.setGeometry(0, top_px, window.width(), height_px)
+    def cover(self) -> None:
+        """Lie over everything that is there, also over what has opened since."""
+        window, height_px = self.parentWidget(), look_of(self).px(BAND_PX)
+        self.setGeometry(0, window.height() - height_px, window.width(), height_px)
         self.raise_()
 
 
@@ -105,9 +106,6 @@ class TouchBinding:
         """Lock or unlock the screen, and show which it is."""
         self.touches.set_locked(locked)
         self.band.show_state(locked)
-        for overlay in self._window.findChildren(Overlay):
-            if isinstance(overlay, Overlay):
-                overlay.leave_free(BAND_PX if locked else 0)
 
     def _on_too_small(self) -> None:
         # Nothing on a small screen could close them.

@@ -191,6 +191,7 @@ class MainWindow(QWidget):
         snapshot = self.survey.refresh()
         for binding in self._bindings:
             binding.refresh(snapshot)
+        self.touch_binding.band.cover()
         # What START and the figures of the job say, the band does not say once more.
         ready = snapshot.can_start and self.control.plan_to_start is not None
         self.top_bar.refresh(snapshot, ready, self.job.isVisible())
