@@ -28,7 +28,8 @@ from gpr20_user_interface.window.rail import TabName
 
 # Mostly ticks: a hold needs ten of them without a break.
 TICKS = st.sampled_from(["begin", "cancel", *["tick"] * 18])
-STEPS = st.lists(st.tuples(TICKS, st.floats(0.0, 0.3)), max_size=80)
+# Some are longer than what a window sees that is busy.
+STEPS = st.lists(st.tuples(TICKS, st.sampled_from([0.05, 0.07, 0.1, 0.3, 5.0])), max_size=80)
 
 
 @given(STEPS)
@@ -53,6 +54,15 @@ def test_nothing_but_a_second_without_a_break_completes_a_hold(steps):
             hold.cancel()
             seen_s = None
         looked_s = now_s
+
+
+def test_a_hold_does_not_count_the_time_that_a_stalled_window_has_not_seen():
+    clock = FakeClock()
+    hold = Hold(clock)
+    hold.begin()
+    for number in range(1, 10):
+        clock.advance(10.0)
+        assert not hold.tick(), number
 
 
 @pytest.fixture
