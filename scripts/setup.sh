@@ -27,7 +27,7 @@ PYTHON_MB=1000
 
 DEBIAN_PACKAGES=(
     cmake g++ make openssh-client openssl python3-dev python3-venv python3-numpy python3-pyqt5
-    python3-pyqt5.qtsvg x11-xserver-utils
+    python3-pyqt5.qtsvg
 )
 # Packages of ROS: the name in Debian and, behind the colon, in ROS.
 ROS_PACKAGES=(

@@ -184,7 +184,7 @@ class NamespaceTest(unittest.TestCase):
             wait_until(lambda: self.window_of(nodes), "there is no window")
             status, said = run(*client, "--wait", "10", "__ns:=replay", env=ENVIRONMENT)
             self.assertEqual(status, 1, said)
-            self.assertIn("A replay of a recorded survey is running", said)
+            self.assertIn("No contact with the main control", said)
             self.assertIsNone(launched.poll())
             # It ends with its window.
             rosnode.kill_nodes(self.window_of(nodes))

@@ -7,14 +7,12 @@ import os
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
-from robot_kit import running
 from wait_kit import wait_until
 from window_kit import virtual_screen
 
@@ -27,19 +25,14 @@ LIMIT_S = 200.0
 
 
 class Screen:
-    """A virtual screen, with a window manager that gives every window a frame, as on a desktop."""
+    """A virtual screen without a window manager."""
 
     def __init__(self) -> None:
         self._processes = ExitStack()
         self._processes.enter_context(virtual_screen())
-        with tempfile.TemporaryDirectory() as folder:
-            started = Path(folder) / "started"
-            command = ["openbox", "--sm-disable", "--startup", f"touch {started}"]
-            self._processes.enter_context(running(*command, end_by=signal.SIGKILL))
-            wait_until(started.exists, "the window manager runs")
 
     def finger(self, *words: str) -> None:
-        """Do what xdotool is told to."""
+        """Let xdotool do something."""
         subprocess.run(["xdotool", *words], check=True, timeout=LIMIT_S)
 
     def kill(self) -> None:

@@ -15,7 +15,7 @@ from typing import Any, Dict, List, Mapping, Optional
 
 from PyQt5.QtCore import QPoint, QRect, QSocketNotifier
 from PyQt5.QtGui import QGuiApplication
-from PyQt5.QtWidgets import QAbstractButton, QApplication, QLabel, QLineEdit, QWidget
+from PyQt5.QtWidgets import QApplication, QWidget
 
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.high.conversions import parameters_message
@@ -63,27 +63,14 @@ def part(window: Any, name: str) -> Dict[str, Any]:
             `window` all of it.
     """
     if name == WINDOW:
-        return whole(window)
+        screen = QGuiApplication.primaryScreen().geometry()
+        return {"screen": sides(screen), "window": sides(window.geometry())}
     if name.startswith(TAB):
         return described(window.rail.tabs[TabName[name[len(TAB) :]]])
     found: Optional[QWidget] = window
     for word in name.split("."):
         found = found[int(word)] if isinstance(found, list) else getattr(found, word)
     return described(found)
-
-
-def whole(window: Any) -> Dict[str, Any]:
-    """Return where the window is, and what of it is outside the screen."""
-    screen = QGuiApplication.primaryScreen().geometry()
-    kinds = (QAbstractButton, QLabel, QLineEdit)
-    outside: List[str] = []
-    for one in (found for kind in kinds for found in window.findChildren(kind)):
-        seen = one.visibleRegion().boundingRect()
-        place = QRect(one.mapToGlobal(seen.topLeft()), seen.size())
-        if one.isVisible() and not seen.isEmpty() and not screen.contains(place):
-            outside.append(one.objectName() or one.text())
-    geometries = {"screen": screen, "window": window.geometry(), "frame": window.frameGeometry()}
-    return {**{name: sides(one) for name, one in geometries.items()}, "outside": outside}
 
 
 def described(widget: QWidget) -> Dict[str, Any]:

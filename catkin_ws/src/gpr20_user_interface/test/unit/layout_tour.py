@@ -15,7 +15,6 @@ from view_kit import (
     SURVEY,
     description,
     make_grid,
-    moving,
     past_survey,
     snapshot,
     state_of,
@@ -36,7 +35,6 @@ from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress,
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.robot.robots import RobotReported, RobotsFound
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -66,16 +64,6 @@ LONGEST = {
     **{"if_bandwidth_hz": "100000", "averages": "1000", "output_power": "HIGH"},
 }
 PEOPLE = Annotation(NAME, SITE, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
-OWNER = "/un_programa_de_nombre_largo_1795493315529903"
-CONDITIONS = (
-    {"master_alive": False},
-    {"control_alive": False, "control_silent_s": None},
-    {"control_alive": False, "control_silent_s": 86399.0, "axes": moving(*AxisId, owner=OWNER)},
-    {"interrupted": True},
-    {"service": verbatim("mover el eje X"), "axes": moving(*AxisId, owner=OWNER)},
-    {"still_s": 86399.0},
-    {"ignored_sender": OWNER, "axes": moving(*AxisId, owner=OWNER)},
-)
 FIRST_FIELDS = [SPECS[TILE_FIELDS[tile][0]] for tile in VALUE_TILES]
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
 ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
@@ -301,7 +289,6 @@ STOPS = {
     "resume": start_sheet("ask_resume_past", FOLDER),
     "other analyzer": start_sheet("ask_resume_with", IDENTITY),
     **{code.name.lower(): running(code) for code in SurveyState},
-    **{f"band {number}": running(**changes) for number, changes in enumerate(CONDITIONS)},
     **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
     "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),

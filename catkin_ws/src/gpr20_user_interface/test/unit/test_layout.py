@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from finger import place_of
-from layout_tour import IDENTITY, LARGEST, STOPS, busiest, results
+from layout_tour import LARGEST, STOPS, busiest, results
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import (
     QAbstractButton,
@@ -307,15 +307,6 @@ def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
         for _page in every_page(window, tab):
             settle()
             assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)
-
-
-def test_the_button_to_hold_is_not_where_another_analyzer_was_accepted(window):
-    show(window, snapshot(SurveyState.IDLE))
-    window.start_sheet.ask_resume_with(IDENTITY)
-    window.question.open()
-    settle()
-    accepted = place_of(window, window.question.accept_button)
-    assert not place_of(window, window.start_sheet.hold).intersects(accepted)
 
 
 def test_a_number_is_whole_or_shows_its_beginning(window):

@@ -22,14 +22,7 @@ from view_kit import (
     snapshot,
     state_of,
 )
-from window_helpers import (
-    click,
-    hold,
-    hold_to_start,
-    show,
-    until,
-    wishes,
-)
+from window_helpers import click, hold, hold_to_start, show, until, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveyDescribed
@@ -65,15 +58,38 @@ def band(window):
     return window.top_bar.band
 
 
-def test_state_and_progress_are_seen_from_every_tab(window, band):
-    show(window, snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0)))
-    assert (band.title.whole, band.message.whole) == ("SURVEYING 99 %", "2 min left")
+def test_state_and_progress_are_seen_once_on_every_tab(window, band):
+    surveying = snapshot(SurveyState.SURVEYING, progress=Progress("id", 99.99, 90, 89, 61.0))
+    for tab in TabName:
+        window.show_tab(tab)
+        show(window, surveying)
+        shown = (band.title.whole, band.message.whole)
+        figures = (window.job.percent.text(), window.job.left.text())
+        if tab is TabName.SURVEY:
+            assert (*shown, *figures) == ("SURVEYING", "As it is", "99 %", "2 min left")
+        else:
+            assert shown == ("SURVEYING 99 %", "2 min left")
     assert band.simulated.isVisible()
     signs = []
     for level in JobLevel:
-        band.show_condition(Condition(level, verbatim(""), verbatim("")), "", "")
+        condition = Condition(level, verbatim(""), verbatim(""))
+        band.show_condition(condition, condition.title, condition.message)
         signs.append(band.sign.pixmap().toImage())
     assert not any(one == other for one, other in itertools.combinations(signs, 2))
+
+
+def test_the_band_says_ready_where_start_would_start(window, band):
+    for tab in TabName:
+        window.show_tab(tab)
+        for code, text, title in (
+            *((SurveyState.IDLE, "11", "READY"), (SurveyState.CONFIGURED, "11", "READY")),
+            *((SurveyState.IDLE, "-", "IDLE"), (SurveyState.FINISHED, "11", "FINISHED")),
+        ):
+            window.control.form.set_text("x_points", text)
+            window.control.show_plan()
+            show(window, snapshot(code))
+            assert band.title.whole == title, (tab, code, text)
+            assert band.level is (JobLevel.DONE if title == "FINISHED" else JobLevel.REST)
 
 
 def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_free(window):
@@ -106,6 +122,8 @@ def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(wi
     assert (page.left.text(), page.percent.text()) == ("18 min left", "42 %")
     assert (page.line.text(), page.area.whole) == ("Line 1 of 4", "Field 4, 100 x 60 mm")
     assert page.percent.fontMetrics().height() >= 2.5 * page.area.fontMetrics().height()
+    # The map has the rest.
+    assert page.map.width() > 0.55 * page.width() and page.map.height() > 0.9 * page.height()
 
 
 def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
@@ -126,7 +144,7 @@ def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window, band):
     received, notice = wishes(window), window.notice
     show(window, SURVEYING)
-    for touched in (None, window.job.card, band.message):
+    for touched in (None, band.sign, band.message):
         show(window, FAULTY)
         if touched is not None:
             assert not notice.isVisible()
@@ -135,7 +153,7 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
         assert notice.reason.toPlainText() == "The disk is full"
         assert notice.first.text() == str(FULL.fault.remedy)
         click(notice.close_button)
-    click(window.job.card)
+    click(band.message)
     click(notice.resume)
     # It resumes nothing by itself.
     assert received == [] and window.start_sheet.isVisible()
@@ -217,7 +235,7 @@ def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_ever
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
     band = field.top_bar.band
     for tab, overlay in places_in(field):
-        field.settings._dimming.dimmed = True
+        field.settings.cover.dimmed = True
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
         assert (band.title.whole, band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (tab, overlay)
         assert not field.settings.cover.isVisible() and is_free(field, band), (tab, overlay)

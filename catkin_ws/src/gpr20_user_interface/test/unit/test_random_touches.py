@@ -28,9 +28,10 @@ from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 
-TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(300)))
+TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(1000)))
 SEED = int(os.environ.get("GPR20_TOUCH_SEED", "0"))
 PERIOD_S = 0.05
+READY = verbatim("READY")
 KEPT = {f"field {number}" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
 HARMLESS = {"stop", "pause", "pause replay"}
@@ -196,7 +197,8 @@ class Field:
         bar, code, alive = window.top_bar, now.state.code, now.control_alive
         # In the language that a touch may have chosen.
         if alive:
-            assert bar.band.title.whole.startswith(shown_text(code.label))
+            named = {shown_text(one) for one in (code.label, READY)}
+            assert bar.band.title.whole.startswith(tuple(named))
         assert bar.stop.isVisible() and bar.stop.isEnabled()
         can_pause = alive and code in (SurveyState.SURVEYING, SurveyState.PAUSED)
         assert bar.pause.isEnabled() is can_pause and bar.pause.isVisible() is code.running

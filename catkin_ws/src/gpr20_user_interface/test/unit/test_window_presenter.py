@@ -1,5 +1,6 @@
 """What the window asks its robot for, and which of several robots that is."""
 
+import os
 import random
 import sys
 from dataclasses import replace
@@ -22,7 +23,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.low.process import NAMESPACE, command, with_namespace
+from gpr20_user_interface.low.process import open_in
 
 
 class Asked:
@@ -107,46 +108,37 @@ REFUSED = Answer(
 )
 
 
-@pytest.mark.parametrize("folder", ["", "20260921T141320_0f8fad5b"])
-def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts, folder):
+def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts):
     window, control = parts
+    folder, asked = "20260921T141320_0f8fad5b", [("check_master",)]
     window.on_event(state(SurveyState.PAUSED))
-    window.survey.resume(folder)
-    # The status of the failed check may come first.
-    window.on_event(state(SurveyState.CHECKING))
-    window.on_event(state(SurveyState.PAUSED))
-    window.on_event(REFUSED)
-    assert window.question.isVisible() and not window.notice.isVisible()
-    assert window.question.reason.toPlainText()[1:] == str(REFUSED.message)[1:]
-    assert OTHER in window.question.details.toPlainText()
-    click(window.question.close_button)
-    assert not window.question.isVisible() and len(control.asked) == 2
-    window.survey.resume(folder)
-    window.on_event(REFUSED)
-    click(window.question.accept_button)
-    assert not window.question.isVisible()
-    assert len(control.asked) == 3
+    for accepted in (False, True):
+        window.survey.resume(folder)
+        # The status of the failed check may come first.
+        window.on_event(state(SurveyState.CHECKING))
+        window.on_event(state(SurveyState.PAUSED))
+        window.on_event(REFUSED)
+        asked.append(("resume_survey", folder))
+        assert window.question.isVisible() and not window.notice.isVisible()
+        assert window.question.reason.toPlainText()[1:] == str(REFUSED.message)[1:]
+        assert OTHER in window.question.details.toPlainText()
+        click(window.question.accept_button if accepted else window.question.close_button)
+        assert not window.question.isVisible() and control.asked == asked
     hold_to_start(window)
-    asked = ("resume_survey", folder)
-    assert control.asked[1:] == [asked, asked, (*asked, OTHER)]
-    window.on_event(Answer(Request.RESUME, True, verbatim("")))
-    assert not window.notice.isVisible() and not window.question.isVisible()
+    assert control.asked == [*asked, ("resume_survey", folder, OTHER)]
     # Another refusal after the question is a notice.
     window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
-    window.refresh()
-    assert window.top_bar.pause.isEnabled()
     assert window.notice.reason.toPlainText() == "The VNA does not answer"
     assert window.notice.isVisible() and not window.question.isVisible()
 
 
 def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window, _ = parts
-    robot = configured("")
     assert estimator.asked == []
-    window.on_event(RobotDescribed(robot))
+    window.on_event(RobotDescribed(configured("")))
     window.refresh()
     asked = window.control.parameters
-    assert estimator.asked[-1] == ("ask", asked, robot)
+    assert estimator.asked[-1] == ("ask", asked, configured(""))
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
@@ -155,7 +147,7 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     window.refresh()
     assert window.control.start.lines[0].whole == "242 traces, 1 min"
     enter(window, "x_spacing_mm", "20")
-    assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), robot)
+    assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), configured(""))
     assert window.control.start.lines[0].whole == "132 traces"
 
 
@@ -187,47 +179,40 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
         assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
 
 
-def test_other_robots_are_listed_in_the_settings_and_listened_to_meanwhile(window):
+def test_other_robots_are_listed_and_can_be_chosen_but_for_while_a_stop_is_open(window):
     found(window, "/robot1")
     window.rail.settings.click()
     assert not window.settings.robot_button.isVisible()
     assert not window.top_bar.band.message.whole.startswith("robot1")
-    found(window, "/robot1", "/robot2", "/robot3")
+    names = [f"/robot{number:02d}" for number in range(2, 30)]
+    found(window, "/robot1", *names)
+    assert window.top_bar.band.message.whole.startswith("robot1: ")
     window.settings.robot_button.click()
     sheet = window.robots
     assert sheet.isVisible() and window.watched == [True]
-    window.on_event(RobotReported("/robot2", MEASURING))
-    show(window, window.survey.snapshot)
-    texts = [button.text() for button in sheet.buttons if button.isVisible()]
-    assert texts == ["robot1\nno report yet", "robot2\nSURVEYING", "robot3\nno report yet"]
-    assert [button.isEnabled() for button in sheet.buttons[:3]] == [False, True, True]
-    sheet.close_button.click()
-    assert window.watched == [True, False] and not sheet.isVisible()
-
-
-def test_every_robot_can_be_reached_but_for_one_whose_stop_is_not_answered(window):
-    names = [f"/robot{number:02d}" for number in range(1, 30)]
-    found(window, "/robot1", *names)
-    window.settings.robot_button.click()
+    window.on_event(RobotReported("/robot02", MEASURING))
     show(window, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
-    assert not any(button.isEnabled() for button in window.robots.buttons[:2])
+    texts = [button.text() for button in sheet.buttons]
+    assert "robot02\nSURVEYING" in texts and "robot03\nno report yet" in texts
+    assert not any(button.isEnabled() for button in sheet.buttons)
     show(window, snapshot(SurveyState.STOPPED))
-    for button in window.robots.buttons:
+    for button in sheet.buttons:
         if button.isEnabled():
             button.click()
     assert window.chosen == names
+    sheet.close_button.click()
+    assert window.watched == [True, False] and not sheet.isVisible()
 
 
 def test_a_window_without_a_robot_proposes_those_that_there_are_once(window):
     show(window, snapshot(alive=False))
     found(window, "/robot2", "/robot3")
     assert not window.robots.isVisible()  # its own may be starting
-    window.clock.advance(6.0)
-    show(window, snapshot(alive=False))
-    assert window.robots.isVisible()
-    window.robots.close_button.click()
-    show(window, snapshot(alive=False))
-    assert not window.robots.isVisible()
+    for visible in (True, False):
+        window.clock.advance(6.0)
+        show(window, snapshot(alive=False))
+        assert window.robots.isVisible() is visible
+        window.robots.close_button.click()
 
 
 @pytest.mark.parametrize("window", [("/", False)], indirect=True)
@@ -241,10 +226,11 @@ def test_the_window_of_a_real_robot_stays_with_it(window):
     assert window.top_bar.band.message.whole.startswith("/: ")
 
 
-def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own():
+def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own(monkeypatch):
+    begun = []
+    monkeypatch.setattr(os, "execve", lambda *given: begun.extend(given))
     words = ["/x/user_interface", "_language:=es", "__name:=user_interface", "__ns:=/robot1"]
-    assert command("/robot2", words) == [
-        *(sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2")
-    ]
-    environment = {"DISPLAY": ":0", NAMESPACE: "/robot1"}
-    assert with_namespace("/robot2", environment) == {"DISPLAY": ":0", NAMESPACE: "/robot2"}
+    open_in("/robot2", words, {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot1"})
+    _program, command, environment = begun
+    assert command == [sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2"]
+    assert environment == {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot2"}

@@ -1,16 +1,14 @@
-"""The processes of window and client: how they end, by signals, a hang or without a display."""
+"""The processes of window and client: how they end, by signals or without a display."""
 
 import argparse
 import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 from queue import SimpleQueue
 from types import SimpleNamespace
 
-import psutil
 import pytest
 from case_kit import each_case
 
@@ -22,8 +20,8 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.low.display_probe import display_problem
-from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
+from gpr20_user_interface.low.display import problem_of
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals
 
 
 @pytest.mark.parametrize(
@@ -42,107 +40,21 @@ def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
     assert signal.getsignal(number) is before
 
 
-def test_further_signals_can_be_told_to_somebody_else():
-    printed = []
-    with StopSignals(printed.append, on_next=lambda: printed.append("again")):
-        os.kill(os.getpid(), signal.SIGINT)
-        os.kill(os.getpid(), signal.SIGTERM)
-    assert printed == ["Ctrl-C", "again"]
-
-
-def test_leaving_at_once_waits_for_nobody_but_loses_no_words():
-    program = (
-        "import atexit, time\n"
-        f"from {leave_now.__module__} import leave_now\n"
-        "atexit.register(time.sleep, 60)\n"
-        "print('last words')\n"
-        "leave_now(130)\n"
-    )
-    ended = subprocess.run(
-        [sys.executable, "-c", program],
-        stdout=subprocess.PIPE,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-    )
-    assert (ended.returncode, ended.stdout) == (130, b"last words\n")
-
-
-def test_ctrl_c_while_the_client_is_loaded_ends_it_quietly(tmp_path):
-    # In place of the first library that it loads; a shell may have begun this deaf to Ctrl-C.
-    (tmp_path / "rospy.py").write_text(
-        "import signal\nprint('loading', flush=True)\nwhile True: signal.pause()\n"
-    )
-    program = Path(__file__).resolve().parents[2] / "nodes" / "run_survey"
-    process = subprocess.Popen(
-        [sys.executable, str(program)],
-        env={**os.environ, "PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
-    )
-    try:
-        assert process.stdout.readline() == "loading\n"
-        process.send_signal(signal.SIGINT)
-        _, error = process.communicate(timeout=LIMIT_S)
-    finally:
-        process.kill()
-    assert (process.returncode, error) == (-signal.SIGINT, "")
-
-
-def raise_error():
-    raise OSError("no such plugin")
-
-
-def end_the_process():
-    os.write(2, b"some library: loading\nsome library: could not connect to display :7\nmore\n")
-    os.kill(os.getpid(), signal.SIGKILL)
-
-
 @each_case(
-    "open_display, limit_s, problem",
+    "program, limit_s, problem",
     [
-        (lambda: print("a warning"), 100.0, None),
-        (raise_error, 100.0, "OSError('no such plugin')"),
-        # The line that names the display.
-        (end_the_process, 100.0, "some library: could not connect to display :7"),
-        (lambda: time.sleep(60), 0.2, "no answer within 0.2 s"),
+        ("print('a warning')", 100.0, None),
+        ("raise SystemExit('no such plugin')", 100.0, "no such plugin"),
+        (
+            "print('loading\\ncould not connect to display :7\\nmore'); exit(1)",
+            100.0,
+            "could not connect to display :7",
+        ),
+        ("import signal; signal.pause()", 0.2, "no answer within 0.2 s"),
     ],
 )
-def test_a_display_that_does_not_open_is_a_problem_with_its_reason(open_display, limit_s, problem):
-    before = set(psutil.Process().children())
-    assert display_problem(open_display, limit_s=limit_s) == problem
-    assert set(psutil.Process().children()) <= before
-
-
-GUARDED = """
-import threading, time
-from gpr20_user_interface.low.process import HangGuard
-
-def hang_here():
-    {hang}
-
-guard = HangGuard(3.0)
-for _ in range(160):
-    guard.beat()
-    time.sleep(0.02)
-{end}
-hang_here()
-"""
-
-
-def guarded(hang, end=""):
-    command = [sys.executable, "-c", GUARDED.format(hang=hang, end=end)]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
-
-
-def test_a_window_that_hangs_ends_and_says_where_and_one_that_is_closed_takes_its_time():
-    hanging = [guarded(one) for one in ("threading.Event().wait(200)", "while True: pass")]
-    closed = guarded("threading.Event().wait(4.0)", end="guard.end()")
-    for one in hanging:
-        _, said = one.communicate()
-        assert one.returncode == 1 and "hang_here" in said
-    closed.communicate()
-    assert closed.returncode == 0
+def test_a_display_that_does_not_open_is_a_problem_with_its_reason(program, limit_s, problem):
+    assert problem_of(program, limit_s) == problem
 
 
 PROGRAM = Path(__file__).resolve().parents[2] / "nodes" / "user_interface"

@@ -23,8 +23,7 @@ from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.window.main_window import MainWindow
-from gpr20_user_interface.window.presenters import Presenters
+from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 
 class Survey:

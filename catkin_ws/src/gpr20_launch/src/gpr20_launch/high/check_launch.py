@@ -24,23 +24,11 @@ from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
-<<<<<<< HEAD
-from gpr20_doctor.mid.finding import Finding
-from gpr20_launch.errors import LaunchRefusedError
-from gpr20_launch.low.process_info import ProcessInfo, process_info
-from gpr20_launch.mid.launch_request import REAL, ROBOT, SERVER, SURVEY, LaunchRequest
-from gpr20_launch.mid.machine_warnings import machine_warnings
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.problem import Problem
-from gpr20_launch.mid.robot_check import BuiltRobot, check_robot
-from gpr20_launch.mid.running_robot import RunningNode, refusal
-=======
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Problem, Reading, Use
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 
 NAME = "/check_launch"
@@ -54,23 +42,10 @@ def main() -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     names = [one.name for one in fields(SimulatorParameters)]
     try:
-<<<<<<< HEAD
-        request = LaunchRequest(
-            given.part,
-            given.robot,
-            given.config,
-            given.data,
-            _simulator(given),
-            given.full_screen,
-        )
-        use = Use(request.folder, os.environ, given.data, given.robot == REAL, given.part)
-        found = check_robot(use, built_robot())
-=======
         own = {name: value for name, value in vars(given).items() if name in names}
         simulator = SimulatorParameters(**own)
         reading = Reading(_folder(given), built_axes())
         found = check_robot(reading, use, message_field)
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
         if any(one.refuses for one in found):
             lines = [f"- {one.message}" for one in found if one.refuses]
             head = "This robot cannot be launched: its configuration is wrong."

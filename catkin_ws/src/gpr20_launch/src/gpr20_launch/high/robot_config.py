@@ -18,30 +18,9 @@ from gpr20_common.low.data_folder import robot_folder
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import printable, say
-<<<<<<< HEAD
-from gpr20_doctor.mid.finding import Finding
-from gpr20_doctor.mid.machine import ROBOT as PI_SERVICE
-from gpr20_doctor.mid.machine import Machine
-from gpr20_launch import faults
-from gpr20_launch.errors import ConfigurationError
-from gpr20_launch.high.check_launch import built_axes, built_robot
-from gpr20_launch.mid.launch_request import (
-    REAL,
-    ROBOT,
-    SERVER,
-    SIMULATED,
-    SURVEY,
-    storage_parameters,
-)
-from gpr20_launch.mid.old_launch import read_launch
-from gpr20_launch.mid.old_robot import old_robot
-from gpr20_launch.mid.place_checks import Use
-from gpr20_launch.mid.problem import Problem
-=======
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.high.check_launch import built_axes, message_field, say_problems
 from gpr20_launch.mid.old_launch import old_robot
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
 from gpr20_launch.mid.signing_key import ensure_key
@@ -81,49 +60,27 @@ def _parser() -> argparse.ArgumentParser:
     old.add_argument("launch", type=Path, help="the launch file of the robot's computer")
     check = add("check", _check, "say what is wrong or doubtful; change nothing")
     check.add_argument("--json", action="store_true", help="for programs")
-<<<<<<< HEAD
-    check.add_argument("--robot", choices=(REAL, SIMULATED), default=REAL)
-    place = Machine.here(os.environ, ROOT)
-    # The Raspberry Pi of two computers stores no surveys.
-    part = ROBOT if place.two_computers and place.service == PI_SERVICE else SURVEY
-    check.add_argument("--part", choices=(ROBOT, SERVER, SURVEY), default=part)
-=======
     check.add_argument("--robot", choices=ROBOTS, default=REAL)
     check.add_argument("--part", choices=PARTS, default=SURVEY)
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     add("key", _make_key, "make the key that signs surveys")
     accept = add("accept_data", _accept_data, "accept the data folder that is there from now on")
     for one in (check, accept):
         one.add_argument("--data", default="", help="as data:= of the launch")
     for one in actions.choices.values():
-<<<<<<< HEAD
-        one.add_argument("folder", nargs="?", default=place.config, type=_named_folder)
-    return parser
-
-
-def _named_folder(text: str) -> Path:
-    # None at all, as of an unset variable, is refused.
-=======
         one.add_argument("folder", nargs="?", default=robot_folder(os.environ), type=_named)
     return parser
 
 
 def _named(text: str) -> Path:
     # An empty text, such as of a variable that is not set, is not the current folder.
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     if not text.strip():
         raise argparse.ArgumentTypeError("name a folder")
     return Path(text)
 
 
 def _check(folder: Path, given: argparse.Namespace) -> int:
-<<<<<<< HEAD
-    use = Use(folder, os.environ, given.data, given.robot == REAL, given.part)
-    found = check_robot(use, built_robot())
-=======
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(Reading(folder, built_axes()), use, message_field)
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
     if given.json:
         print(json.dumps([one.record() for one in found], ensure_ascii=False))
     elif found:
@@ -134,27 +91,8 @@ def _check(folder: Path, given: argparse.Namespace) -> int:
 
 
 def _create(folder: Path, given: argparse.Namespace) -> int:
-<<<<<<< HEAD
-    texts = templates(built_axes())
-    if given.profile is not None:
-        files = _profiles()[given.profile].glob("*.yaml")
-        own = {path.name: path.read_text(encoding="utf-8") for path in files}
-        _refuse_existing(folder, own)
-        texts.update(own)
-    return _fill(folder, texts)
-
-
-def _fill(folder: Path, texts: Mapping[str, str], known: Sequence[Problem] = ()) -> int:
-    _write(folder, texts)
-    use = Use(folder, os.environ, part=ROBOT)
-    found = (*known, *check_robot(use, built_robot()))
-    _say(folder, found)
-    # What a person must check by hand is no failure of this command.
-    return int(any(one.refuses and one.message.cause != faults.NOT_CHECKED for one in found))
-=======
     files = () if given.profile is None else _profiles()[given.profile].glob("*.yaml")
     return _fill(folder, {path.name: path.read_text(encoding="utf-8") for path in files})
->>>>>>> a2a90090c1606a70536a7721d7bed19d4595bdc6
 
 
 def _import(folder: Path, given: argparse.Namespace) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import io
 import os
 import queue
@@ -10,28 +11,24 @@ import sys
 import rospy
 
 from gpr20_common.catalogue import Catalogue, language_from_environment, read_catalogue
-from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_operator.errors import MasterUnavailableError, ParametersRefusedError
+from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.ros_events import join_graph
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Senders, StopRequested
-from gpr20_survey.plan.survey_parameters import check
+from gpr20_operator.robot.events import Senders, StopRequested
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.follower import Display, ExitStatus, SurveyFollower, first_step
-from gpr20_user_interface.terminal.survey_arguments import Options, parse_arguments
+from gpr20_user_interface.terminal.survey_arguments import parse_arguments
 
 
 def main() -> int:
     """Run a survey as the command line asks; return the exit status."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")  # as stderr: not every terminal has all
-    arguments = rospy.myargv()[1:]
     catalogue = read_catalogue(language_from_environment(os.environ))
-    options = parse_arguments(arguments, catalogue)
+    options = parse_arguments(rospy.myargv()[1:], catalogue)
     # Unlike that of queue.Queue its put() may be interrupted by a signal that puts, too.
     events: queue.SimpleQueue = queue.SimpleQueue()
     try:
@@ -44,18 +41,17 @@ def main() -> int:
 
 
 def _run(
-    options: Options, events: queue.SimpleQueue, signals: StopSignals, catalogue: Catalogue
+    options: argparse.Namespace,
+    events: queue.SimpleQueue,
+    signals: StopSignals,
+    catalogue: Catalogue,
 ) -> int:
     try:
-        if not options.attach and options.resume is None:
-            # What can be refused at once needs no robot.
-            check(options.parameters, DOCUMENTED_TRAVEL)
-        join_graph("run_survey", options.wait_s, lambda: signals.received, Clock())
-    except InvalidValueError as error:
-        refused = Message("refused: {reason}", reason=error.message)
-        return _refuse(ParametersRefusedError(refused), catalogue)
+        join_graph("run_survey", options.wait, lambda: signals.received, Clock())
     except MasterUnavailableError as error:
-        _refuse(error, catalogue)
+        display = Display(sys.stderr, catalogue)
+        for message in (error.message, first_step(error.message)):
+            display.note(message)
         # At once: the exit handlers of rospy would wait for the master.
         leave_now(ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED)
     client = ControlClient(events.put, Senders(rospy.get_namespace()))
@@ -69,12 +65,11 @@ def _run(
             )
 
     display = Display(sys.stdout, catalogue)
-    follower = SurveyFollower(
-        *(None if options.attach else ask, client.stop, display, options.wait_s, Clock())
-    )
+    follower = SurveyFollower(ask, client.stop, display, options.wait, Clock())
     client.listen()
+    client.set_watched(True)
     keeper = GraphKeeper()
-    status = follower.run(events).status
+    status = follower.run(events)
     display.close()
     is_error = status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     last = Display(sys.stderr if is_error else sys.stdout, catalogue)
@@ -83,10 +78,3 @@ def _run(
     keeper.close()
     client.close()
     return status
-
-
-def _refuse(error: Gpr20Error, catalogue: Catalogue) -> int:
-    display = Display(sys.stderr, catalogue)
-    for message in (error.message, first_step(error.message)):
-        display.note(message)
-    return ExitStatus.REFUSED

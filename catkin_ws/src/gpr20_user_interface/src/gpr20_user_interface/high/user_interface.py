@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import faulthandler
 import os
 import sys
 import threading
@@ -12,7 +13,15 @@ from typing import Any, Callable, NoReturn, Optional, Tuple, Union
 
 import rosgraph
 import rospy
-from PyQt5.QtCore import QObject, Qt, QTimer, pyqtSignal
+from PyQt5.QtCore import (
+    QMessageLogContext,
+    QObject,
+    Qt,
+    QTimer,
+    QtMsgType,
+    pyqtSignal,
+    qInstallMessageHandler,
+)
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_common.catalogue import Language, language_from_code, read_catalogue
@@ -39,19 +48,11 @@ from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
-from gpr20_user_interface.high.display import (
-    check_display,
-    draw_without_opengl,
-    on_display_lost,
-    wait_for_display,
-)
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.process import HangGuard, StopSignals, leave_now, open_in
-from gpr20_user_interface.low.screen_saver import ScreenSaver
-from gpr20_user_interface.window.main_window import MainWindow
-from gpr20_user_interface.window.placement import ScreenPlacement
-from gpr20_user_interface.window.presenters import Presenters
+from gpr20_user_interface.low.display import check_display, wait_for_display
+from gpr20_user_interface.low.process import StopSignals, leave_now, open_in
+from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
 DEFAULT_SETTINGS = "~/.config/gpr20/window.yaml"
@@ -63,11 +64,15 @@ SETTINGS_LIMIT_S = 5.0
 LEAVE_LIMIT_S = 3.0
 # Between two signs of life of a window that is started again when it hangs.
 BEAT_MS = 1000
+# Far longer than anything that the window does between two events [s].
+HANG_LIMIT_S = 30.0
 EXIT_NO_MASTER = 1
 EXIT_WRONG_PARAMETER = 2
 EXIT_NO_DISPLAY = 3
 EXIT_DISPLAY_LOST = 4
 EXIT_BY_SIGNAL = 130
+# What Qt says before it calls exit(): of X11, and of Wayland.
+LOST = "connection broke"
 
 
 class EventSignal(QObject):
@@ -127,7 +132,7 @@ class UserInterface:
             languages,
             memory,
         )
-        self._placement = ScreenPlacement(self.window, full_screen)
+        self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
 
     def begin(self) -> None:
@@ -140,7 +145,7 @@ class UserInterface:
         self.window.begin()
         # Notices a display that was lost meanwhile, without which Qt would crash.
         QApplication.processEvents()
-        self._placement.show()
+        self.window.show_on_screen(self._full_screen)
 
     def end(self) -> None:
         """Leave the graph; a survey that runs continues."""
@@ -181,9 +186,9 @@ def main() -> NoReturn:
 
 def _run(options: argparse.Namespace) -> Tuple[int, str]:
     """Return the exit status, and the robot of a window in place of this one; empty: none."""
-    draw_without_opengl(os.environ)
+    # It costs memory and time, and crashes when the display closes while the window is made.
+    os.environ.setdefault("QT_XCB_GL_INTEGRATION", "none")
     try:
-        # First: there are no threads yet.
         if options.wait_for_display:
             wait_for_display(_say)
         else:
@@ -204,12 +209,10 @@ def _run(options: argparse.Namespace) -> Tuple[int, str]:
             _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
             return EXIT_NO_MASTER, ""
-        on_display_lost(lambda: _leave_without_display(signals.received))
+        _on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
-            # Only the window of a robot is started again.
-            guard = HangGuard() if options.wait_for_display else None
-            return _show(application, signals, options.replay, guard)
+            return _show(application, signals, options)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
             return EXIT_WRONG_PARAMETER, ""
@@ -224,6 +227,20 @@ def _quit_soon(_name: str = "") -> None:
     if application is not None:
         # A quit() before the event loop runs would be lost; this waits for the loop.
         QTimer.singleShot(0, application.quit)
+
+
+def _on_display_lost(leave: Callable[[], None]) -> None:
+    """Call a function, which ends the process, when the connection to the display breaks.
+
+    Qt aborts, or calls exit() and so the destructors of what other threads still use.
+    """
+
+    def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
+        if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
+            leave()
+        say(text or "", file=sys.stderr, flush=True)
+
+    qInstallMessageHandler(handle)
 
 
 def _leave_without_display(asked_to_end: bool) -> NoReturn:
@@ -248,40 +265,34 @@ def _robot_is_here() -> bool:
 
 
 def _show(
-    application: QApplication,
-    signals: StopSignals,
-    replay: bool,
-    guard: Optional[HangGuard] = None,
+    application: QApplication, signals: StopSignals, options: argparse.Namespace
 ) -> Tuple[int, str]:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
-        ReplayModel() if replay else SurveyModel(Clock()),
+        ReplayModel() if options.replay else SurveyModel(Clock()),
         languages,
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
-        bool(rospy.get_param("~choose_robot", True)) and not replay,
+        bool(rospy.get_param("~choose_robot", True)) and not options.replay,
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
     diagnostics = Diagnostics("user_interface", interface.health)
     interface.begin()
-    screen_saver = ScreenSaver()
-    _note(screen_saver.switch_off())
     keeper = GraphKeeper()
     # What came before the event loop may have been handled without effect.
     if signals.received or rospy.is_shutdown():
         _quit_soon()
-    if guard is not None:
-        beats = QTimer(interface.window)
-        beats.timeout.connect(guard.beat)
+    beats = QTimer(interface.window)
+    # Measured outside Python: it also ends a process whose interpreter hangs.
+    beats.timeout.connect(lambda: faulthandler.dump_traceback_later(HANG_LIMIT_S, exit=True))
+    if options.wait_for_display:  # only the window of a robot is started again
         beats.start(BEAT_MS)
     status = application.exec_()
-    if guard is not None:
-        guard.end()
-    _note(screen_saver.restore())
+    faulthandler.cancel_dump_traceback_later()
     keeper.close()
     interface.end()
     memory.close(SETTINGS_LIMIT_S)
@@ -316,11 +327,6 @@ def _path(parameter: str, default: str) -> Path:
 
 def _log(reason: Message) -> None:
     rospy.logwarn("%s", reason)
-
-
-def _note(problem: Optional[str]) -> None:
-    if problem is not None:
-        rospy.loginfo("the screen saver is left as it is: %s", problem)
 
 
 def _connect_queued(signal: Any, slot: Callable[..., None]) -> None:

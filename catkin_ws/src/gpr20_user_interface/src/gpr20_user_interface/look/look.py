@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
+from pathlib import Path
 
 from PyQt5.QtWidgets import QWidget
 
@@ -10,6 +12,7 @@ from gpr20_operator.palette import LEVEL_COLOURS, ColourPair, Mark, TextColours,
 
 __all__ = ["LEVEL_COLOURS", "ColourPair", "Look", "Mark", "TextColours", "Theme", "look_of"]
 
+TEMPLATE = Path(__file__).with_name("style.qss")
 # Every size is written for this screen, and scaled for another one.
 DESIGN_WIDTH_PX = 800
 DESIGN_HEIGHT_PX = 480
@@ -21,11 +24,9 @@ TOUCHABLE_SCALE = 0.8
 
 # What a gloved finger hits: 60 pixels are 11 mm on a 7 inch screen of 800x480.
 TOUCH_PX = 60
-COMMAND_PX = 72
 # All other sizes are multiples of half of it.
 GAP_PX = 8
 TEXT_PX = 18
-TITLE_PX = 22
 BORDER_PX = 2
 TOP_BAR_PX = 76
 
@@ -70,3 +71,19 @@ def look_of(widget: QWidget) -> Look:
     """Return the look of the window that a widget is in; the default before it is in one."""
     found = getattr(widget.window(), "look", None)
     return found if isinstance(found, Look) else Look()
+
+
+def style_sheet(look: Look) -> str:
+    """Return the style sheet of a theme at a scale."""
+    rules = [TEMPLATE.read_text(encoding="utf-8")]
+    for level, colours in LEVEL_COLOURS.items():
+        job = f'[job="{level.value}"]'
+        rules.append(f"QFrame#band{job}, QLabel{job} {{ @{colours.name} }}")
+
+    def pair(found: re.Match[str]) -> str:
+        ink, ground = look.text(TextColours[found[1]])
+        return f"color: {ink}; background: {ground};"
+
+    text = re.sub(r"@([A-Z_]+)", pair, "\n".join(rules))
+    text = re.sub(r"\$([A-Z_]+)", lambda found: look.colour(Mark[found[1]]), text)
+    return re.sub(r"\b([0-9]+)px", lambda found: f"{look.px(int(found[1]))}px", text)

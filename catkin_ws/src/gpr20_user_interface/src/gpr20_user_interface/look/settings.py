@@ -12,7 +12,6 @@ from gpr20_operator.files.settings_file import SettingsFile, settings_writer
 from gpr20_operator.palette import Theme
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
-LANGUAGE, THEME, DIM_AFTER = "language", "theme", "dim_after_min"
 
 
 @dataclass(frozen=True)
@@ -41,16 +40,12 @@ def settings_from(values: Mapping[str, Any]) -> WindowSettings:
     Raises:
         SettingsError: A value is not one that this program writes.
     """
-    default = WindowSettings()
-    minutes = values.get(DIM_AFTER, default.dim_after_min)
+    given = {**values_of(WindowSettings()), **values}
+    minutes = given["dim_after_min"]
     try:
         if isinstance(minutes, bool) or minutes not in DIM_CHOICES_MIN:
-            raise ValueError(DIM_AFTER)
-        return WindowSettings(
-            language_from_code(values.get(LANGUAGE, default.language.value)),
-            Theme(values.get(THEME, default.theme.value)),
-            minutes,
-        )
+            raise ValueError("dim_after_min")
+        return WindowSettings(language_from_code(given["language"]), Theme(given["theme"]), minutes)
     except ValueError as error:
         raise SettingsError(
             Message(
@@ -63,9 +58,9 @@ def settings_from(values: Mapping[str, Any]) -> WindowSettings:
 def values_of(settings: WindowSettings) -> Dict[str, Any]:
     """Return the content of the file."""
     return {
-        LANGUAGE: settings.language.value,
-        THEME: settings.theme.value,
-        DIM_AFTER: settings.dim_after_min,
+        "language": settings.language.value,
+        "theme": settings.theme.value,
+        "dim_after_min": settings.dim_after_min,
     }
 
 

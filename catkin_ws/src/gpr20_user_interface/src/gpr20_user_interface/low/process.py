@@ -1,20 +1,16 @@
-"""This process: signals that ask it to stop, its end when it hangs, another window in its place."""
+"""This process: signals that ask it to stop, its end, another window in its place."""
 
 from __future__ import annotations
 
-import faulthandler
 import os
 import signal
 import sys
 from types import FrameType
-from typing import Any, Callable, Dict, List, Mapping, NoReturn, Optional, Sequence
+from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence
 
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
-# Far longer than anything that the window does between two events [s].
-HANG_LIMIT_S = 30.0
 # roslaunch gives a name; in another namespace it could be that of a window that is open there.
 OWN_NAMES = ("__ns:=", "__name:=")
-NAMESPACE = "ROS_NAMESPACE"
 
 
 class SecondStopSignal(BaseException):
@@ -76,24 +72,6 @@ def leave_now(status: int) -> NoReturn:
     os._exit(status)
 
 
-class HangGuard:
-    """Ends this process with a traceback of every thread unless `beat` is called again and again.
-
-    The time is measured outside Python: it also ends a process whose interpreter hangs.
-    """
-
-    def __init__(self, limit_s: float = HANG_LIMIT_S) -> None:
-        self._limit_s = limit_s
-
-    def beat(self) -> None:
-        """Say that the window still handles its events."""
-        faulthandler.dump_traceback_later(self._limit_s, exit=True)
-
-    def end(self) -> None:
-        """Expect no further beat."""
-        faulthandler.cancel_dump_traceback_later()
-
-
 def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]) -> NoReturn:
     """Run this program for the robot of a namespace in this process, with the same options.
 
@@ -101,15 +79,6 @@ def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]
     """
     sys.stdout.flush()
     sys.stderr.flush()
-    os.execve(sys.executable, command(namespace, words), with_namespace(namespace, environment))
-
-
-def command(namespace: str, words: Sequence[str]) -> List[str]:
-    """Return the command of the window of another robot."""
     kept = [word for word in words if not word.startswith(OWN_NAMES)]
-    return [sys.executable, *kept, f"__ns:={namespace}"]
-
-
-def with_namespace(namespace: str, environment: Mapping[str, str]) -> Dict[str, str]:
-    """Return the environment of the window of another robot."""
-    return {**environment, NAMESPACE: namespace}
+    command = [sys.executable, *kept, f"__ns:={namespace}"]
+    os.execve(sys.executable, command, {**environment, "ROS_NAMESPACE": namespace})

@@ -1,49 +1,43 @@
-"""One survey in a terminal: asked for, followed by the status of the main control, and ended."""
+"""One survey in a terminal: asked for, followed by what is known of the robot, and ended."""
 
 from __future__ import annotations
 
 import enum
 import math
 import queue
+import re
 import shlex
 import shutil
-from dataclasses import dataclass
 from typing import Callable, List, Optional, TextIO
 
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import BETWEEN_SENTENCES, Message, Severity
+from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
 from gpr20_common.terminal_text import printable
-from gpr20_operator import faults
+from gpr20_operator.robot.condition import Condition, condition_of
 from gpr20_operator.robot.events import (
     Accepted,
     Answer,
     ControlState,
     Progress,
     Request,
-    SenderIgnored,
     StopRequested,
 )
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.snapshot import remaining
+from gpr20_operator.robot.snapshot import Snapshot, remaining
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_operator.words import duration
-from gpr20_survey.faults import NONE_OPEN, OTHER_ZEROS
+from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 TICK_S = 0.2
-# The main control reports twice a second. So many ticks without a word: it is said, and later the
-# client ends. Ticks, not times: a client that was suspended itself has heard nothing.
-SAID_TICKS, LOST_TICKS = 25, 175
-# A STOP is repeated as long as the client runs: the survey continues when the link is back.
-LOST_STOP_TICKS = 4500
-# For the first status of the survey that was accepted [s].
-BEGIN_S = 10.0
-# For axes to ramp down, a sweep to end and pending traces to be stored [s].
-STOP_S = 60.0
+# After this silence of the main control the client ends; a STOP is repeated for longer [s].
+LOST_S, LOST_STOP_S = 35.0, 900.0
+# For the first status of the survey that was accepted; for its end after a STOP [s].
+BEGIN_S, STOP_S = 10.0, 60.0
 # A line is written for each such part of the survey.
 STEP_PERCENT = 10.0
-SIMULATED = Message("SIMULATED robot: these data show no real ground.")
 
 
 class ExitStatus(enum.IntEnum):
@@ -65,41 +59,25 @@ _HEADLINES = {
 }
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How it ended.
-
-    Attributes:
-        other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
-            if there is nothing to accept.
-    """
-
-    status: ExitStatus
-    message: Message
-    other_analyzer: str = ""
-
-
 class Display:
     """Sentences and progress; on a terminal the last line is written again for each trace."""
 
     def __init__(self, stream: TextIO, catalogue: Catalogue) -> None:
         self._stream, self._catalogue = stream, catalogue
         self._next_percent = 0.0
-        # Whether the line of progress is still open.
-        self._open = False
+        # What ends the line of progress that is still open.
+        self._end = ""
 
     def note(self, message: Message) -> None:
         """Write a sentence, with its details in brackets."""
         details = BETWEEN_SENTENCES.join(message.all_details)
         sentence = self._catalogue.text(message)
-        self.close()
-        self._write(printable(f"{sentence} ({details})" if details else sentence) + "\n")
+        line = printable(f"{sentence} ({details})" if details else sentence)
+        self._write(f"{self._end}{line}\n", "")
 
     def close(self) -> None:
         """End the line of progress."""
-        if self._open:
-            self._write("\n")
-            self._open = False
+        self._write(self._end, "")
 
     def show(self, progress: Progress) -> None:
         """Show how far the survey is."""
@@ -113,36 +91,37 @@ class Display:
         if self._stream.isatty():
             # To the end of the line: the one before may have been longer.
             text = printable(self._catalogue.text(line))[: shutil.get_terminal_size().columns - 1]
-            self._write(f"\r{text}\x1b[K")
-            self._open = True
+            self._write(f"\r{text}\x1b[K", "\n")
         elif progress.completion_percent >= self._next_percent:
             after = min(progress.completion_percent + STEP_PERCENT, 100.0)
             self._next_percent = math.inf if progress.is_complete else after
             self.note(line)
 
-    def _write(self, text: str) -> None:
+    def _write(self, text: str, end: str) -> None:
         self._stream.write(text)
+        self._end = end
         # So that the reader of a pipe sees it when it happens.
         self._stream.flush()
 
 
 class SurveyFollower:
-    """Takes events and ticks until there is an outcome.
+    """Takes events until the survey has ended.
 
     Args:
-        ask: Asks for the survey; None: the one that runs is followed.
-        stop: Asks whatever moves to stop, again and again until it answers.
+        ask: Asks for the survey.
+        stop: Asks whatever moves to stop.
         display: Shows what happens.
         wait_s: For the first status of the main control [s].
 
     Attributes:
-        outcome: How it ended; None: it has not.
+        status: How it ended; None: it has not.
+        message: Why.
         survey_id: Empty while it is not known.
     """
 
     def __init__(
         self,
-        ask: Optional[Callable[[], None]],
+        ask: Callable[[], None],
         stop: Callable[[], None],
         display: Display,
         wait_s: float,
@@ -150,39 +129,28 @@ class SurveyFollower:
     ) -> None:
         self._ask, self._stop, self._display = ask, stop, display
         self._wait_s, self._now_s = wait_s, clock.now_s
-        self.outcome: Optional[Outcome] = None
-        self.survey_id = ""
-        self._simulated = self._stored = self._replay = False
-        # When the first status came, and the answer; when STOP was asked for [s].
-        self._since_s = self._now_s()
+        self._model = SurveyModel(clock)
+        self.status: Optional[ExitStatus] = None
+        self.message, self.survey_id, self._other_analyzer = verbatim(""), "", ""
         self._asked = self._answered = False
-        self._stopping_s: Optional[float] = None
-        self._stop_refused = False
-        # Whether a status is about our survey; the last one that is.
-        self._begun = False
-        self._state: Optional[ControlState] = None
-        self._step: Optional[Message] = None
-        self._quiet_ticks = 0
+        self._looked_s = self._own_s = self._now_s()
+        self._silent_s, self._stopping_s = 0.0, math.inf
+        self._said = ""
 
-    def run(self, events: queue.SimpleQueue) -> Outcome:
+    def run(self, events: queue.SimpleQueue) -> ExitStatus:
         """Take events until the survey has ended; return how."""
-        while self.outcome is None:
+        while self.status is None:
             try:
                 self.take(events.get(timeout=TICK_S))
             except queue.Empty:
-                self.tick()
-        return self.outcome
+                self.look()
+        return self.status
 
     def take(self, event: object) -> None:
         """Take an event."""
-        if isinstance(event, ControlState):
-            self._quiet_ticks = 0
+        self._model.handle(event)
+        if isinstance(event, ControlState) and self._asked:
             self._take_state(event)
-        elif isinstance(event, Progress):
-            self._quiet_ticks = 0
-            if self._begun and event.survey_id == self.survey_id:
-                self._stored = event.visited_points > 0
-                self._display.show(event)
         elif isinstance(event, Accepted):
             self._display.note(
                 Message(
@@ -195,103 +163,54 @@ class SurveyFollower:
             self._take_answer(event)
         elif isinstance(event, StopRequested):
             self._take_stop(event)
-        elif isinstance(event, SenderIgnored):
-            self._replay = True
+        self.look()
+        if isinstance(event, Progress) and self._asked and event.survey_id == self.survey_id:
+            self._display.show(event)
 
-    def tick(self) -> None:
-        """Note that nothing has come for `TICK_S`."""
-        self._quiet_ticks += 1
-        now_s, stopping_s = self._now_s(), self._stopping_s
-        lost_ticks = LOST_TICKS if stopping_s is None else LOST_STOP_TICKS
-        if not self._asked:
-            if now_s - self._since_s > self._wait_s:
-                self._end(ExitStatus.REFUSED, self._nobody())
-        elif self._quiet_ticks == SAID_TICKS:
-            self._display.note(
-                Message(
-                    "No contact with the main control. The robot may still move. Waiting for it."
-                )
-            )
-        elif self._quiet_ticks > lost_ticks:
-            self._end(ExitStatus.FAILED, _lost(lost_ticks * TICK_S))
-        elif (
-            stopping_s is not None
-            and now_s - stopping_s > STOP_S
-            and self._quiet_ticks < SAID_TICKS
-        ):
+    def look(self) -> None:
+        """Look at the clock and at what is known now."""
+        snapshot, now_s = self._model.snapshot(), self._now_s()
+        # A client that was suspended itself has heard nothing: that is no silence.
+        step_s, self._looked_s = min(now_s - self._looked_s, TICK_S), now_s
+        self._silent_s = 0.0 if snapshot.control_alive else self._silent_s + step_s
+        if self.status is None and self._asked:
+            self._follow(snapshot)
+        elif self.status is None and snapshot.state is not None:
+            self._asked = True
+            if snapshot.simulated:
+                self._display.note(Message("SIMULATED robot: these data show no real ground."))
+            self._ask()
+        elif self.status is None and self._silent_s > self._wait_s:
             message = Message(
-                "The main control did not confirm within {limit_s:g} s that the survey has "
-                "stopped. The robot may still move: switch it off if people are near it.",
-                limit_s=STOP_S,
+                "No contact with the main control within {limit_s:g} s. Start it with `roslaunch "
+                "gpr20 survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
+                limit_s=self._wait_s,
             )
-            self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
-
-    def _nobody(self) -> Message:
-        if self._replay:
-            return Message(
-                "A replay of a recorded survey is running here, and no robot. To use a robot, end "
-                "the replay and start the robot."
-            ).with_fault(faults.REPLAY)
-        return Message(
-            "No contact with the main control within {limit_s:g} s. Start it with `roslaunch gpr20 "
-            "survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
-            limit_s=self._wait_s,
-        ).with_fault(NOT_RUNNING)
+            self._end(ExitStatus.REFUSED, message.with_fault(NOT_RUNNING))
 
     def _take_state(self, state: ControlState) -> None:
-        if state.simulated and not self._simulated:
-            self._simulated = True
-            self._display.note(SIMULATED)
-        if not self._asked:
-            self._take_first_state(state)
-            return
-        if self._stop_refused:  # it may have come before there was anything to stop
-            self._stop_refused = False
+        # What stands still is from before the request.
+        begins = state.code in RUNNING - {SurveyState.PAUSED}
+        if begins and not self.survey_id:
+            self.survey_id = state.survey_id
+        if begins and self._stopping_s < math.inf and state.code is not SurveyState.STOPPING:
+            # STOP may have come before there was anything to stop.
             self._stop()
-        own = bool(self.survey_id) and state.survey_id == self.survey_id
-        if not self._begun:
-            # What stands still now is from before the request.
-            self._begun = own or (state.code in RUNNING and state.code is not SurveyState.PAUSED)
-        if self._begun and (own or not self.survey_id):
-            self._show(state)
-            self._state = state
-            self._follow()
-        elif self._answered and (self._begun or self._now_s() - self._since_s > BEGIN_S):
-            self._end(ExitStatus.FAILED, self._replaced(state))
-
-    def _take_first_state(self, state: ControlState) -> None:
-        self._asked, self._since_s = True, self._now_s()
-        if self._ask is not None:
-            self._ask()
-        elif state.code in RUNNING:
-            self.survey_id, self._answered = state.survey_id, True
-            self._take_state(state)
-        else:
-            message = Message(
-                "No survey is running. The main control is {state}: {message}",
-                state=state.code.label,
-                message=state.message,
-            )
-            self._end(ExitStatus.REFUSED, message.reporting_only(NONE_OPEN))
 
     def _take_answer(self, answer: Answer) -> None:
-        stopping = self._stopping_s is not None
         if answer.request is Request.STOP:
-            self._stop_refused = not answer.success
             if not answer.success:
                 self._display.note(Message("Stop not accepted: {reason}", reason=answer.message))
         elif answer.success:
-            self._answered, self._since_s = True, self._now_s()
+            self._answered, self._own_s = True, self._now_s()
             # The id of a resumed survey comes with its status.
-            self.survey_id = answer.survey_id
-            if stopping:
-                self._stop()
-            self._follow()
-        elif stopping:
+            self.survey_id = answer.survey_id or self.survey_id
+        elif self._stopping_s < math.inf:
             message = Message("The survey was not started: {reason}", reason=answer.message)
             self._end(ExitStatus.STOPPED, message)
         else:
-            self.outcome = Outcome(ExitStatus.REFUSED, answer.message, answer.other_analyzer)
+            self._other_analyzer = answer.other_analyzer
+            self._end(ExitStatus.REFUSED, answer.message)
 
     def _take_stop(self, event: StopRequested) -> None:
         if not self._asked:
@@ -301,13 +220,38 @@ class SurveyFollower:
         self._stopping_s = self._now_s()
         self._stop()
 
-    def _follow(self) -> None:
-        """End with the survey."""
-        state = self._state
-        if state is None or not self._answered:
-            return
-        self.survey_id = state.survey_id
-        stopping = self._stopping_s is not None
+    def _follow(self, snapshot: Snapshot) -> None:
+        state, now_s = snapshot.state, self._now_s()
+        stopping, alive = self._stopping_s < math.inf, snapshot.control_alive
+        own = state is not None and bool(state.survey_id) and state.survey_id == self.survey_id
+        if own or not alive:
+            self._show(condition_of(snapshot))
+        if own or not alive or not self._answered:
+            self._own_s = now_s
+        if self._silent_s > (LOST_STOP_S if stopping else LOST_S):
+            message = Message(
+                "No contact with the main control for {limit_s:g} s. The robot may still move.",
+                limit_s=round(self._silent_s),
+            )
+            self._end(ExitStatus.FAILED, message.with_fault(PART_LOST))
+        elif alive and now_s - self._stopping_s > STOP_S:
+            message = Message(
+                "The main control did not confirm within {limit_s:g} s that the survey has "
+                "stopped. The robot may still move: switch it off if people are near it.",
+                limit_s=STOP_S,
+            )
+            self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
+        elif now_s - self._own_s > BEGIN_S:
+            message = Message(
+                "The main control no longer knows survey {survey}; it may have been restarted. "
+                "The traces measured so far are in the survey's folder.",
+                survey=self.survey_id,
+            )
+            self._end(ExitStatus.FAILED, message.reporting_only(PART_LOST))
+        elif state is not None and own and self._answered:
+            self._end_with(state, stopping)
+
+    def _end_with(self, state: ControlState, stopping: bool) -> None:
         said = state.message if state.code is state.shown else state.title
         if state.shown is SurveyState.FINISHED:
             self._end(ExitStatus.FINISHED, said)
@@ -317,48 +261,31 @@ class SurveyFollower:
         elif state.code is SurveyState.PAUSED and not stopping:
             self._end(ExitStatus.PAUSED, state.message)
 
-    def _show(self, state: ControlState) -> None:
-        if state == self._state:
-            return
-        message = state.message
-        self._display.note(Message("{state}: {message}", state=state.title, message=message))
-        warns = message.severity not in (None, Severity.NOTE) and message.remedy is not None
-        # The same warning with another number needs no other step.
-        step = first_step(message) if state.is_fault or message.may_move or warns else None
-        if step is not None and step != self._step:
-            self._display.note(step)
-        self._step = step
-
-    def _replaced(self, state: ControlState) -> Message:
-        return Message(
-            "The main control no longer knows survey {survey}; it may have been restarted. The "
-            "traces measured so far are in the survey's folder. The main control is {state}: "
-            "{message}",
-            survey=self.survey_id,
-            state=state.code.label,
-            message=state.message,
-        ).reporting_only(PART_LOST)
+    def _show(self, condition: Condition) -> None:
+        """Write it, and what to do first, unless only its numbers are others."""
+        line = Message("{state}: {message}", state=condition.title, message=condition.message)
+        said = re.sub(r" ?\d+( %)?", "", str(line))
+        if said != self._said:
+            self._said = said
+            self._display.note(line)
+            if condition.asked is not None:
+                self._display.note(first_step(condition.message))
 
     def _end(self, status: ExitStatus, message: Message) -> None:
-        self.outcome = Outcome(status, message)
+        self.status, self.message = status, message
 
     def last_words(self) -> List[Message]:
-        """Return what is said of the outcome, and how to continue."""
-        outcome = self.outcome
-        assert outcome is not None
-        status, message = outcome.status, outcome.message
+        """Return what is said at the end, and how to continue."""
+        assert self.status is not None
+        status, message = self.status, self.message
         lines = [_HEADLINES[status], message]
-        unknown = status in (ExitStatus.FAILED, ExitStatus.PAUSED) and not message.fault_code
-        refused = status is ExitStatus.REFUSED or message.may_move
-        if unknown or refused or message.severity is Severity.FAULT:
+        if status in (ExitStatus.REFUSED, ExitStatus.FAILED, ExitStatus.PAUSED):
             lines.append(first_step(message))
-        if self.survey_id:
-            lines.append(Message("Survey id: {survey}", survey=self.survey_id))
-        if outcome.other_analyzer:
+        if self._other_analyzer:
             lines.append(
                 Message(
                     "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
-                    identity=shlex.quote(outcome.other_analyzer),
+                    identity=shlex.quote(self._other_analyzer),
                 )
             )
         if message.fault_code == OTHER_ZEROS.code:
@@ -367,19 +294,16 @@ class SurveyFollower:
                     "To continue as it is, resume with `--accept-zeros`; its traces are marked."
                 )
             )
-        ended_early = self._stored and status in (ExitStatus.STOPPED, ExitStatus.FAILED)
-        if message.can_continue and (ended_early or status is ExitStatus.PAUSED):
-            lines.append(
-                Message(
-                    "Measure the missing traces, while no other survey runs, with `rosrun "
-                    "gpr20_user_interface run_survey --resume {survey}`.",
-                    survey=self.survey_id,
+        if self.survey_id and status is not ExitStatus.REFUSED:
+            lines.append(Message("Survey id: {survey}", survey=self.survey_id))
+            if message.can_continue and status is not ExitStatus.FINISHED:
+                lines.append(
+                    Message(
+                        "Measure the missing traces, while no other survey runs, with `rosrun "
+                        "gpr20_user_interface run_survey --resume {survey}`.",
+                        survey=self.survey_id,
+                    )
                 )
-            )
-        elif status is ExitStatus.PAUSED:
-            lines.append(
-                Message("End it with `rosservice call stop_survey` in the robot's namespace.")
-            )
         return lines
 
 
@@ -387,12 +311,3 @@ def first_step(message: Message) -> Message:
     """Return what to do first about a fault, with its code."""
     code = message.fault_code
     return Message("Do this first: {remedy}", remedy=remedy(message), details=code)
-
-
-def _lost(limit_s: float) -> Message:
-    return Message(
-        "No contact with the main control for {limit_s:g} s. The robot may still move. Check "
-        "that the main control is running, then follow the survey again with `rosrun "
-        "gpr20_user_interface run_survey --attach`.",
-        limit_s=limit_s,
-    ).with_fault(PART_LOST)

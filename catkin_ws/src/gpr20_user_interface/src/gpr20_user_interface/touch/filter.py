@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Optional, Sequence
+from typing import Callable, Optional, Sequence
 
 from PyQt5.QtCore import QCoreApplication, QEvent, QObject, QPoint, QPointF, Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent, QTouchEvent, QWindow
@@ -24,6 +24,7 @@ def note_touch_change(widget: QWidget) -> None:
 
 
 PRESSES = (QEvent.Type.MouseButtonPress, QEvent.Type.MouseButtonDblClick)
+BEGINS = (*PRESSES, QEvent.Type.TouchBegin, QEvent.Type.Wheel, QEvent.Type.KeyPress)
 # Outside of every widget: a button that is released here does not act.
 NOWHERE = QPointF(-100_000.0, -100_000.0)
 
@@ -40,10 +41,13 @@ class TouchFilter(QObject):
         stop: The button that always works.
         unlock: The button that works while the screen is locked.
         views: Work on a screen that is too small to operate the robot, where nothing else does.
+        wake: Notes a touch; returns whether it only wakes a dimmed screen.
     """
 
-    # A touch came that does not count because the screen is locked, or too small.
-    refused = pyqtSignal()
+    # A finger or a key has come, whatever becomes of it.
+    touched = pyqtSignal()
+    # A touch came that does not count because the screen is too small.
+    too_small = pyqtSignal()
 
     def __init__(
         self,
@@ -51,14 +55,15 @@ class TouchFilter(QObject):
         guard: TouchGuard,
         stop: QPushButton,
         unlock: QWidget,
-        views: Sequence[QWidget] = (),
+        views: Sequence[QWidget],
+        wake: Callable[[], bool],
     ) -> None:
         super().__init__(window)
         self._window = window
         self.guard = guard
         self._stop = stop
         self._unlock = unlock
-        self._views = views
+        self._views, self._wake = views, wake
         self._screen: Optional[QWindow] = None
         window.installEventFilter(self)
 
@@ -74,7 +79,7 @@ class TouchFilter(QObject):
 
     def set_locked(self, locked: bool) -> None:
         """Lock or unlock the screen."""
-        self._drop(self.guard.lock() if locked else self.guard.unlock())
+        self._drop(self.guard.set_locked(locked))
 
     def take_fingers(self, places: Sequence[QPoint]) -> None:
         """Note that several fingers touch the screen.
@@ -85,7 +90,8 @@ class TouchFilter(QObject):
         Args:
             places: Where fingers have just come.
         """
-        self._drop(self.guard.note_second_finger())
+        self.touched.emit()
+        self._drop(self.guard.drop())
         if self._stop in map(self._window.childAt, places):
             self._stop.pressed.emit()
 
@@ -97,14 +103,19 @@ class TouchFilter(QObject):
             elif event.type() in (QEvent.Type.Show, QEvent.Type.WinIdChange):
                 self._follow_screen()
             return False
+        if event.type() in BEGINS:
+            self.touched.emit()
         if isinstance(event, QMouseEvent):
             return self._is_ignored(event)
         if event.type() == QEvent.Type.Wheel:
             return self.guard.quiet or self.guard.locked
+        if event.type() == QEvent.Type.KeyPress:
+            return self._wake()
         if isinstance(event, QTouchEvent) and len(event.touchPoints()) > 1:
             begins = Qt.TouchPointState.TouchPointPressed
             points = [one for one in event.touchPoints() if one.state() == begins]
-            self.take_fingers([one.pos().toPoint() for one in points])
+            if points:
+                self.take_fingers([one.pos().toPoint() for one in points])
         return False
 
     def _is_ignored(self, event: QMouseEvent) -> bool:
@@ -120,13 +131,14 @@ class TouchFilter(QObject):
         if event.type() == QEvent.Type.MouseButtonDblClick and self.guard.touching:
             return self.guard.taken  # Qt's second event of the same press
         if self.guard.touching and event.buttons() != event.button():
-            self._drop(self.guard.note_second_finger())
+            self._drop(self.guard.drop())
             return self.guard.taken
         target = self._target(event)
-        taken = self.guard.press(target)
-        if not taken and (self.guard.locked or target is TouchTarget.TOO_SMALL):
-            self.refused.emit()
-        return taken
+        if self._wake() and target is not TouchTarget.STOP:
+            target = TouchTarget.DIMMED
+        if target is TouchTarget.TOO_SMALL and not self.guard.locked:
+            self.too_small.emit()
+        return self.guard.press(target)
 
     def _target(self, event: QMouseEvent) -> TouchTarget:
         touched = self._window.childAt(event.pos())

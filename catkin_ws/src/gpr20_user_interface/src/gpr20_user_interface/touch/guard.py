@@ -11,6 +11,7 @@ from typing import Optional
 
 from gpr20_common.low.clock import Clock
 
+# How long a button must be held [s].
 HOLD_S = 1.0
 # A window that was busy does not know whether the finger was there all the time: what lies
 # between two looks counts as this time [s] at most.
@@ -18,16 +19,10 @@ MAX_STEP_S = 0.1
 
 
 class Hold:
-    """Measures how long a finger holds a button without a break.
+    """Measures how long a finger holds a button without a break."""
 
-    Args:
-        clock: Measures the time.
-        needed_s: How long it must be held [s].
-    """
-
-    def __init__(self, clock: Clock, needed_s: float = HOLD_S) -> None:
+    def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._needed_s = needed_s
         self._held_s: Optional[float] = None
         self._looked_s = 0.0
 
@@ -39,7 +34,7 @@ class Hold:
     @property
     def fraction(self) -> float:
         """How much of the time has passed, 0 to 1."""
-        return 0.0 if self._held_s is None else min(1.0, self._held_s / self._needed_s)
+        return 0.0 if self._held_s is None else min(1.0, self._held_s / HOLD_S)
 
     def begin(self) -> None:
         """Note that a finger presses; one that comes to another finger ends the hold."""
@@ -60,13 +55,14 @@ class Hold:
         now_s = self._clock.now_s()
         self._held_s += min(now_s - self._looked_s, MAX_STEP_S)
         self._looked_s = now_s
-        if self._held_s < self._needed_s:
+        if self._held_s < HOLD_S:
             return False
         self.cancel()
         return True
 
 
-# A bounced touch comes within about 0.15 s; a person needs longer to see what has opened.
+# After a change [s]: a bounced touch comes within about 0.15 s; a person needs longer to see what
+# has opened.
 QUIET_S = 0.4
 
 
@@ -78,6 +74,8 @@ class TouchTarget(enum.Enum):
     OTHER = "other"
     TOO_SMALL = "too small"
     """What a gloved finger does not hit alone on this screen."""
+    DIMMED = "dimmed"
+    """What nobody sees well."""
 
 
 class _Touch(enum.Enum):
@@ -93,17 +91,12 @@ class _Touch(enum.Enum):
 class TouchGuard:
     """Decides about touches. Belongs to one thread.
 
-    Args:
-        clock: Measures the time since the last change.
-        quiet_s: How long after a change no touch is taken [s].
-
     Attributes:
         locked: Whether the screen is locked against touches.
     """
 
-    def __init__(self, clock: Clock, quiet_s: float = QUIET_S) -> None:
+    def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._quiet_s = quiet_s
         self._changed_s = -math.inf
         self._touch = _Touch.NONE
         self.locked = False
@@ -111,7 +104,7 @@ class TouchGuard:
     @property
     def quiet(self) -> bool:
         """Whether what is under a finger has just changed."""
-        return self._clock.now_s() - self._changed_s < self._quiet_s
+        return self._clock.now_s() - self._changed_s < QUIET_S
 
     @property
     def taken(self) -> bool:
@@ -145,29 +138,21 @@ class TouchGuard:
             Whether a touch that counted is to be dropped: it was meant for something else.
         """
         self._changed_s = self._clock.now_s()
-        return self._drop()
+        return self.drop()
 
-    def note_second_finger(self) -> bool:
-        """Note that two fingers touch at once; return as `note_change`."""
-        return self._drop()
-
-    def lock(self) -> bool:
-        """Lock the screen; return as `note_change`."""
-        self.locked = True
+    def set_locked(self, locked: bool) -> bool:
+        """Lock or unlock the screen; return as `note_change`."""
+        self.locked = locked
         return self.note_change()
 
-    def unlock(self) -> bool:
-        """Unlock the screen; return as `note_change`."""
-        self.locked = False
-        return self.note_change()
-
-    def _allows(self, target: TouchTarget) -> bool:
-        if self.quiet or target is TouchTarget.TOO_SMALL:
-            return False
-        return not self.locked or target is TouchTarget.UNLOCK
-
-    def _drop(self) -> bool:
+    def drop(self) -> bool:
+        """Take the touch no more, as when another finger comes; return as `note_change`."""
         if self._touch is not _Touch.TAKEN:
             return False
         self._touch = _Touch.IGNORED
         return True
+
+    def _allows(self, target: TouchTarget) -> bool:
+        if self.quiet or target in (TouchTarget.TOO_SMALL, TouchTarget.DIMMED):
+            return False
+        return not self.locked or target is TouchTarget.UNLOCK

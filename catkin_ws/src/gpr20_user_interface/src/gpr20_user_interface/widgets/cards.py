@@ -5,13 +5,14 @@ from __future__ import annotations
 from typing import Callable, Optional
 
 from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QHBoxLayout, QLabel, QTextEdit, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QTextEdit, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.robot.notices import Notice
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say
 
 
 class NoticeView(Overlay):
@@ -22,38 +23,20 @@ class NoticeView(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.notice: Optional[Notice] = None
-        self.title = QLabel()
-        self.title.setObjectName("title")
-        self.title.setWordWrap(True)
-        self.reason = _text_area()
-        self.reason.setObjectName("reason")
-        self.details = _text_area()
-        self.details.setObjectName("details")
-        self.first_title = QLabel()
-        self.first_title.setObjectName("first_title")
-        self.first = QLabel()
-        self.first.setObjectName("first")
-        self.first.setWordWrap(True)
-        self.then = QLabel()
-        self.then.setWordWrap(True)
-        self.accept_button = new_button(self._on_accept)
-        self.resume = new_button(self._on_resume)
-        self.details_button = new_button(self._on_details)
-        self.close_button = new_button(self.hide)
         self._on_accepted: Optional[Callable[[], None]] = None
-        self.buttons = QHBoxLayout()
+        self.title = new_label("title", wraps=True)
+        self.reason, self.details = text_area("reason"), text_area("details")
+        self.first_title = new_label("first_title", text=Message("Do this first"))
+        self.first, self.then = new_label("first", wraps=True), new_label(wraps=True)
+        self.accept_button = new_button(self._on_accept, Message("CONTINUE WITH THIS VNA"))
+        self.resume = new_button(self._on_resume, Message("RESUME"))
+        self.details_button = new_button(lambda: self._show_details(self.details.isHidden()))
+        self.close_button = new_button(self.hide)
         # Its words are longer than those of the other buttons.
-        self.buttons.addWidget(self.accept_button, 2)
-        for button in (self.resume, self.details_button, self.close_button):
-            self.buttons.addWidget(button, 1)
-        self._layout = QVBoxLayout(self)
-        self._layout.addWidget(self.title)
-        self._layout.addWidget(self.reason, 1)
-        self._layout.addWidget(self.details, 1)
-        for widget in (self.first_title, self.first, self.then):
-            self._layout.addWidget(widget)
-        self._layout.addLayout(self.buttons)
-        self.details.hide()
+        buttons = row((self.accept_button, 2), (self.resume, 1), (self.details_button, 1))
+        buttons.addWidget(self.close_button, 1)
+        texts = (self.title, (self.reason, 1), (self.details, 1), self.first_title, self.first)
+        self.setLayout(column(*texts, self.then, buttons, margin=2 * GAP_PX))
 
     def show_notice(self, notice: Notice) -> None:
         """Open with the texts of a notice."""
@@ -68,37 +51,25 @@ class NoticeView(Overlay):
         """
         self.notice, self._on_accepted = notice, on_accepted
         self._show_details(False)
+        self.accept_button.setVisible(on_accepted is not None)
+        say(self.close_button, Message("NOT NOW") if on_accepted else Message("CLOSE"))
+        self.details.setPlainText("\n".join(notice.details))
+        self.first_title.setVisible(notice.first is not None)
+        self.resume.setVisible(notice.resumable)
+        self.details_button.setVisible(bool(notice.details))
         self.retranslate()
         self.open()
 
     def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        asked = self._on_accepted is not None
-        self.accept_button.setText(self.tr("CONTINUE WITH THIS VNA"))
-        self.accept_button.setVisible(asked)
-        self.close_button.setText(self.tr("NOT NOW") if asked else self.tr("CLOSE"))
-        self.resume.setText(self.tr("RESUME"))
-        self._name_details_button()
-        self.first_title.setText(self.tr("Do this first"))
+        """Write the texts of the notice in the language of the application."""
         notice = self.notice
         if notice is None:
             return
         self.title.setText(shown_text(notice.title))
         self.reason.setPlainText(sentence_text(notice.text))
-        self.details.setPlainText("\n".join(notice.details))
-        self.first_title.setVisible(notice.first is not None)
         for label, message in ((self.first, notice.first), (self.then, notice.then)):
             label.setVisible(message is not None)
             label.setText("" if message is None else shown_text(message))
-        self.resume.setVisible(notice.resumable)
-        self.details_button.setVisible(bool(notice.details))
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
-        self._layout.setContentsMargins(2 * gap_px, gap_px, 2 * gap_px, gap_px)
-        self._layout.setSpacing(gap_px // 2)
-        self.buttons.setSpacing(gap_px)
 
     def _on_resume(self) -> None:
         self.hide()
@@ -109,22 +80,17 @@ class NoticeView(Overlay):
         if self._on_accepted is not None:
             self._on_accepted()
 
-    def _on_details(self) -> None:
-        self._show_details(self.details.isHidden())
-
     def _show_details(self, shown: bool) -> None:
         # In the place of the sentence: there is no room for both.
         self.details.setVisible(shown)
         self.reason.setVisible(not shown)
-        self._name_details_button()
-
-    def _name_details_button(self) -> None:
-        hidden = self.details.isHidden()
-        self.details_button.setText(self.tr("DETAILS") if hidden else self.tr("HIDE DETAILS"))
+        say(self.details_button, Message("HIDE DETAILS") if shown else Message("DETAILS"))
 
 
-def _text_area() -> QTextEdit:
+def text_area(name: str = "") -> QTextEdit:
+    """Return a text that scrolls: a failure may be long."""
     area = QTextEdit()
+    area.setObjectName(name)
     area.setReadOnly(True)
     area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     return area

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Callable, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QLabel, QWidget
 
 from gpr20_user_interface.look.icons import sign
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row
 
 SIGN_PX = 64
 
@@ -24,18 +24,17 @@ class EmptyState(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self._sign, self.sentence = QLabel(), QLabel()
-        self.sentence.setWordWrap(True)
+        self._sign, self.sentence = QLabel(), new_label(wraps=True)
         self._act: Callable[[], None] = lambda: None
         self.button = new_button(lambda: self._act())
-        layout = QVBoxLayout(self)
-        layout.setSpacing(2 * GAP_PX)
-        layout.addStretch(1)
         for label in (self._sign, self.sentence):
             label.setAlignment(Qt.AlignmentFlag.AlignCenter)
-            layout.addWidget(label)
-        layout.addWidget(self.button, 0, Qt.AlignmentFlag.AlignHCenter)
-        layout.addStretch(1)
+        button = row(self.button)
+        button.setAlignment(self.button, Qt.AlignmentFlag.AlignHCenter)
+        layout = column(self._sign, self.sentence, button, gap=2 * GAP_PX)
+        layout.insertStretch(0)
+        layout.addStretch()
+        self.setLayout(layout)
 
     def show_state(
         self, name: str, sentence: str, button: str = "", act: Optional[Callable[[], None]] = None

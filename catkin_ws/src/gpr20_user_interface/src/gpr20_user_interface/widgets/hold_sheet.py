@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from operator import attrgetter
-from typing import Callable, List, Optional, Tuple
+from typing import Callable, Optional
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QSizePolicy, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QSizePolicy, QWidget
 
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.plan.hold_question import (
@@ -21,18 +21,21 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import new_button, set_look
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    grid,
+    new_button,
+    new_label,
+    row,
+    set_look,
+)
 
 MOST_ROWS = 12
-HOLD_WIDTH_PX = 230
-HOLD_HEIGHT_PX = 120
 MARGIN_PX = 12
-NAMES_PX = 112
 
 
 class HoldSheet(Overlay):
@@ -42,30 +45,23 @@ class HoldSheet(Overlay):
     it.
 
     Attributes:
+        question: What is asked; None before the first time.
         hold: The button that must be held.
         cancel: Closes the sheet.
     """
 
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
-        self._question: Optional[HoldQuestion] = None
+        self.question: Optional[HoldQuestion] = None
         self._act: Callable[[], None] = self.hide
-        self.title = QLabel()
-        self.title.setObjectName("title")
-        self._rows: List[Tuple[QLabel, QLabel]] = [(QLabel(), QLabel()) for _ in range(MOST_ROWS)]
-        self.warning, self.doubt = QLabel(), QLabel()
+        self.title = new_label("title")
+        self._rows = [(new_label("row_name"), new_label(wraps=True)) for _ in range(MOST_ROWS)]
+        self.warning, self.doubt = new_label("warning", wraps=True), new_label(wraps=True)
         self.hold = HoldButton()
+        self.hold.setObjectName("large_hold")
         self.cancel = new_button(self.hide)
-        self._grid, self._names = QGridLayout(self), QGridLayout()
         self._lay_out()
         self.hold.held.connect(self._on_held)
-        self.restyle()
-        self.retranslate()
-
-    @property
-    def question(self) -> Optional[HoldQuestion]:
-        """What is asked; None before the first time."""
-        return self._question
 
     def ask(self, question: HoldQuestion, act: Callable[[], None]) -> None:
         """Open with a question.
@@ -80,25 +76,23 @@ class HoldSheet(Overlay):
 
     def show_question(self, question: HoldQuestion) -> None:
         """Say the same with other words; what is held stays held."""
-        if question != self._question:
-            self._question = question
+        if question != self.question:
+            self.question = question
             self.retranslate()
 
     def retranslate(self) -> None:
         """Write the texts in the language of the application."""
-        question = self._question
+        question = self.question
         if question is None:
             return
         self.cancel.setText(self.tr("CLOSE") if question.hold is None else self.tr("Cancel"))
         self.title.setText(shown_text(question.title))
-        self.hold.setVisible(question.hold is not None)
         for label, text in (
             (self.warning, question.warning),
             (self.doubt, question.doubt),
             (self.hold, question.hold),
         ):
             label.setText("" if text is None else shown_text(text))
-        for label in (self.warning, self.doubt):
             label.setVisible(bool(label.text()))
         for number, pair in enumerate(self._rows):
             used = number < len(question.rows)
@@ -106,48 +100,28 @@ class HoldSheet(Overlay):
                 label.setVisible(used)
                 label.setText(shown_text(question.rows[number][place]) if used else "")
 
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        px = look_of(self).px
-        self._grid.setContentsMargins(*(px(MARGIN_PX),) * 4)
-        self._grid.setSpacing(px(GAP_PX))
-        self._names.setHorizontalSpacing(px(MARGIN_PX))
-        self._names.setVerticalSpacing(0)
-        self._names.setColumnMinimumWidth(0, px(NAMES_PX))
-        # As wide as the button below it.
-        self.warning.setFixedWidth(px(HOLD_WIDTH_PX))
-        self.hold.setMinimumHeight(px(HOLD_HEIGHT_PX))
-
     def _on_held(self) -> None:
         self.hide()
         self._act()
 
     def _lay_out(self) -> None:
-        rows = self._names
+        rows = grid(gap=0)
         for number, (name, value) in enumerate(self._rows):
-            name.setObjectName("quiet")
             value.setTextFormat(Qt.TextFormat.PlainText)
-            value.setWordWrap(True)
             rows.addWidget(name, number, 0, Qt.AlignmentFlag.AlignTop)
             rows.addWidget(value, number, 1, Qt.AlignmentFlag.AlignTop)
         rows.setColumnStretch(1, 1)
         rows.setRowStretch(MOST_ROWS, 1)
         for label in (self.warning, self.doubt):
-            label.setWordWrap(True)
             set_look(label, "level", "doubtful")
         self.hold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        right = QVBoxLayout()
-        right.addWidget(self.warning)
+        right = column(self.warning)
         right.addStretch(1)
         right.addWidget(self.hold, 4)
         right.addStretch(1)
         right.addWidget(self.cancel)
-        self._grid.addWidget(self.title, 0, 0)
-        self._grid.addLayout(rows, 1, 0)
-        self._grid.addWidget(self.doubt, 2, 0)
-        self._grid.addLayout(right, 0, 1, 3, 1)
-        self._grid.setRowStretch(1, 1)
-        self._grid.setColumnStretch(0, 1)
+        left = column(self.title, (rows, 1), self.doubt)
+        self.setLayout(row((left, 1), right, margin=MARGIN_PX))
 
 
 CAN_START, CAN_RESUME = attrgetter("can_start"), attrgetter("can_resume")
@@ -166,8 +140,9 @@ class StartSheet(HoldSheet, Page):
 
     def __init__(self, window: QWidget, survey: WindowPresenter, past: PastSurveys) -> None:
         super().__init__(window)
-        self._survey = survey
-        self._past = past
+        self._survey, self._past = survey, past
+        # What moves the robot is green, as START is.
+        set_look(self.hold, "moves", True)
         self._is_possible: Callable[[Snapshot], bool] = CAN_START
         self._make: Callable[[], HoldQuestion] = lambda: resume_question(None)
 

@@ -6,22 +6,21 @@ from typing import Callable, List, Mapping, NamedTuple, Tuple
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
-from PyQt5.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPlainTextEdit,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QPlainTextEdit, QPushButton, QSizePolicy, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.plan.fields import Keys
-from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget
+from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_button, set_look
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    grid,
+    new_button,
+    new_label,
+    row,
+    say,
+    set_look,
+)
 
 # What these keys do is not the text on them.
 CLEAR, ERASE = "C", "⌫"
@@ -48,7 +47,7 @@ SIDES: Mapping[Keys, Side] = {
 }
 
 
-class _Block(TranslatedWidget):
+class _Block(QWidget):
     """Rows of keys, which report what was touched.
 
     Attributes:
@@ -60,21 +59,14 @@ class _Block(TranslatedWidget):
 
     def __init__(self, rows: int, columns: int) -> None:
         super().__init__()
-        self._grid = QGridLayout(self)
-        self._grid.setContentsMargins(0, 0, 0, 0)
+        layout = grid()
+        self.setLayout(layout)
         self.keys: List[QPushButton] = []
         for place in range(rows * columns):
-            row, column = divmod(place, columns)
-            self._grid.setRowStretch(row, 1)
-            self._grid.setColumnStretch(column, 1)
-            self._grid.addWidget(self._key(), row, column)
-
-    def retranslate(self) -> None:
-        """Nothing to do: the keys are the same in every language."""
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        self._grid.setSpacing(look_of(self).px(GAP_PX))
+            row_number, column_number = divmod(place, columns)
+            layout.setRowStretch(row_number, 1)
+            layout.setColumnStretch(column_number, 1)
+            layout.addWidget(self._key(), row_number, column_number)
 
     def press(self, text: str) -> None:
         """Touch the key of a text."""
@@ -84,15 +76,20 @@ class _Block(TranslatedWidget):
         self.written.emit(text)
 
     def _key(self) -> QPushButton:
-        key = new_button(lambda: self._on_key(key.property("character")))
+        key = _key(lambda: self._on_key(key.property("character")))
         key.setObjectName("key")
-        # The focus, and with it cursor and selection, stays in the text.
-        key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         key.setAutoRepeatDelay(REPEAT_DELAY_MS)
         key.setAutoRepeatInterval(REPEAT_MS)
         key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
         self.keys.append(key)
         return key
+
+
+def _key(act: Callable[[], None], text: str = "") -> QPushButton:
+    """Return a key; the focus, and with it cursor and selection, stays in the text."""
+    key = new_button(act, text)
+    key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    return key
 
 
 class KeyBlock(_Block):
@@ -152,8 +149,7 @@ class LetterBlock(_Block):
         super().press(text)
 
     def _page_key(self, text: str) -> QPushButton:
-        key = new_button(lambda: self._change(key), text)
-        key.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        key = _key(lambda: self._change(key), text)
         key.setCheckable(True)
         return key
 
@@ -202,8 +198,7 @@ class Pad(Overlay):
         self._judge: Judge = lambda _text: ""
         self._hint, self._first, self._strict = "", "", True
         self._deliver: Callable[[str], None] = lambda _text: None
-        self.title, self.hint = QLabel(), QLabel()
-        self.title.setObjectName("title")
+        self.title, self.hint = new_label("title", wraps=True), new_label(wraps=True)
         self.edit = PadEdit()
         self.edit.textChanged.connect(self._check)
         self.edit.returned.connect(self._accept)
@@ -211,12 +206,13 @@ class Pad(Overlay):
         for block in (self.digits, self.letters):
             block.written.connect(self._insert)
         self.digits.commanded.connect(self._on_command)
-        self.space = self._button("␣", lambda: self._insert(" "))
-        self.line = self._button("↵", lambda: self._insert("\n"))
-        self.erase = self._button(ERASE, lambda: self._on_command(ERASE))
+        self.space = _key(lambda: self._insert(" "), "␣")
+        self.line = _key(lambda: self._insert("\n"), "↵")
+        self.erase = _key(lambda: self._on_command(ERASE), ERASE)
         self.erase.setAutoRepeat(True)
-        self.cancel = self._button("", self.hide)
-        self.accept_button = self._button("", self._accept)
+        self.cancel, self.accept_button = _key(self.hide), _key(self._accept)
+        say(self.cancel, Message("Cancel"))
+        say(self.accept_button, Message("OK"))
         self.accept_button.setObjectName("primary")
         self._lay_out()
 
@@ -262,32 +258,22 @@ class Pad(Overlay):
         if not with_letters:
             cursor.select(cursor.SelectionType.Document)
         self.edit.setTextCursor(cursor)
-        self.retranslate()
         self._check()
         self.open()
         self.edit.setFocus()
 
     def press(self, text: str) -> None:
         """Touch the keys of a text."""
-        for character in text:
-            if not self.digits.isHidden():
-                self.digits.press(character)
-            elif character in (" ", "\n"):
-                (self.space if character == " " else self.line).click()
+        block = self.letters if self.digits.isHidden() else self.digits
+        for one in text:
+            if one in " \n":
+                (self.space if one == " " else self.line).click()
             else:
-                self.letters.press(character)
-
-    def retranslate(self) -> None:
-        self.cancel.setText(self.tr("Cancel"))
-        self.accept_button.setText(self.tr("OK"))
+                block.press(one)
 
     def restyle(self) -> None:
         """Take the sizes of the look."""
         look = look_of(self)
-        gap_px, margin_px = look.px(GAP_PX), look.px(MARGIN_PX)
-        for layout in (self._rows, self._top, self._last):
-            layout.setSpacing(gap_px)
-        self._rows.setContentsMargins(margin_px, margin_px // 2, margin_px, margin_px // 2)
         self._words.setFixedSize(look.px(WORDS_PX), look.px(TEXT_ROW_PX))
         self.edit.setFixedHeight(look.px(TEXT_ROW_PX))
 
@@ -317,30 +303,14 @@ class Pad(Overlay):
         elif command == ERASE:
             self.edit.textCursor().deletePreviousChar()
 
-    def _button(self, text: str, act: Callable[[], None]) -> QPushButton:
-        button = new_button(act, text)
-        button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        return button
-
     def _lay_out(self) -> None:
         self._words = QWidget()
-        words = QVBoxLayout(self._words)
-        words.setContentsMargins(0, 0, 0, 0)
-        words.setSpacing(0)
-        for label in (self.title, self.hint):
-            label.setWordWrap(True)
-        words.addWidget(self.title)
-        words.addWidget(self.hint, 1)
-        self._top = QHBoxLayout()
-        self._top.addWidget(self._words)
-        self._top.addWidget(self.edit, 1)
-        self._last = QHBoxLayout()
+        self._words.setLayout(column(self.title, (self.hint, 1), gap=0))
         commands = (self.letters.shift, self.letters.others, self.space, self.line, self.erase)
+        last = row()
         for button in (*commands, self.cancel, self.accept_button):
             wide = button in (self.space, self.cancel, self.accept_button)
-            self._last.addWidget(button, 2 if wide else 1)
-        self._rows = QVBoxLayout(self)
-        self._rows.addLayout(self._top)
-        self._rows.addWidget(self.digits, 1)
-        self._rows.addWidget(self.letters, 1)
-        self._rows.addLayout(self._last)
+            last.addWidget(button, 2 if wide else 1)
+        top = row(self._words, (self.edit, 1))
+        blocks = ((self.digits, 1), (self.letters, 1))
+        self.setLayout(column(top, *blocks, last, margin=MARGIN_PX))

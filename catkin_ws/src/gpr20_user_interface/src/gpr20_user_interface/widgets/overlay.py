@@ -21,7 +21,6 @@ class Overlay(QFrame):
         super().__init__(window)
         self.setObjectName("sheet")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
-        self._free_px = 0
         self.hide()
         window.installEventFilter(self)
 
@@ -30,12 +29,6 @@ class Overlay(QFrame):
         self._cover()
         self.show()
         self.raise_()
-
-    def leave_free(self, design_px: int) -> None:
-        """Leave more of the window free, below the top bar, in pixels of the design."""
-        self._free_px = design_px
-        if self.isVisible():
-            self._cover()
 
     def showEvent(self, event: QShowEvent) -> None:  # noqa: N802
         """Qt: it opens."""
@@ -71,5 +64,5 @@ class Overlay(QFrame):
 
     def _cover(self) -> None:
         window = self.parentWidget()
-        top_px = look_of(self).px(TOP_BAR_PX + self._free_px)
+        top_px = look_of(self).px(TOP_BAR_PX)
         self.setGeometry(0, top_px, window.width(), window.height() - top_px)

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from typing import Dict, Optional
+from typing import Any, Dict, Optional
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QMouseEvent
-from PyQt5.QtWidgets import QFrame, QHBoxLayout, QLabel, QPushButton, QVBoxLayout
+from PyQt5.QtWidgets import QFrame, QLabel, QPushButton, QWidget
 
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.condition import Condition, JobLevel, condition_of, left_of
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.icons import sign
-from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
+from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, Look
+from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
-from gpr20_user_interface.widgets.widgets import set_look
+from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say, set_look
 
 SIGN_PX = 36
-# Above and below a title with one line.
-SHORT_ABOVE_PX = 8
 # Levels are known without their colours.
 SIGNS: Dict[JobLevel, str] = {
     JobLevel.WORKING: "resume",
@@ -29,6 +29,8 @@ SIGNS: Dict[JobLevel, str] = {
     JobLevel.REST: "rest",
     JobLevel.REPLAY: "replay",
 }
+# In these a plan may be right that the robot does not know yet.
+PLANNED = (SurveyState.IDLE, SurveyState.CONFIGURED)
 
 
 class StateBand(QFrame):
@@ -40,57 +42,48 @@ class StateBand(QFrame):
         super().__init__()
         self.setObjectName("band")
         self.level = JobLevel.REST
-        self.sign = QLabel()
-        self.title = ElidedLabel()
+        self._look = Look()
+        self.sign, self.title, self.message = QLabel(), ElidedLabel(), LinesLabel()
         self.title.setObjectName("title")
-        self.message = LinesLabel()
         self.message.setObjectName("band_message")
-        self.simulated, self.more = QLabel(), QLabel()
-        self.simulated.setObjectName("simulated")
-        self.more.setObjectName("what_to_do")
-        self._words, chips = QVBoxLayout(), QVBoxLayout()
-        self._words.setSpacing(0)
-        self._words.addWidget(self.title)
-        self._words.addWidget(self.message, 1)
+        self.simulated = new_label("simulated", text=Message("SIMULATED"))
+        self.more = new_label("what_to_do", text=Message("WHAT TO DO"))
         for chip in (self.simulated, self.more):
             chip.setAlignment(Qt.AlignmentFlag.AlignCenter)
-            chips.addWidget(chip)
-        self._layout = QHBoxLayout(self)
-        self._layout.addWidget(self.sign)
-        self._layout.addLayout(self._words, 1)
-        self._layout.addLayout(chips)
+        words = column(self.title, (self.message, 1), gap=0)
+        chips = column(self.simulated, self.more, gap=GAP_PX // 2)
+        chips.insertStretch(0)
+        chips.addStretch()
+        self.setLayout(row(self.sign, (words, 1), chips, margin=GAP_PX // 2))
 
-    def show_condition(self, condition: Condition, left: str, robot: str) -> None:
+    def show_condition(
+        self, condition: Condition, title: Message, message: Message, robot: str = ""
+    ) -> None:
         """Show how it is.
 
         Args:
             condition: The gravest that is known.
-            left: How long the survey still takes, in place of the message; empty: not known.
+            title: The state in a word or two.
+            message: What the robot does, or how long it still takes.
             robot: Its name, where there are several; else empty.
         """
         self.level = condition.level
-        for widget in (self, self.sign, self.title, self.message, self.more):
+        for widget in (self, self.sign, self.title, self.message, self.simulated, self.more):
             set_look(widget, "job", condition.level.value)
-        self.restyle()
-        self.title.show_text(shown_text(condition.title))
-        remedy = condition.asked
-        words = left or sentence_text(condition.message)
+        self.use_look(self._look)
+        self.title.show_text(shown_text(title))
+        words, remedy = sentence_text(message), condition.asked
         if remedy is not None:
             words = f"{words.rstrip('.')}. {shown_text(remedy)}"
-        self.message.show_text(f"{robot}: {words}" if robot else words)
+        words = f"{robot}: {words}" if robot else words
+        self.message.show_text(words)
+        # A title alone stands in the middle of the band.
+        self.message.setVisible(bool(words))
         self.more.setVisible(remedy is not None)
-        # Two short lines stand in the middle of the band.
-        message = self.message
-        short = message.fontMetrics().horizontalAdvance(message.text()) <= message.width()
-        above_px = look_of(self).px(SHORT_ABOVE_PX) if short else 0
-        self._words.setContentsMargins(0, above_px, 0, above_px)
 
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look."""
-        look = look_of(self)
-        gap_px, edge_px = look.px(GAP_PX), look.px(1)
-        self._layout.setSpacing(gap_px)
-        self._layout.setContentsMargins(gap_px, edge_px, gap_px, edge_px)
+    def use_look(self, look: Look) -> None:
+        """Take sizes and colours of a look."""
+        self._look = look
         ink = look.text(LEVEL_COLOURS[self.level]).ink
         self.sign.setPixmap(sign(SIGNS[self.level], ink, look.px(SIGN_PX)))
 
@@ -101,7 +94,7 @@ class StateBand(QFrame):
             self.touched.emit()
 
 
-class TopBar(TranslatedWidget):
+class TopBar(QWidget):
     """Shows the state of the robot, and stops it.
 
     STOP is never disabled: whatever is known of the robot, it may move. Only a replay, which is
@@ -121,60 +114,56 @@ class TopBar(TranslatedWidget):
         self._name = ""
         self.band = StateBand()
         # That somebody elsewhere may start the robot, and how long.
-        self.remote = QLabel()
-        self.remote.setObjectName("remote")
+        self.remote = new_label("remote")
         self.remote.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.remote.hide()
-        self.pause, self.stop = QPushButton(), QPushButton()
+        self.pause, self.stop = new_button(self._on_pause), QPushButton()
         self.pause.setObjectName("pause")
         self.stop.setObjectName("stop")
+        say(self.stop, Message("STOP"))
         # A key that is pressed by accident must not reach them; a finger always does.
         for button in (self.pause, self.stop):
             button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.pause.hide()
-        self.pause.clicked.connect(self._on_pause)
-        self._layout = QHBoxLayout(self)
-        self._layout.addWidget(self.band, 1)
-        self._layout.addWidget(self.remote)
-        self._layout.addWidget(self.pause)
-        self._layout.addWidget(self.stop)
-        self.retranslate()
+        self.setLayout(row((self.band, 1), self.remote, self.pause, self.stop))
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.stop.setText(self.tr("STOP"))
-        self.band.simulated.setText(self.tr("SIMULATED"))
-        self.band.more.setText(self.tr("WHAT TO DO"))
-        if self._snapshot is not None:
-            self.refresh(self._snapshot)
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
+    def use_look(self, look: Look) -> None:
+        """Take the sizes of a look."""
         self.setFixedHeight(look.px(TOP_BAR_PX))
         for button in (self.pause, self.stop):
             button.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
-        self._layout.setSpacing(look.px(GAP_PX))
-        self._layout.setContentsMargins(0, 0, look.px(4), 0)
-        self.band.restyle()
+        self.layout().setContentsMargins(0, 0, look.px(GAP_PX // 2), 0)
+        self.band.use_look(look)
 
     def show_robot(self, name: str) -> None:
         """Name the robot that STOP stops, from the next refresh on; empty: there is only one."""
         self._name = name
 
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Show what is known now."""
+    def refresh(self, snapshot: Snapshot, ready: bool, figures: bool) -> None:
+        """Show what is known now.
+
+        Args:
+            snapshot: What is known.
+            ready: Whether START would start a survey.
+            figures: Whether the page in front shows how far the survey is.
+        """
         self._snapshot = snapshot
         condition, left = condition_of(snapshot), left_of(snapshot)
-        text = ""
-        if left is not None and condition.level in (JobLevel.WORKING, JobLevel.PAUSED):
-            text = sentence_text(left)
-        self.band.show_condition(condition, text, self._name)
+        title: Any = condition.title
+        message = condition.message
+        if ready and condition.level is JobLevel.REST and snapshot.code in PLANNED:
+            title, message = Message("READY"), verbatim("")
+        elif figures and "percent" in title.values:
+            title = title.values["state"]
+        elif left is not None and condition.level in (JobLevel.WORKING, JobLevel.PAUSED):
+            message = left
+        self.band.show_condition(condition, title, message, self._name)
         self.band.simulated.setVisible(snapshot.simulated)
         replay, paused = snapshot.replay, snapshot.paused
         self.stop.setVisible(replay is None)
         if replay is not None:
-            self.pause.setText(self.tr("CONTINUE") if replay.paused else self.tr("PAUSE"))
+            goes_on = replay.paused
+            self.pause.setText(self.tr("CONTINUE") if goes_on else self.tr("PAUSE"))
             self.pause.setVisible(replay.can_pause)
             self.pause.setEnabled(True)
             return

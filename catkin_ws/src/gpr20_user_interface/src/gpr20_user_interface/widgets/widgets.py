@@ -1,20 +1,27 @@
-"""Small widgets and what pages do with buttons."""
+"""Small widgets, and layouts and texts that follow scale and language of the window."""
 
 from __future__ import annotations
 
-from typing import Callable
+from typing import Callable, Optional, Sequence, TypeVar, Union
 
-from PyQt5.QtCore import Qt
+from PyQt5.QtCore import QEvent, Qt, pyqtSignal
 from PyQt5.QtWidgets import (
+    QApplication,
     QBoxLayout,
     QFrame,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
     QLayout,
     QPushButton,
     QScrollArea,
+    QVBoxLayout,
     QWidget,
 )
 
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_common.message import Message
+from gpr20_user_interface.look.look import GAP_PX, Look, look_of
+from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
@@ -28,6 +35,79 @@ def fill(layout: QBoxLayout, *parts: object) -> None:
             layout.addWidget(what, stretch)
 
 
+AnyLayout = TypeVar("AnyLayout", bound=QLayout)
+# Property of a layout: its margin and its gap in pixels of the design.
+DESIGN = "design"
+# Property of a widget: the Message that is its text.
+TEXT = "message"
+
+
+def spaced(layout: AnyLayout, margin: int = 0, gap: int = GAP_PX) -> AnyLayout:
+    """Return a layout whose margin and gap [pixels of the design] the window scales."""
+    layout.setProperty(DESIGN, [margin, gap])
+    _fit(layout, Look())
+    return layout
+
+
+def row(*parts: object, margin: int = 0, gap: int = GAP_PX) -> QHBoxLayout:
+    """Return parts beside each other; `fill` says what a part is."""
+    layout = spaced(QHBoxLayout(), margin, gap)
+    fill(layout, *parts)
+    return layout
+
+
+def column(*parts: object, margin: int = 0, gap: int = GAP_PX) -> QVBoxLayout:
+    """Return parts below each other; `fill` says what a part is."""
+    layout = spaced(QVBoxLayout(), margin, gap)
+    fill(layout, *parts)
+    return layout
+
+
+def grid(margin: int = 0, gap: int = GAP_PX) -> QGridLayout:
+    """Return an empty grid."""
+    return spaced(QGridLayout(), margin, gap)
+
+
+def fit_layouts(window: QWidget, look: Look) -> None:
+    """Scale the layouts of a window."""
+    for layout in window.findChildren(QLayout):
+        if isinstance(layout, QLayout) and layout.property(DESIGN):
+            _fit(layout, look)
+
+
+def _fit(layout: QLayout, look: Look) -> None:
+    margin, gap = (look.px(one) if one else 0 for one in layout.property(DESIGN))
+    layout.setContentsMargins(margin, margin, margin, margin)
+    if isinstance(layout, QGridLayout):
+        layout.setHorizontalSpacing(gap)
+        layout.setVerticalSpacing(gap)
+    else:
+        layout.setSpacing(gap)
+
+
+def say(widget: QWidget, message: Message) -> None:
+    """Set the text of a label or button, which follows the language of the window."""
+    widget.setProperty(TEXT, message)
+    widget.setText(shown_text(message))
+
+
+def say_again(window: QWidget) -> None:
+    """Write the texts of a window in the language of the application."""
+    for widget in window.findChildren(QWidget):
+        if isinstance(widget, QWidget) and widget.property(TEXT) is not None:
+            say(widget, widget.property(TEXT))
+
+
+def new_label(name: str = "", wraps: bool = False, text: Optional[Message] = None) -> QLabel:
+    """Return a label with its name in the style sheet."""
+    label = QLabel()
+    label.setObjectName(name)
+    label.setWordWrap(wraps)
+    if text is not None:
+        say(label, text)
+    return label
+
+
 def space(widget: QWidget, outer: QLayout, *inner: QLayout) -> None:
     """Set the gap of the look around the outermost layout, and between the parts of all."""
     gap_px = look_of(widget).px(GAP_PX)
@@ -36,9 +116,13 @@ def space(widget: QWidget, outer: QLayout, *inner: QLayout) -> None:
         layout.setSpacing(gap_px)
 
 
-def new_button(act: Callable[[], None], text: str = "") -> QPushButton:
+def new_button(act: Callable[[], None], text: Union[str, Message] = "") -> QPushButton:
     """Return a button that does something when it is clicked."""
-    button = QPushButton(text)
+    button = QPushButton()
+    if isinstance(text, Message):
+        say(button, text)
+    else:
+        button.setText(text)
     # Not the function itself, which would get whether the button is checked.
     button.clicked.connect(lambda: act())
     return button
@@ -62,6 +146,8 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         widget.setProperty(name, value)
         widget.style().unpolish(widget)
         widget.style().polish(widget)
+        # The padding of a label, too, may be another one.
+        QApplication.sendEvent(widget, QEvent(QEvent.Type.StyleChange))
 
 
 def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Callable, Dict, Optional, Tuple
 
-from PyQt5.QtCore import QTimer
-from PyQt5.QtGui import QResizeEvent
-from PyQt5.QtWidgets import QHBoxLayout, QLayout, QStackedWidget, QVBoxLayout, QWidget
+from PyQt5.QtCore import QEvent, Qt, QTimer
+from PyQt5.QtGui import QGuiApplication, QResizeEvent
+from PyQt5.QtWidgets import QLayout, QStackedWidget, QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.job import Delivery
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.jobs.result import SurveyResult
+from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.events import Answer
+from gpr20_operator.robot.remote_control import Arming
+from gpr20_operator.robot.robots import Robots
+from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
@@ -21,10 +28,10 @@ from gpr20_user_interface.look.look import (
     SMALLEST_SCALE,
     Look,
     scale_for,
+    style_sheet,
 )
 from gpr20_user_interface.look.settings import WindowMemory
-from gpr20_user_interface.look.style_sheet import style_sheet
-from gpr20_user_interface.look.translation import Languages, TranslatedWidget
+from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.pages.ground.page import GroundPage
 from gpr20_user_interface.pages.job.alerts import Alerts
 from gpr20_user_interface.pages.job.page import JobPage
@@ -39,21 +46,42 @@ from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
+from gpr20_user_interface.widgets.widgets import column, fit_layouts, row, say_again
 from gpr20_user_interface.window.lock import TouchBinding
-from gpr20_user_interface.window.presenters import Presenters
-from gpr20_user_interface.window.rail import Rail, TabName
-from gpr20_user_interface.window.survey_tab import SurveyTab
+from gpr20_user_interface.window.rail import Rail, SurveyTab, TabName
 
-# Topics come at up to 50 Hz; figures that change more often than these cannot be read.
-REFRESH_MS = 200
-# 99 of 100 traces are on the screen within 250 ms; drawing more often costs processor time.
-DRAW_MS = 200
+# Topics come at up to 50 Hz; figures that change more often than these cannot be read. 99 of 100
+# traces are on the screen within 250 ms; drawing more often costs processor time.
+REFRESH_MS = DRAW_MS = 200
 # A robot may be started, or restarted with other limits, after the window; this also shows
 # whether the master answers.
 MASTER_CHECK_MS = 2000
 
 
-class MainWindow(TranslatedWidget):
+@dataclass(frozen=True)
+class Presenters:
+    """The parts of the window without their widgets.
+
+    Attributes:
+        survey: The survey that runs, and the requests to the main control.
+        traces: The traces, and the requests to the storage.
+        imaging: Focused images, results and exports.
+        service: Maintenance of the robot.
+        plans: What the operator planned last.
+        robots: The robots that share the ROS master.
+        arming: Whether the web page may start and resume.
+    """
+
+    survey: WindowPresenter
+    traces: TracePresenter
+    imaging: Imaging
+    service: ServiceModel
+    plans: PlanMemory
+    robots: Robots
+    arming: Arming
+
+
+class MainWindow(QWidget):
     """Shows what its presenters hold and passes the operator's requests to them.
 
     Args:
@@ -80,24 +108,14 @@ class MainWindow(TranslatedWidget):
         self.plans = presenters.plans
         self._imaging = presenters.imaging
         self._make_tabs(presenters, languages)
-        self._bind_tabs(presenters, clock)
-        self._name_sheets()
-        seen = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
-        self.settings = SettingsPage(
-            *(self, self.top_bar.stop, seen, languages),
-            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        self._make_sheets(presenters, languages, memory, clock)
+        self._connect_tabs()
+        # The traces first: the others show what they have.
+        self._bindings: Tuple[Page, ...] = (
+            *(self.ground, self.alerts, self.survey_tab, self.job, self.control),
+            *(self.start_sheet, self.past, self.result, self.settings, self.robots),
+            *(self.remote, self.robot),
         )
-        choice = self.settings.robot_button
-        choice.clicked.connect(self.settings.hide)
-        self.robots = RobotsPage(self, presenters.robots, choice, self.top_bar.show_robot, clock)
-        opening = self.settings.remote_button
-        opening.clicked.connect(self.settings.hide)
-        self.remote = RemotePage(
-            *(self, presenters.arming, lambda: self.control.plan_to_start),
-            *(self.top_bar.remote, opening),
-        )
-        self.remote.survey_began.connect(self.control.note_started)
-        self._bindings = self._all_bindings()
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
             self._timer(DRAW_MS, self.draw),
@@ -105,14 +123,38 @@ class MainWindow(TranslatedWidget):
         ]
         self._lay_out()
         views = (self.top_bar, *self.rail.tabs.values())
-        self.touch_binding = TouchBinding(self, self.top_bar.stop, views, clock)
+        self.touch_binding = TouchBinding(
+            *(self, self.top_bar.stop, views, self.settings.cover.wake, clock)
+        )
+        self.touch_binding.touches.touched.connect(self.remote.end)
         self.rail.settings.clicked.connect(lambda: self.settings.open())
         self.rail.lock.clicked.connect(lambda: self.touch_binding.set_locked(True))
         self._refresh_after_requests()
         scroll_everything(self)
-        self.retranslate()
-        self.setStyleSheet(style_sheet(self.look))
+        self._show_look()
         self.resize(DESIGN_WIDTH_PX, DESIGN_HEIGHT_PX)
+
+    def show_on_screen(self, full_screen: bool) -> None:
+        """Show the window, not larger than the screen; or without a frame on all of it."""
+        screen = QGuiApplication.primaryScreen()
+        if not full_screen:
+            self.resize(self.size().boundedTo(screen.availableGeometry().size()))
+            self.show()
+            return
+
+        def cover() -> None:
+            now = QGuiApplication.primaryScreen()
+            if now is not None:  # else it is being replaced by another one
+                self.setGeometry(now.geometry())
+
+        self.setWindowFlag(Qt.WindowType.FramelessWindowHint)
+        # A screen that is rotated or replaced, or has another resolution.
+        application = QGuiApplication.instance()
+        if isinstance(application, QGuiApplication):
+            application.primaryScreenChanged.connect(lambda _screen: cover())
+        screen.geometryChanged.connect(lambda _geometry: cover())
+        cover()
+        self.showFullScreen()
 
     def begin(self) -> None:
         """Refresh the window from now on."""
@@ -147,6 +189,10 @@ class MainWindow(TranslatedWidget):
         snapshot = self.survey.refresh()
         for binding in self._bindings:
             binding.refresh(snapshot)
+        self.touch_binding.band.cover()
+        # What START and the figures of the job say, the band does not say once more.
+        ready = snapshot.can_start and self.control.plan_to_start is not None
+        self.top_bar.refresh(snapshot, ready, self.job.isVisible())
 
     def draw(self) -> None:
         """Draw what is new."""
@@ -157,6 +203,31 @@ class MainWindow(TranslatedWidget):
         """Bring a tab to the front."""
         self.tabs.setCurrentWidget(self._pages[name])
         self.rail.show_chosen(name)
+
+    def use_look(self, look: Look) -> None:
+        """Change theme or scale."""
+        if look != self.look:
+            self.look = look
+            self._show_look()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
+        """Qt: the window has another size; everything in it scales."""
+        super().resizeEvent(event)
+        size = event.size()
+        self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
+
+    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
+        """Qt: something about the window has changed."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.LanguageChange:
+            say_again(self)
+            self.refresh()
+
+    def _show_look(self) -> None:
+        self.setStyleSheet(style_sheet(self.look))
+        fit_layouts(self, self.look)
+        self.rail.use_look(self.look)
+        self.top_bar.use_look(self.look)
 
     def _use_parameters(self, parameters: SurveyParameters) -> None:
         """Put the parameters of a plan into CONTROL, and bring it to the front."""
@@ -169,22 +240,6 @@ class MainWindow(TranslatedWidget):
         """Bring the result of a stored survey to the front."""
         self.survey_tab.show_result(folder, self.survey.snapshot)
         self.show_tab(TabName.SURVEY)
-
-    def use_look(self, look: Look) -> None:
-        """Change theme or scale."""
-        if look != self.look:
-            self.look = look
-            self.setStyleSheet(style_sheet(look))
-
-    def resizeEvent(self, event: QResizeEvent) -> None:  # noqa: N802
-        """Qt: the window has another size; everything in it scales."""
-        super().resizeEvent(event)
-        size = event.size()
-        self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
-
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.setWindowTitle(self.tr("GPR-20"))
 
     def _make_tabs(self, presenters: Presenters, languages: Languages) -> None:
         traces = self.traces
@@ -206,83 +261,74 @@ class MainWindow(TranslatedWidget):
         self.job = JobPage(traces)
         self.survey_tab = SurveyTab(self.control, self.job, self.result)
 
-    def _bind_tabs(self, presenters: Presenters, clock: Clock) -> None:
-        """Connect each tab, and what it opens, with its presenters."""
+    def _make_sheets(
+        self, presenters: Presenters, languages: Languages, memory: WindowMemory, clock: Clock
+    ) -> None:
         survey, traces = self.survey, self.traces
         self.start_sheet = StartSheet(self, survey, traces.past)
         self.alerts = Alerts(
             *(self, survey, self.top_bar),
             *(self.start_sheet.ask_resume, self.start_sheet.ask_resume_with, clock),
         )
-        self.robot = RobotPage(presenters.service, self.alerts.notice.show_notice)
-        self.job.card_pressed.connect(self.alerts.show_condition)
+        self.notice, self.question = self.alerts.notice, self.alerts.question
+        self.stop_warning = self.alerts.stop_warning
+        self.values = self.control.values
+        self.annotation = self.control.annotation
+        self.robot = RobotPage(presenters.service, self.notice.show_notice)
         self.ground = GroundPage(
             *(self, survey, traces, self.additions),
             *(self._imaging, self.alerts.show_refusal),
         )
-        self.result.show_wanted.connect(self.ground.show_place_of)
-        self.result.finer_wanted.connect(self.ground.measure_finer)
+        seen = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
+        self.settings = SettingsPage(
+            *(self, self.top_bar.stop, seen, languages),
+            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+        )
+        self.robots = RobotsPage(
+            *(self, presenters.robots, self.settings.robot_button),
+            *(self.top_bar.show_robot, clock),
+        )
+        self.remote = RemotePage(
+            *(self, presenters.arming, lambda: self.control.plan_to_start),
+            *(self.top_bar.remote, self.settings.remote_button),
+        )
+
+    def _connect_tabs(self) -> None:
+        traces, control, ground, past = self.traces, self.control, self.ground, self.past
+        self.remote.survey_began.connect(control.note_started)
+        self.job.notes_pressed.connect(control.show_notes)
+        self.result.show_wanted.connect(ground.show_place_of)
+        self.result.finer_wanted.connect(ground.measure_finer)
         self.result.plan_wanted.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
-        self.ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
-        self.ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
-        self.ground.view.surveys_wanted.connect(lambda: self.show_tab(TabName.SURVEYS))
+        ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
+        ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
+        ground.view.surveys_wanted.connect(lambda: self.show_tab(TabName.SURVEYS))
+        control.start_pressed.connect(self.start_sheet.ask_start)
+        control.resume_pressed.connect(self.start_sheet.ask_resume_past)
+        control.refused.connect(self.alerts.show_refusal)
+        past.page_requested.connect(traces.source.list_surveys)
+        past.open_requested.connect(traces.open_survey)
+        past.notes_requested.connect(control.annotation.read)
+        past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))
+        past.resume_requested.connect(self.start_sheet.ask_resume_past)
+        past.result_requested.connect(self._show_result)
+
+    def _lay_out(self) -> None:
+        self.setWindowTitle("GPR-20")
         self._pages: Dict[TabName, QWidget] = {
             TabName.SURVEY: self.survey_tab,
             TabName.GROUND: self.ground.view,
             TabName.SURVEYS: self.past,
             TabName.ROBOT: self.robot,
         }
-        self.control.start_pressed.connect(self.start_sheet.ask_start)
-        self.control.resume_pressed.connect(self.start_sheet.ask_resume_past)
-        self.control.refused.connect(self.alerts.show_refusal)
-        self.past.page_requested.connect(traces.source.list_surveys)
-        self.past.open_requested.connect(traces.open_survey)
-        self.past.notes_requested.connect(self.control.annotation.read)
-        self.past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))
-        self.past.resume_requested.connect(self.start_sheet.ask_resume_past)
-        self.past.result_requested.connect(self._show_result)
-        self.job.notes_pressed.connect(self.control.show_notes)
-
-    def _name_sheets(self) -> None:
-        """Name what lies over the tabs; the bindings open and close it."""
-        self.notice, self.question = self.alerts.notice, self.alerts.question
-        self.values = self.control.values
-        self.stop_warning = self.alerts.stop_warning
-        self.annotation = self.control.annotation
-
-    def _all_bindings(self) -> Tuple[Page, ...]:
-        # The traces first: the others show what they have.
-        return (
-            self.ground,
-            self.alerts,
-            self.survey_tab,
-            self.job,
-            self.control,
-            self.start_sheet,
-            self.past,
-            self.result,
-            self.settings,
-            self.robots,
-            self.remote,
-            self.robot,
-        )
-
-    def _lay_out(self) -> None:
         for page in self._pages.values():
             self.tabs.addWidget(page)
-        below = QHBoxLayout()
-        below.setSpacing(0)
-        below.addWidget(self.rail)
-        below.addWidget(self.tabs, 1)
         self.rail.chosen.connect(self.show_tab)
         self.show_tab(TabName.SURVEY)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.top_bar)
-        layout.addLayout(below, 1)
+        layout = column(self.top_bar, (row(self.rail, (self.tabs, 1), gap=0), 1), gap=0)
         # The window may be smaller than the design: then everything in it is smaller too.
         layout.setSizeConstraint(QLayout.SizeConstraint.SetNoConstraint)
+        self.setLayout(layout)
         self.setMinimumSize(
             int(DESIGN_WIDTH_PX * SMALLEST_SCALE), int(DESIGN_HEIGHT_PX * SMALLEST_SCALE)
         )

@@ -1,4 +1,4 @@
-"""The rail at the left of the window: one button for each tab, the settings and the lock."""
+"""Which page is in front: the rail with a button for each tab, and the screens of SURVEY."""
 
 from __future__ import annotations
 
@@ -6,11 +6,15 @@ import enum
 from typing import Dict
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
-from PyQt5.QtWidgets import QButtonGroup, QSizePolicy, QToolButton, QVBoxLayout
+from PyQt5.QtWidgets import QButtonGroup, QSizePolicy, QStackedWidget, QToolButton, QWidget
 
+from gpr20_common.message import Message
+from gpr20_operator.robot.snapshot import JobScreen, Snapshot
 from gpr20_user_interface.look.icons import icon
-from gpr20_user_interface.look.look import GAP_PX, Look, TextColours, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget
+from gpr20_user_interface.look.look import Look, TextColours
+from gpr20_user_interface.pages.result.page import ResultPage
+from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.widgets import column, say
 
 RAIL_PX = 84
 ICON_PX = 32
@@ -27,26 +31,15 @@ class TabName(enum.Enum):
     ROBOT = "robot"
 
 
-class RailButton(QToolButton):
-    """A sign with a word below it, as high as the rail has room for."""
-
-    def __init__(self, sign: str) -> None:
-        super().__init__()
-        self._sign = sign
-        self.setObjectName("rail")
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
-        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-
-    def restyle(self, look: Look) -> None:
-        """Take sizes and colours of the look."""
-        colours = TextColours.CHOSEN if self.isChecked() else TextColours.ARROW
-        size_px = look.px(ICON_PX)
-        self.setIcon(icon(self._sign, look.text(colours).ink, size_px))
-        self.setIconSize(QSize(size_px, size_px))
+TITLES = {
+    TabName.SURVEY: Message("Survey"),
+    TabName.GROUND: Message("Ground"),
+    TabName.SURVEYS: Message("Archive"),
+    TabName.ROBOT: Message("Robot"),
+}
 
 
-class Rail(TranslatedWidget):
+class Rail(QWidget):
     """Shows which tab is in front, and lets the operator choose another one.
 
     Attributes:
@@ -60,45 +53,91 @@ class Rail(TranslatedWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.setObjectName("rail")
-        self.tabs: Dict[TabName, RailButton] = {name: RailButton(name.value) for name in TabName}
-        self.settings, self.lock = RailButton("settings"), RailButton("lock")
+        self.tabs = {name: _button() for name in TabName}
+        self.settings, self.lock = _button(), _button()
+        self._look = Look()
         group = QButtonGroup(self)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
         for name, button in self.tabs.items():
+            say(button, TITLES[name])
             button.setCheckable(True)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
             group.addButton(button)
-            layout.addWidget(button, 1)
             button.clicked.connect(lambda _checked, name=name: self.chosen.emit(name))
-            button.toggled.connect(lambda _checked: self.restyle())
-        for button in (self.settings, self.lock):
-            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
-            layout.addWidget(button)
-        self.retranslate()
+        tabs = [(button, 1) for button in self.tabs.values()]
+        self.setLayout(column(*tabs, self.settings, self.lock, gap=0))
 
     def show_chosen(self, name: TabName) -> None:
         """Show which tab is in front."""
         self.tabs[name].setChecked(True)
+        self.use_look(self._look)
 
-    def restyle(self) -> None:
-        """Take sizes and colours of the look."""
-        look = look_of(self)
+    def use_look(self, look: Look) -> None:
+        """Take sizes and colours of a look."""
+        self._look = look
         self.setFixedWidth(look.px(RAIL_PX))
-        for button in (*self.tabs.values(), self.settings, self.lock):
-            button.restyle(look)
+        signs: Dict[QToolButton, str] = {one: name.value for name, one in self.tabs.items()}
+        for button, sign in {**signs, self.settings: "settings", self.lock: "lock"}.items():
+            colours = TextColours.CHOSEN if button.isChecked() else TextColours.ARROW
+            button.setIcon(icon(sign, look.text(colours).ink, look.px(ICON_PX)))
+            button.setIconSize(QSize(look.px(ICON_PX), look.px(ICON_PX)))
         for button in (self.settings, self.lock):
             button.setFixedHeight(look.px(FOOT_PX))
-        self.layout().setContentsMargins(0, 0, 0, look.px(GAP_PX) // 2)
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        titles = {
-            TabName.SURVEY: self.tr("Survey"),
-            TabName.GROUND: self.tr("Ground"),
-            TabName.SURVEYS: self.tr("Archive"),
-            TabName.ROBOT: self.tr("Robot"),
-        }
-        for name, title in titles.items():
-            self.tabs[name].setText(title)
+
+def _button() -> QToolButton:
+    """Return a sign, as high as the rail has room for."""
+    button = QToolButton()
+    button.setObjectName("rail")
+    button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
+    return button
+
+
+class SurveyTab(QStackedWidget, Page):
+    """Shows the screen that the state of the survey needs.
+
+    Args:
+        plan: The plan of the next survey.
+        job: A survey that runs, or a replay.
+        result: A survey that has ended, or a stored one.
+    """
+
+    def __init__(self, plan: QWidget, job: QWidget, result: ResultPage) -> None:
+        super().__init__()
+        self._screen = JobScreen()
+        self._plan, self._job, self._result = plan, job, result
+        # Folder of a stored survey whose result was opened; empty: none.
+        self._opened = ""
+        for screen in (plan, job, result):
+            self.addWidget(screen)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show the screen that is needed now."""
+        self._screen.note(snapshot)
+        if snapshot.running:
+            self._opened = ""
+        self._show(snapshot)
+
+    def show_plan(self, snapshot: Snapshot) -> None:
+        """Show the plan of the next survey; not while one is running."""
+        self._opened = ""
+        self._screen.leave(snapshot)
+        self._show(snapshot)
+
+    def show_result(self, folder: str, snapshot: Snapshot) -> None:
+        """Show the result of a stored survey; not while one is running."""
+        if not snapshot.running:
+            self._opened = folder
+            self._show(snapshot)
+
+    def _show(self, snapshot: Snapshot) -> None:
+        survey, screen = self._opened, self._plan
+        if self._screen.visible:
+            screen = self._job
+            if snapshot.state is not None and not snapshot.running and snapshot.replay is None:
+                survey = survey or snapshot.state.survey_id
+        if survey:
+            self._result.result.open(survey)
+            screen = self._result
+        if self.currentWidget() is not screen:
+            self.setCurrentWidget(screen)

@@ -6,7 +6,7 @@ import math
 from typing import Callable, Optional
 
 from PyQt5.QtCore import Qt, QTimer
-from PyQt5.QtWidgets import QLabel, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -22,15 +22,13 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.stop_confirmation import ANSWER_S, StopConfirmation, StopWarning
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import Refusal
-from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.cards import NoticeView
-from gpr20_user_interface.widgets.labels import LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.top_bar import TopBar
-from gpr20_user_interface.widgets.widgets import fill
+from gpr20_user_interface.widgets.widgets import column, new_label, say
 
 
 class StopWarningView(Overlay):
@@ -40,15 +38,13 @@ class StopWarningView(Overlay):
         super().__init__(window)
         self.setObjectName("stop_warning")
         self._warning: Optional[StopWarning] = None
-        self.title = QLabel()
-        self.title.setObjectName("motors_off")
-        self.title.setWordWrap(True)
+        self.title = new_label("motors_off", wraps=True)
         self.title.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.text = LinesLabel()
+        self.text = new_label(wraps=True)
         self.close_button = HoldButton()
-        self._layout = QVBoxLayout(self)
-        fill(self._layout, (self.title, 3), (self.text, 1), self.close_button)
-        self.retranslate()
+        say(self.close_button, Message("Hold to close"))
+        parts = ((self.title, 3), (self.text, 1), self.close_button)
+        self.setLayout(column(*parts, margin=3 * GAP_PX))
 
     def show_warning(self, warning: Optional[StopWarning]) -> None:
         """Show a warning over everything; None: there is none."""
@@ -57,22 +53,12 @@ class StopWarningView(Overlay):
             return
         if warning != self._warning:
             self._warning = warning
-            self.retranslate()
+            say(self.title, warning.title)
+            say(self.text, warning.text)
         if not self.isVisible():
             self.open()
         # Another sheet may have opened since.
         self.raise_()
-
-    def retranslate(self) -> None:
-        self.close_button.setText(self.tr("Hold to close"))
-        if self._warning is not None:
-            self.title.setText(shown_text(self._warning.title))
-            self.text.show_text(shown_text(self._warning.text))
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        margin_px = 3 * look_of(self).px(GAP_PX)
-        self._layout.setContentsMargins(margin_px, margin_px, margin_px, margin_px)
 
 
 class Alerts(Page):
@@ -94,7 +80,6 @@ class Alerts(Page):
         clock: Clock,
     ) -> None:
         self._survey = survey
-        self._top_bar = top_bar
         self._ask_resume_with = ask_resume_with
         self._cards = CardWatch()
         # The card that was opened without a touch, until it is closed.
@@ -122,7 +107,6 @@ class Alerts(Page):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
-        self._top_bar.refresh(snapshot)
         card = self._cards.note(snapshot)
         if card is not None:
             self._open(card)
@@ -159,8 +143,8 @@ class Alerts(Page):
     def _open(self, card: Notice) -> None:
         """Open the card of a fault, unless a dialog asks about it or says it already."""
         shown = self.notice.notice if self.notice.isVisible() else None
-        told = shown is not None and (shown.text, shown.first) == (card.text, card.first)
-        if not self.question.isVisible() and not told:
+        said = shown is not None and (shown.text, shown.first) == (card.text, card.first)
+        if not self.question.isVisible() and not said:
             self._opened = card
             self.notice.show_notice(card)
 

@@ -6,19 +6,25 @@ from functools import partial
 from typing import Callable, List, Tuple
 
 from PyQt5.QtCore import Qt
-from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.robots import ListedRobot, Robots
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import fill, new_button, scroll_area
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    grid,
+    new_button,
+    new_label,
+    scroll_area,
+)
 
-MARGIN_PX = 24
 COLUMNS = 2
 LONGEST_NAME = 14
 # In the top bar.
@@ -37,26 +43,22 @@ class RobotsPage(Overlay, Page):
         clock: Clock,
     ) -> None:
         super().__init__(window)
-        self._robots = robots
-        self._open_button = open_button
-        self._show_name = show_name
-        self._clock = clock
-        self._opened_s = clock.now_s()
-        self._control_seen = False
-        self._proposed = False
+        self._robots, self._open_button, self._show_name = robots, open_button, show_name
+        self._clock, self._opened_s = clock, clock.now_s()
+        self._control_seen = self._proposed = False
         self._listed: Tuple[ListedRobot, ...] = ()
-        # Whether the window may leave its robot now.
-        self._free = True
-        self.title, self.hint = QLabel(), QLabel()
-        self.title.setObjectName("title")
-        self.hint.setObjectName("quiet")
-        self.hint.setWordWrap(True)
+        title = new_label("title", text=Message("Which robot does this window show?"))
+        only = Message("STOP stops the robot that is shown, and no other. Surveys continue.")
+        hint = new_label("quiet", wraps=True, text=only)
         self.buttons: List[QPushButton] = []
-        self.close_button = new_button(self._close)
-        open_button.clicked.connect(lambda: self._open())
-        self._lay_out()
-        self.retranslate()
-        self.restyle()
+        self.close_button = new_button(self._close, Message("CLOSE"))
+        open_button.clicked.connect(self._open)
+        content = QWidget()
+        self._grid = grid()
+        self._grid.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop)
+        content.setLayout(self._grid)
+        parts = (title, (scroll_area(content), 1), hint, self.close_button)
+        self.setLayout(column(*parts, margin=2 * GAP_PX))
 
     def on_event(self, event: object) -> None:
         """Follow the robots of the master."""
@@ -77,35 +79,17 @@ class RobotsPage(Overlay, Page):
             # Not while a STOP is not answered.
             self._list(Request.STOP not in snapshot.pending)
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.title.setText(self.tr("Which robot does this window show?"))
-        self.hint.setText(
-            self.tr("STOP stops the robot that is shown, and no other. Surveys continue.")
-        )
-        self.close_button.setText(self.tr("CLOSE"))
+    def _list(self, free: bool) -> None:
+        self._listed = self._robots.listed
         while len(self.buttons) < len(self._listed):
             number = len(self.buttons)
             self.buttons.append(new_button(partial(self._choose, number)))
             self._grid.addWidget(self.buttons[-1], *divmod(number, COLUMNS))
         for button, robot in zip(self.buttons, self._listed):
             button.setText(f"{robot.short_name(LONGEST_NAME)}\n{shown_text(robot.activity)}")
-            button.setEnabled(self._free and not robot.is_shown)
+            button.setEnabled(free and not robot.is_shown)
         for number, button in enumerate(self.buttons):
             button.setVisible(number < len(self._listed))
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        margin, gap = look.px(MARGIN_PX), look.px(GAP_PX)
-        self._layout.setContentsMargins(margin, gap, margin, gap)
-        for layout in (self._layout, self._grid):
-            layout.setSpacing(gap)
-
-    def _list(self, free: bool) -> None:
-        if (self._robots.listed, free) != (self._listed, self._free):
-            self._listed, self._free = self._robots.listed, free
-            self.retranslate()
 
     def _open(self) -> None:
         self._robots.watch(True)
@@ -118,13 +102,3 @@ class RobotsPage(Overlay, Page):
     def _close(self) -> None:
         self.hide()
         self._robots.watch(False)
-
-    def _lay_out(self) -> None:
-        content = QWidget()
-        self._grid = QGridLayout(content)
-        self._grid.setContentsMargins(0, 0, 0, 0)
-        self._grid.setAlignment(Qt.Alignment() | Qt.AlignmentFlag.AlignTop)
-        for column in range(COLUMNS):
-            self._grid.setColumnStretch(column, 1)
-        self._layout = QVBoxLayout(self)
-        fill(self._layout, self.title, (scroll_area(content), 1), self.hint, self.close_button)

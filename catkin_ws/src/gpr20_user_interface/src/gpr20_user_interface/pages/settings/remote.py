@@ -11,7 +11,6 @@ from PyQt5.QtWidgets import QLabel, QPushButton, QWidget
 from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
 from gpr20_operator.robot.remote_control import Arming, RemotePlan, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.touch.any_touch import AnyTouch
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
 
@@ -41,8 +40,6 @@ class RemotePage(HoldSheet, Page):
         super().__init__(window)
         self._arming, self._plan, self._mark = arming, plan, mark
         self._snapshot: Optional[Snapshot] = None
-        self.touches = AnyTouch(self)
-        self.touches.touched.connect(self.end)
         open_button.clicked.connect(lambda: self.ask(self._current(), self._arm))
 
     def on_event(self, event: object) -> None:
@@ -61,9 +58,10 @@ class RemotePage(HoldSheet, Page):
             self.show_question(self._current())
 
     def end(self) -> None:
-        """Allow it no more."""
-        self._arming.touched()
-        self._show_mark()
+        """Allow it no more: somebody has touched the window, or it closes."""
+        if self._arming.armed:
+            self._arming.touched()
+            self._show_mark()
 
     def _arm(self) -> None:
         if self._snapshot is not None:
@@ -78,8 +76,6 @@ class RemotePage(HoldSheet, Page):
 
     def _show_mark(self) -> None:
         left_s = math.ceil(self._arming.remaining_s)
-        if self._mark.isHidden() is (left_s > 0):
-            self._mark.setVisible(left_s > 0)
-            self.touches.watch(left_s > 0)
+        self._mark.setVisible(left_s > 0)
         title = self.tr("REMOTE")
         self._mark.setText(f"{title}\n{left_s // 60}:{left_s % 60:02d}")
