@@ -1,4 +1,4 @@
-"""The pins of docs/first_real_survey.md and its picture are those of the robot's default configuration."""
+"""The pins of docs/first_real_survey.md and its picture are those of the default configuration."""
 
 from __future__ import annotations
 

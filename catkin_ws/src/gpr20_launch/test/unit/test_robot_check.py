@@ -53,7 +53,7 @@ MISTAKES = [
     ("axes", "y: {max_coord: 80000}", "y/max_coord", "80000 mm|20 to 3000 mm|measure how far"),
     ("axes", "x: {max_coord: '1,000'}", "x/max_coord", "without it"),
     ("axes", "z: {min_coord: 0, max_coord: 270}", "z/max_coord", "270 deg|cables"),
-    ("axes", "x: {step_size: 0.001}", "x/step_size", "1.8 hours|calibrate.md"),
+    ("axes", "x: {step_size: 0.001}", "x/step_size", "1.8 hours|first_real_survey.md"),
     (
         *("axes", "x: {step_size: 0.1, min_step: 0.00005, late_limit_s: 0.00003}"),
         *("x/min_step", "1000 mm/s"),
@@ -93,7 +93,7 @@ MISTAKES = [
         "wiring",
         "unchecked: [pins]",
         "unchecked",
-        "pins|docs/wiring.md|corrected the files",
+        "pins|docs/coming_from_the_original.md|corrected the files",
         "config.not_checked",
     ),
     ("hight", "", "", "hight.yaml|height.yaml|rename it"),

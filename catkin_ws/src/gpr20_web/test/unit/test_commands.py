@@ -18,10 +18,11 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.traces import SurveyDescribed
-from gpr20_operator.robot.events import Answer, ControlState, Replay, Request
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import parse_object
 from gpr20_survey.plan.annotation import EMPTY

@@ -29,7 +29,7 @@ SHORTEST_OF_BUILT = 0.5
 # Of the step as built; another motor, belt or microstepping is within it.
 STEP_OF_BUILT = 5.0
 _TRAVEL = "; measure how far the axis can move"
-_STEP = "; measure the step, as docs/calibrate.md describes"
+_STEP = "; measure the step, as docs/first_real_survey.md describes"
 MEASURE = {"min_coord": _TRAVEL, "max_coord": _TRAVEL, "step_size": _STEP}
 PAUSES = ("min_step", "max_step", "delta_step", "late_limit_s")
 UNITS = {"cm": 10.0, "inches": 25.4, "radians": math.degrees(1.0)}

@@ -259,7 +259,10 @@ def _not_of_device(address: str) -> str:
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     wiring, file = reading.record("wiring"), reading.folder / WIRING_FILE
     for one in wiring.unchecked:
-        reason = "nobody has checked it; docs/wiring.md describes how a person does, and with what"
+        reason = (
+            "nobody has checked it; docs/coming_from_the_original.md describes how a person does, "
+            "and with what"
+        )
         allowed = "nothing in the list, once a person has checked it and corrected the files"
         where, doubtful = (file, "unchecked", one), one in get_args(WithRobot)
         yield problem(*where, reason, allowed, doubtful, faults.NOT_CHECKED)

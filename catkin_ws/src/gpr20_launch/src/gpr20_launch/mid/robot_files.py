@@ -42,9 +42,10 @@ class Wiring:
     """What a person must still check on this robot.
 
     Attributes:
-        unchecked: Delete each word when a person has checked it, as docs/wiring.md describes. With
-            unread, pins, z_direction_or_step, no_5_v or endstop_levels in the list the robot is
-            not launched; with emergency_stop, directions or travel it warns.
+        unchecked: Delete each word when a person has checked it, as
+            docs/coming_from_the_original.md describes. With unread, pins, z_direction_or_step,
+            no_5_v or endstop_levels in the list the robot is not launched; with emergency_stop,
+            directions or travel it warns.
     """
 
     unchecked: Tuple[Literal[Before, WithRobot], ...] = ()

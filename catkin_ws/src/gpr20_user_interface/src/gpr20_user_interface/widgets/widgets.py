@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional, Sequence, TypeVar, Union
+from typing import Callable, Optional, TypeVar, Union
 
-from PyQt5.QtCore import QEvent, Qt, pyqtSignal
+from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtWidgets import (
     QApplication,
     QBoxLayout,
@@ -21,7 +21,7 @@ from PyQt5.QtWidgets import (
 
 from gpr20_common.message import Message
 from gpr20_user_interface.look.look import GAP_PX, Look, look_of
-from gpr20_user_interface.look.translation import shown_number, shown_text
+from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 

@@ -176,9 +176,7 @@ class WebNode:
                 "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
                 "robots": RobotsPage(robots, self._clock),
-                "service": ServicePage(
-                    self._storage.examine, self._clock
-                ),
+                "service": ServicePage(self._storage.examine, self._clock),
                 "notices": Watch(self._clock, self._notifier.send),
                 "login": LoginPage(self._accounts, self._logins, self._clock),
             }

@@ -43,9 +43,7 @@ class ServicePage(WebPage):
         "all": Message("All checks"),
     }
 
-    def __init__(
-        self, examine: Callable[..., None], clock: Clock
-    ) -> None:
+    def __init__(self, examine: Callable[..., None], clock: Clock) -> None:
         self._model = ServiceModel(NoRequests(), examine, clock)
         self._interest = Interest(self._model.set_watched, clock)
         self._snapshot: Optional[Snapshot] = None
