@@ -129,7 +129,7 @@ def test_the_safety_notice_is_whole_beside_any_picture_and_band(filled, view):
     for size, band, plot in itertools.product([(480, 320), (800, 480)], (None, name), plots):
         filled.resize(*size)
         view.show_band(band)
-        view._enlarged = plot
+        view.enlarge(plot)
         refreshed(view)
         QTest.qWait(1)
         text = view.note.text()
@@ -139,6 +139,8 @@ def test_the_safety_notice_is_whole_beside_any_picture_and_band(filled, view):
         texts = (text, view.text.text(), view.above.notice, view.section.notice)
         words = " ".join(texts).lower().replace(".", "").split()
         assert not {"clear", "free", "safe"} & set(words)
+        if plot is not None:
+            view.enlarge(None)  # shares the room again
 
 
 def test_what_is_missing_is_said(window, view):
