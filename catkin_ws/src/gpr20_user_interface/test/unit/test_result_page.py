@@ -102,7 +102,7 @@ def shown_rows(page):
 
 
 def numbers(page):
-    return [row.title.whole.split()[0] for row in shown_rows(page)]
+    return [row.title.whole.split(":")[0] for row in shown_rows(page)]
 
 
 def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(done):

@@ -189,7 +189,7 @@ class ResultPage(TranslatedWidget, Page):
 
     def _show_row(self, row: TileButton, place: Candidate) -> None:
         found = self.result.find_at(place)
-        where = f"{place.number}  {shown_text(texts.place_line(place))}"
+        where = f"{place.number}: {shown_text(texts.place_line(place))}"
         line = texts.why_line(place) if found is None else texts.found_line(found)
         level = "locked" if place.is_doubtful else ""
         row.show_texts(where, shown_text(line), level=level)
