@@ -30,7 +30,7 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.remote_plan import plan_id
 
@@ -88,8 +88,7 @@ class Desk:
         self.noted: List[Tuple[str, Dict[str, Any]]] = []
         self.lease = Lease(self.time, lambda _session: True)
         self.commands = Commands(
-            Robot(self.model, self.control, self.allowance, self.time),
-            self.lease,
+            *(self.model, self.control, self.allowance, self.time, self.lease),
             lambda *entry: self.noted.append(entry),
         )
         self.be(SurveyState.CONFIGURED)

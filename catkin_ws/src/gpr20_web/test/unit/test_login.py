@@ -13,7 +13,7 @@ import web_kit
 from hypothesis import given
 from hypothesis import strategies as st
 from run_seed import SEED, draws
-from web_kit import HOURS_12_S, OTHER_PASSWORD, PASSWORD, ManualClock, make_accounts, make_logins
+from web_kit import LONGEST_HOURS, OTHER_PASSWORD, PASSWORD, ManualClock, make_accounts, make_logins
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Call, Cookie, Role
@@ -78,7 +78,7 @@ def test_a_login_gives_a_cookie_and_says_who_one_is(pages: Pages) -> None:
 
 def test_a_session_is_over_after_its_hours_and_when_its_account_has_changed(pages: Pages) -> None:
     cookie, eva = pages.log_in(), pages.log_in("eva")
-    pages.clock.time_s += HOURS_12_S - 1.0
+    pages.clock.time_s += 3600.0 * LONGEST_HOURS - 1.0
     assert pages.is_in(cookie)
     # The node was restarted.
     pages.logins = make_logins(make_accounts(pages.accounts._folder.parent), pages.clock)
@@ -110,7 +110,7 @@ def test_who_has_logged_in_stays_so_while_the_file_of_the_accounts_is_damaged(
 def test_no_other_cookie_is_taken(pages: Pages) -> None:
     cookie, draw = pages.log_in(), random.Random(SEED)
     others = ["", "x", cookie[:-1], cookie + "0", cookie.upper(), "é\ud800"]
-    other_key = Logins(pages.accounts, b"o" * 32, HOURS_12_S, pages.clock)
+    other_key = Logins(pages.accounts, b"o" * 32, LONGEST_HOURS, pages.clock)
     others.append(other_key.begin(pages.accounts.all()[0]))
     for _number in range(draws(200)):
         at, sign = draw.randrange(len(cookie)), chr(draw.randrange(33, 127))

@@ -246,6 +246,9 @@ def test_a_replay_and_a_robot_that_said_nothing_yet_are_no_occasion() -> None:
     assert out.show(snapshot(), snapshot(alive=False), replayed[0]) == []
     assert out.show(measuring, failed) == [FAULT]
     assert out.show(replayed[1], failed) == []
+    # What was so before the contact was lost is not new after it.
+    paused, lost = _snapshot("somebody has paused it"), _snapshot("no contact while it is paused")
+    assert out.show(paused, lost, paused) == [PAUSED, NO_CONTACT]
 
 
 def test_a_lost_survey_a_state_without_a_code_and_what_may_move_are_occasions() -> None:

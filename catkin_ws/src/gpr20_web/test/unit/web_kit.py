@@ -138,12 +138,12 @@ class ManualClock(Clock):
         return int((1.8e9 + self.time_s) * 1e6)
 
 
-KEY, HOURS_12_S = b"k" * 32, 43200.0
+KEY, LONGEST_HOURS = b"k" * 32, 12.0
 
 
 def make_logins(accounts: Accounts, clock: Clock) -> Logins:
     """Return sessions that nobody else can sign."""
-    return Logins(accounts, KEY, HOURS_12_S, clock)
+    return Logins(accounts, KEY, LONGEST_HOURS, clock)
 
 
 def make_accounts(folder: Path) -> Accounts:

@@ -42,7 +42,7 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Person, Role
-from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
@@ -74,8 +74,11 @@ class WholePage:
         self._tokens: Dict[Role, str] = {}
         self.model = SurveyModel(self.clock)
         self.lease = Lease(self.clock, lambda _session: True)
-        robot = Robot(self.model, self.control, RemoteAllowance(self.clock), self.clock)
-        self.shell = self._new_shell(Commands(robot, self.lease, lambda *_note: None))
+        commands = Commands(
+            *(self.model, self.control, RemoteAllowance(self.clock)),
+            *(self.clock, self.lease, lambda *_note: None),
+        )
+        self.shell = self._new_shell(commands)
         self._measure()
         self.routes = tuple(self.shell.all_routes())
         self.site = Site(self.routes, find=self.logins.find)

@@ -40,7 +40,7 @@ from gpr20_web.low.logins import Logins
 from gpr20_web.low.notifier import Notifier
 from gpr20_web.low.outbox import Outbox
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
-from gpr20_web.mid.commands import Commands, Robot
+from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
@@ -63,7 +63,6 @@ MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
 # A page that is loaded again finds what is known of the axes: a STOP may wait for it.
 LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
-S_PER_HOUR = 3600.0
 # An entry of a log is tried again for about an hour.
 RETRY_S, NOTE_TRIES = 5.0, 20
 
@@ -117,9 +116,8 @@ class WebNode:
         folder = parameters.path
         self._certificate = ensure_certificate(folder, (parameters.address,))
         self._accounts = Accounts(folder, self._clock)
-        longest_s = parameters.session_hours * S_PER_HOUR
-        key = self._certificate.cookie_key
-        self._logins = Logins(self._accounts, key, longest_s, self._clock)
+        key, longest_hours = self._certificate.cookie_key, parameters.session_hours
+        self._logins = Logins(self._accounts, key, longest_hours, self._clock)
         self._model = SurveyModel(self._clock)
         self._connect_clients()
         language = language_from_environment(os.environ)
@@ -134,8 +132,8 @@ class WebNode:
         )
         self._lease = Lease(self._clock, lambda session: self._server.streams.has(session))
         self._commands = Commands(
-            Robot(self._model, self._control, RemoteAllowance(self._clock), self._clock),
-            *(self._lease, self._note),
+            *(self._model, self._control, RemoteAllowance(self._clock)),
+            *(self._clock, self._lease, self._note),
         )
         self._shell = self._new_shell(data)
         self._server = HttpServer(

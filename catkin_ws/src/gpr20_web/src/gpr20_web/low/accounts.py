@@ -41,14 +41,15 @@ _HASH = re.compile(f"scrypt:([0-9]{{1,7}}):([0-9]{{1,2}}):([0-9]{{1,2}}):{_BASE6
 
 
 class Cost(NamedTuple):
-    """The parameters of scrypt; the defaults are what OWASP recommends for 32 MiB."""
+    """The parameters of scrypt."""
 
-    n: int = 1 << 15
-    r: int = 8
-    p: int = 3
+    n: int
+    r: int
+    p: int
 
 
-OWASP = Cost()
+# What it recommends for 32 MiB.
+OWASP = Cost(1 << 15, 8, 3)
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ import asyncio
 import json
 import re
 from functools import cached_property
-from typing import Any, Dict, List, Mapping
+from typing import Any, Dict, List, Mapping, Optional
 
 from tornado import web
 from tornado.http1connection import HTTP1Connection
@@ -24,8 +24,6 @@ from gpr20_web.low.event_streams import json_text
 
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
-# In seconds since 1970.
-LONG_AGO = 1.0
 # A browser that watches and whose computer has not answered for so long is gone [s].
 BROKEN_S = 10.0
 JSON = "application/json"
@@ -51,14 +49,16 @@ HEADERS = {
 class PageHandler(web.RequestHandler):
     """What all answers have in common; the settings of the application are those of HttpServer."""
 
-    def prepare(self) -> None:
-        """Tornado: begin a request."""
+    def __init__(self, *arguments: Any, **settings: Any) -> None:
         self._body = bytearray()
-        self._gone: asyncio.Future[None] = asyncio.get_event_loop().create_future()
+        # Of a stream: the browser has left.
+        self._gone: Optional[asyncio.Future[None]] = None
+        super().__init__(*arguments, **settings)
 
     def on_connection_close(self) -> None:
-        """Tornado: the browser has left; nobody else says so to what waits for it to read."""
-        self._gone.set_result(None)
+        """Tornado: nobody else says so to what waits for a browser to read."""
+        if self._gone is not None and not self._gone.done():
+            self._gone.set_result(None)
 
     def data_received(self, chunk: bytes) -> None:
         """Tornado: take a part of the body, which is no longer than the server allows."""
@@ -208,8 +208,8 @@ class RouteHandler(PageHandler):
             await self._send_body(answer)
         elif isinstance(answer, Cookie):
             flags: Dict[str, Any] = {"path": "/", "secure": True, "httponly": True}
-            # An empty one has ended: the browser forgets it.
-            expires = None if answer.session else LONG_AGO
+            # An empty one has ended in 1970: the browser forgets it.
+            expires = None if answer.session else 1.0
             self.set_cookie(COOKIE, answer.session, expires=expires, samesite="Strict", **flags)
             self.send_json(answer.values)
         else:
@@ -217,6 +217,7 @@ class RouteHandler(PageHandler):
 
     async def _watch(self, stream: Stream, person: Person) -> None:
         with self.settings["streams"].watching(person):
+            gone = self._gone = asyncio.get_event_loop().create_future()
             if not self._connection.closed():
                 # Without this, a browser whose link is lost would be there for 15 min.
                 end_when_broken(self._connection.socket, BROKEN_S)
@@ -224,9 +225,10 @@ class RouteHandler(PageHandler):
             async for event in self.settings["streams"].events(stream, person):
                 self.write(event)
                 sent = asyncio.ensure_future(self.flush())
-                await asyncio.wait([sent, self._gone], return_when=asyncio.FIRST_COMPLETED)
-                if self._gone.done():
+                await asyncio.wait([sent, gone], return_when=asyncio.FIRST_COMPLETED)
+                if gone.done():
                     return
+                sent.result()
 
     async def _send_body(self, body: Body) -> None:
         self.set_header("Content-Type", body.kind)

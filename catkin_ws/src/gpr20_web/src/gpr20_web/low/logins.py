@@ -17,7 +17,7 @@ from gpr20_web.low.accounts import Account, Accounts
 
 # Signed too: nothing else that this key signs is a session.
 SIGNED_NAME = "cookies.key"
-S_PER_DAY = 86400.0
+HOURS_PER_DAY = 24.0
 VERSION = 2
 
 
@@ -27,12 +27,12 @@ class Logins:
     Args:
         accounts: A session is over when its account is gone, or has another generation.
         key: Signs; another one ends every session.
-        longest_s: So long after the login a session is over [s].
+        longest_hours: So long after the login a session is over [h].
     """
 
-    def __init__(self, accounts: Accounts, key: bytes, longest_s: float, clock: Clock) -> None:
+    def __init__(self, accounts: Accounts, key: bytes, longest_hours: float, clock: Clock) -> None:
         self._accounts, self._key, self._clock = accounts, key, clock
-        self._longest_days = longest_s / S_PER_DAY
+        self._longest_days = longest_hours / HOURS_PER_DAY
 
     def begin(self, account: Account) -> str:
         """Return the cookie of a new session for an account whose password was checked."""

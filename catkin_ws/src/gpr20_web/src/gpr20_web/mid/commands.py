@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import uuid
-from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
@@ -27,27 +26,13 @@ from gpr20_web.mid.web_page import WebPage
 NOT_POSSIBLE = Message("this is not possible in the present state")
 
 
-@dataclass
-class Robot:
-    """The robot that is commanded.
-
-    Attributes:
-        shown: Shows what was asked for.
-        control: Asks it.
-        allowance: Whether somebody at the robot allows START and RESUME, and of which plan.
-    """
-
-    shown: SurveyModel
-    control: SurveyControl
-    allowance: RemoteAllowance
-    clock: Clock = field(default_factory=Clock)
-
-
 class Commands(WebPage):
     """STOP, PAUSE, START, RESUME and the control over them.
 
     Args:
-        robot: What is commanded.
+        model: Shows what was asked for.
+        control: Asks the robot.
+        allowance: Whether somebody at the robot allows START and RESUME, and of which plan.
         lease: Who may start and resume.
         note: Adds values to the log of a survey, by its id; it does not wait.
     """
@@ -89,15 +74,22 @@ class Commands(WebPage):
     }
 
     def __init__(
-        self, robot: Robot, lease: Lease, note: Callable[[str, Mapping[str, Any]], None]
+        self,
+        model: SurveyModel,
+        control: SurveyControl,
+        allowance: RemoteAllowance,
+        clock: Clock,
+        lease: Lease,
+        note: Callable[[str, Mapping[str, Any]], None],
     ) -> None:
-        self._robot, self._lease, self._note = robot, lease, note
+        self._model, self._control, self._allowance = model, control, allowance
+        self._clock, self._lease, self._note = clock, lease, note
         self._snapshot: Optional[Snapshot] = None
         self._presses = Presses()
         # Who has started a survey that the storage has not opened yet, by its id.
         self._starts: Dict[str, Call] = {}
         self._described = ""
-        self._stop = StopConfirmation(robot.clock)
+        self._stop = StopConfirmation(clock)
         self._warning: Optional[StopWarning] = None
         self.routes = (
             Route("POST", "/api/stop", Role.WATCH, self._on_stop),
@@ -111,7 +103,7 @@ class Commands(WebPage):
     def on_event(self, event: object) -> None:
         """Follow the answers."""
         self._stop.on_event(event)
-        self._robot.allowance.on_event(event)
+        self._allowance.on_event(event)
         if isinstance(event, Answer):
             for one in self._presses.end(event):
                 self._log(one.call, one.request, f"{one.outcome.value}: {event.message}")
@@ -127,20 +119,20 @@ class Commands(WebPage):
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
         self._snapshot = snapshot
-        self._robot.allowance.note(snapshot)
-        if self._robot.allowance.obstacle is not None:
-            self._robot.control.withdraw_start()
-        self._lease.refresh(self._robot.allowance.armed)
+        self._allowance.note(snapshot)
+        if self._allowance.obstacle is not None:
+            self._control.withdraw_start()
+        self._lease.refresh(self._allowance.armed)
         self._warning = self._stop.warning(snapshot)
-        self._presses.refresh(self._robot.clock.now_s())
+        self._presses.refresh(self._clock.now_s())
 
     def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
         """Return what may be pressed, what is allowed, and what became of the last command."""
-        snapshot, allowance = self._snapshot, self._robot.allowance
+        snapshot, allowance = self._snapshot, self._allowance
         if snapshot is None:
             return {}
         plan = allowance.plan if allowance.armed else None
-        until_s = self._robot.clock.now_s() + allowance.remaining_s
+        until_s = self._clock.now_s() + allowance.remaining_s
         holder, warning = self._lease.holder, self._warning
         return {
             "can": {
@@ -176,8 +168,8 @@ class Commands(WebPage):
         is_new = press not in self._presses
         # The page asks until it is confirmed; an open one is repeated as long without that.
         if is_new or not self._is_stop_open:
-            self._robot.shown.request_sent(Request.STOP)
-            self._robot.control.stop()
+            self._model.request_sent(Request.STOP)
+            self._control.stop()
         if is_new:
             self._stop.press()
             self._add(call, Request.STOP, press)
@@ -186,7 +178,7 @@ class Commands(WebPage):
     def _pause(self, call: Call) -> Mapping[str, Any]:
         def send(snapshot: Snapshot) -> None:
             _check(snapshot.can_pause)
-            self._robot.control.pause_survey()
+            self._control.pause_survey()
 
         return self._once(call, Request.PAUSE, send)
 
@@ -194,14 +186,14 @@ class Commands(WebPage):
         def send(snapshot: Snapshot) -> None:
             self._check_allowed(call, Request.START)
             _check(snapshot.can_start)
-            plan = self._robot.allowance.plan
+            plan = self._allowance.plan
             if plan is None:
                 raise NotNowError(Message("the plan at the robot is not complete"))
             if call.values.get("plan") != plan_id(plan):
                 raise NotNowError(
                     Message("the plan at the robot was changed; read it again before START")
                 )
-            self._robot.control.start_survey(
+            self._control.start_survey(
                 plan.parameters, plan.annotation, plan.refines, plan.permittivity
             )
 
@@ -214,12 +206,12 @@ class Commands(WebPage):
             # It is the paused survey that the person has seen, whatever was paused since.
             if call.values.get("survey") != snapshot.running_survey:
                 raise NotNowError(Message("another survey is paused now"))
-            self._robot.control.resume_survey(snapshot.running_survey)
+            self._control.resume_survey(snapshot.running_survey)
 
         return self._once(call, Request.RESUME, send)
 
     def _take(self, call: Call) -> Mapping[str, Any]:
-        self._lease.take(call.who, self._robot.allowance.armed)
+        self._lease.take(call.who, self._allowance.armed)
         return {}
 
     def _release(self, call: Call) -> Mapping[str, Any]:
@@ -235,7 +227,7 @@ class Commands(WebPage):
             if self._snapshot is None:
                 raise NotNowError(NOT_POSSIBLE)
             send(self._snapshot)
-            self._robot.shown.request_sent(request)
+            self._model.request_sent(request)
             self._add(call, request, press)
         return {}
 
@@ -247,9 +239,9 @@ class Commands(WebPage):
             NotNowError: Nobody at the robot allows it, a STOP is open, or it comes too late.
             NotAllowedError: Another page is in control.
         """
-        obstacle = self._robot.allowance.obstacle
+        obstacle = self._allowance.obstacle
         try:
-            self._presses.check_age(call, self._robot.clock.now_s())
+            self._presses.check_age(call, self._clock.now_s())
             # A command after STOP would end its repetition, whoever has pressed it.
             if self._is_stop_open:
                 raise NotNowError(
@@ -263,7 +255,7 @@ class Commands(WebPage):
             raise
 
     def _add(self, call: Call, request: Request, press: str) -> None:
-        self._presses.add(press, request, call, self._robot.clock.now_s())
+        self._presses.add(press, request, call, self._clock.now_s())
         self._log(call, request, "sent")
 
     def _log(self, call: Call, request: Request, outcome: str, survey: str = "") -> None:
@@ -271,7 +263,7 @@ class Commands(WebPage):
         if not survey and self._snapshot is not None:
             survey = self._snapshot.running_survey
         if survey:
-            self._note(survey, log_entry(call, request.value, outcome, self._robot.clock))
+            self._note(survey, log_entry(call, request.value, outcome, self._clock))
 
 
 def _check(possible: bool) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import CurrentPosition
-from gpr20_operator.robot.notices import Notice, fault_notice
+from gpr20_operator.robot.notices import fault_notice
 from gpr20_operator.robot.snapshot import (
     Snapshot,
     area_of,
@@ -26,17 +26,6 @@ def sentence(text: Text, message: Optional[Message]) -> str:
     """Return a message as a sentence of its own; empty without one."""
     shown = "" if message is None else text(message)
     return shown[:1].upper() + shown[1:]
-
-
-def notice_values(notice: Notice, text: Text) -> Dict[str, Any]:
-    """Return a card for a browser."""
-    return {
-        "title": text(notice.title),
-        "text": sentence(text, notice.text),
-        "first": sentence(text, notice.first),
-        "then": sentence(text, notice.then),
-        "details": list(notice.details),
-    }
 
 
 def _at(place: CurrentPosition) -> Message:
@@ -85,7 +74,12 @@ class NowPage(WebPage):
             return {}
         band, state, fault = self._band(snapshot, text), snapshot.state, None
         if state is not None and state.is_fault and snapshot.replay is None:
-            fault = notice_values(fault_notice(state), text)
+            card = fault_notice(state)
+            fault = {
+                **{"title": text(card.title), "details": list(card.details)},
+                **{"text": sentence(text, card.text), "first": sentence(text, card.first)},
+                "then": sentence(text, card.then),
+            }
         return {
             "robot": {
                 "name": self._robot,

@@ -75,8 +75,6 @@ class WebParameters:
     def notified(self) -> Tuple[str, ...]:
         """Return the URLs of apprise of those that are notified; none without the file.
 
-        What is no text in a line leads to an address that is none.
-
         Raises:
             InvalidValueError: The file cannot be read.
         """
