@@ -247,7 +247,7 @@ make_workspace() {
             -DCATKIN_ENABLE_TESTING=OFF
     )
     # The messages, whose first import would cost each node of the first launch 0.2 s.
-    "$GPR20_VENV/bin/python3" -m compileall -q "$GPR20_WORKSPACE/devel/lib/python3"
+    "$GPR20_VENV/bin/python" -m compileall -q "$GPR20_WORKSPACE/devel/lib/python3"
 }
 
 check_place
