@@ -61,7 +61,7 @@ CANDIDATES = st.builds(
     y_uncertainty_m=SIZES,
     depth_uncertainty_m=SIZES,
     above_clutter_db=numbers(-1e3, 1e3),
-    rotations_deg=st.lists(st.none() | numbers(), max_size=3).map(tuple),
+    rotations_deg=st.lists(numbers(), max_size=3).map(tuple),
     polarization_ratio_db=st.none() | numbers(),
     flags=st.lists(st.sampled_from(Flag), unique=True).map(tuple),
 )

@@ -243,7 +243,7 @@ def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
         assert damaged.problem.fault_code == faults.SETTINGS_LOST.as_warning().code
 
 
-def test_a_survey_is_named_after_its_site_and_numbered():
+def test_names_are_numbered_from_survey_to_survey():
     for name, after in (
         *(("", ""), ("El Carmen 3", "El Carmen 4"), ("P-009", "P-010"), ("99", "100")),
         *(("road", "road 2"), ("a" * 200, "a" * 198 + " 2"), ("a" * 199 + "9", "a" * 198 + "10")),
@@ -251,7 +251,7 @@ def test_a_survey_is_named_after_its_site_and_numbered():
         assert next_name(name) == after
     following = NextAnnotation()
     following.take_defaults(Annotation(site="El Carmen"))
-    for given, named in ((None, "El Carmen 1"), ("lane 7", "lane 7"), ("", "")):
+    for given, named in ((None, ""), ("lane 7", "lane 7"), ("", "")):
         if given is not None:
             following.take(Annotation(site="El Carmen", name=given))
         assert following.value.name == named

@@ -135,7 +135,7 @@ def why_line(place: Candidate) -> Message:
 def why_lines(place: Candidate) -> List[Message]:
     """Return all that is known about why a place is on the list."""
     lines = [Message("{level:.0f} dB above the clutter around it", level=place.above_clutter_db)]
-    rotations = [numeral(one) for one in place.rotations_deg if one is not None]
+    rotations = [numeral(one) for one in place.rotations_deg]
     if rotations:
         line = in_line(rotations)
         lines.append(Message("Seen with the antennas at {rotations} deg", rotations=line))

@@ -70,7 +70,7 @@ class Candidate:
         depth_uncertainty_m: Uncertainty of the depth from permittivity, picking and height [m].
         above_clutter_db: Level of its echoes together above the clutter around them [dB].
         rotations_deg: Rotations of the antennas at which it is seen, the one where it is strongest
-            first [deg]; None for a combination of polarizations.
+            first [deg].
         polarization_ratio_db: Level at the first rotation above that at the second [dB]; None if
             only one polarization was measured.
     """
@@ -83,7 +83,7 @@ class Candidate:
     y_uncertainty_m: float = field(metadata=SIZE)
     depth_uncertainty_m: float = field(metadata=SIZE)
     above_clutter_db: float
-    rotations_deg: Tuple[Optional[float], ...]
+    rotations_deg: Tuple[float, ...]
     polarization_ratio_db: Optional[float]
     flags: Tuple[Flag, ...]
 
