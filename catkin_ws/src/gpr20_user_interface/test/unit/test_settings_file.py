@@ -253,7 +253,7 @@ def test_names_are_numbered_from_survey_to_survey():
     following.take_defaults(Annotation(site="El Carmen"))
     for given, named in ((None, ""), ("lane 7", "lane 7"), ("", "")):
         if given is not None:
-            following.take(Annotation(site="El Carmen", name=given))
+            following.value = replace(following.value, name=given)
         assert following.value.name == named
         following.note_started()
         assert following.value.name == next_name(named)
