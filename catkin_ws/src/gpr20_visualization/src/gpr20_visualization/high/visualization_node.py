@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import threading
 from pathlib import Path
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospkg
 import rospy
@@ -62,6 +62,7 @@ class VisualizationNode:
         self._lock = threading.Lock()  # guards everything below
         self._publishers: Dict[str, rospy.Publisher] = {}
         self._survey = SurveyPicture()
+        self._corners: Optional[List[Tuple[float, float]]] = None
         self._problem: Optional[Message] = None
         self._subscribers = [
             rospy.Subscriber(
@@ -84,14 +85,14 @@ class VisualizationNode:
                 self._publish(DESCRIPTION, String(self._urdf))
             self._publish("tf", messages.transforms(self._model.moving(positions), stamp))
             self._publish("joint_states", messages.joint_state(positions, stamp))
+            self._publish_area(stamp)
 
     def _survey_description(self, message: String) -> None:
         area = area_of(message.data)
-        corners = [] if area is None else area.outline()
         with self._lock:
             self._survey.set_area(area)
-            # Without a stamp: it holds at any time, also of a recording.
-            self._publish("survey_area", messages.outline(corners, rospy.Time()))
+            # Shown with the stamp of what comes next, live or recorded.
+            self._corners = [] if area is None else area.outline()
 
     def _trace(self, message: rospy.AnyMsg) -> None:
         try:
@@ -102,11 +103,17 @@ class VisualizationNode:
                 self._problem = error.message.as_warning()
             return
         with self._lock:
+            self._publish_area(ros_time(trace.timestamp_us))
             picture = self._survey.add(trace)
             if picture is not None:
                 stamp = ros_time(self._survey.ended_us)
                 self._publish("b_scan", messages.image(picture, stamp))
                 self._publish("stops", messages.stops(self._survey.stops_m, stamp))
+
+    def _publish_area(self, stamp: rospy.Time) -> None:
+        if self._corners is not None:
+            self._publish("survey_area", messages.outline(self._corners, stamp))
+            self._corners = None
 
     def _publish(self, topic: str, message: Any) -> None:
         if topic not in self._publishers:
