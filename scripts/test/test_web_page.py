@@ -414,13 +414,6 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     assert "STOP" not in browser.text("form")
 
 
-def test_a_person_who_may_watch_sees_nothing_to_start(site: Site) -> None:
-    browser = site.browser
-    site.log_in("vera")
-    assert browser.find("#stop").is_displayed()
-    assert not browser.run("return document.querySelector('#take')?.offsetParent")
-
-
 def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:
     browser = site.browser
     site.log_in("vera")
