@@ -6,10 +6,8 @@ scripts/test.sh makes a virtual environment for each of them that this machine h
 from __future__ import annotations
 
 import os
-import shutil
-import subprocess
 from pathlib import Path
-from typing import List, NamedTuple, Optional, Sequence
+from typing import NamedTuple, Sequence
 
 import pytest
 from pytest_gpr20.workspace import without_ros
@@ -63,25 +61,6 @@ def run(python: str, *arguments: str, **variables: str) -> None:
     """Run a program of Python in the checkout; it must succeed."""
     own = {name: value for name, value in os.environ.items() if "PYTEST" not in name}
     printed_by(python, *arguments, folder=ROOT, env={**own, **variables})
-
-
-def oldest_python() -> Optional[str]:
-    """Return the interpreter that the code is written for, if this machine has it."""
-    versions = Path.home() / ".pyenv/versions"
-    for one in ("python3.8", *map(str, sorted(versions.glob("3.8.*/bin/python")))):
-        found = shutil.which(one)
-        # A version manager may have a command of that name that only says which to choose.
-        if found and subprocess.run([found, "--version"], capture_output=True).returncode == 0:
-            return found
-    return None
-
-
-def test_every_source_file_is_compiled_by_the_python_of_noetic(tmp_path):
-    python = oldest_python()
-    if python is None:
-        pytest.skip("no Python 3.8 here")
-    folders: List[str] = ["benchmarks", "catkin_ws/src", "deploy", "scripts", "tools"]
-    run(python, "-m", "compileall", "-q", *folders, PYTHONPYCACHEPREFIX=str(tmp_path))
 
 
 @pytest.fixture(params=PYTHONS, ids=lambda python: python.version)

@@ -5,12 +5,11 @@ import dataclasses
 import json
 
 import pytest
-from case_kit import each_case
 
 pytest.importorskip("rospy")
 
 import rospy
-from candidate_examples import POSITIONS, candidate, candidate_list, candidate_lists
+from candidate_examples import POSITIONS, candidate_lists
 from hypothesis import HealthCheck, given, settings
 from visualization_msgs.msg import Marker
 
@@ -26,8 +25,7 @@ from gpr20_analysis.report.sections import places_section
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import Flag, json_text, list_from
+from gpr20_survey.results.candidates import json_text, list_from
 
 # As it is documented: docs/imaging.md.
 WEAKER = {"clutter", "sidelobe"}
@@ -40,7 +38,6 @@ LABELS = {
     "brightest": "only the brightest",
     "of-a-later-version": "of-a-later-version",
 }
-HERE = AreaPosition(4.6, -74.1, 30.0)
 
 
 def csv_rows(found, folder):
@@ -67,6 +64,7 @@ def check(found, folder):
     weaker = {name for name, own in flags.items() if WEAKER & set(own)}
     shown = [name for name in flags if name not in weaker]
     labels = {name: [LABELS[one] for one in own] for name, own in flags.items()}
+    assert [list(map(str, one.labels)) for one in found.candidates] == list(labels.values())
 
     # Files, for programs: everything that is listed.
     for facts, rows in (csv_rows(found, folder), geojson(found, folder)):
@@ -114,16 +112,6 @@ def check(found, folder):
     assert list(colours) == list(flags)
     for name, colour in colours.items():
         assert (colour == candidate_topics.DOUBTFUL) == (name in weaker)
-
-
-@each_case("flag", Flag)
-def test_every_flag_means_the_same_everywhere(flag, tmp_path):
-    assert list(map(str, candidate(flags=[flag]).labels)) == [LABELS[flag.value]]
-    found = candidate_list([candidate(flags=[flag])], position=HERE)
-    check(found, tmp_path)
-    # Beside others.
-    many = [candidate(number, flags=[flag]) for number in range(2, 15)]
-    check(candidate_list([candidate(), *many], position=HERE, omitted=3), tmp_path)
 
 
 @given(candidate_lists(POSITIONS))

@@ -39,9 +39,6 @@ class MemoryRecording:
 
     write_alone = write
 
-    def in_place(self):
-        return True
-
     def commit(self):
         if self.error is not None:
             raise self.error
@@ -51,9 +48,6 @@ class MemoryRecording:
     def finish(self):
         self.commit()
         self.finished = True
-
-    def abandon(self):
-        self.collected = []
 
     def texts(self, topic):
         # Behind the length of the text.

@@ -33,7 +33,6 @@ from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, map_of, summar
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
 METADATA = json.dumps({"simulated": True, "parameters": PLAN})
 NAME = "20260921T141320_0f8fad5b"
-UNKNOWN = ["../x", "/etc", f"{NAME}/..", SURVEY, SURVEY[:8] + OTHER_SURVEY[8:]]
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import http.client
 import json
-import re
 import socket
 import threading
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +14,7 @@ import pytest
 from fault_kit import raises_fault
 from tornado import httputil, netutil
 from wait_kit import wait_until
-from web_kit import COOKIE, LIMIT_S, STATIC, Site
+from web_kit import COOKIE, LIMIT_S, Site
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.links import end_when_broken
@@ -182,15 +181,6 @@ def test_login_does_not_wait_for_what_others_wait_for() -> None:
             assert site.ask("POST", "/api/login").values == {"in": True}
         finally:
             go.set()
-
-
-def test_setup_installs_every_file_of_the_pages() -> None:
-    setup = STATIC.parents[2] / "setup.py"
-    (listed,) = re.findall(r'package_data=\{"gpr20_web": \[(.*)\]\}', setup.read_text())
-    patterns = re.findall(r'"(.*?)"', listed)
-    found = {one for pattern in patterns for one in STATIC.parent.glob(pattern) if one.is_file()}
-    files = {one for one in STATIC.rglob("*") if one.is_file()}
-    assert files and found == files
 
 
 def test_a_browser_that_leaves_while_it_is_sent_to_is_gone() -> None:

@@ -7,23 +7,15 @@ real page of another origin is in scripts/test/test_web_page.py.
 from __future__ import annotations
 
 import contextlib
-import dataclasses
-import json
-import random
 import re
-import shutil
-import subprocess
-from typing import Any, Iterator, List, Mapping, Optional, Sequence
+from typing import Iterator, List, Mapping, Optional, Sequence
 from uuid import uuid4
 
 import pytest
 from case_kit import each_case
-from run_seed import SEED, draws
 from web_kit import COOKIE, PASSWORD, STATIC, Reply
-from whole_page_kit import PEOPLE, TABLE, Row, S, WholePage, is_without_right, least_right
+from whole_page_kit import PEOPLE, TABLE, Row, S, WholePage, is_without_right
 
-from gpr20_common.catalogue import Language
-from gpr20_operator.robot.events import CurrentPosition
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Role
 from gpr20_web.low.http_server import MAX_BODY_BYTES, MAX_HEADER_BYTES
@@ -202,18 +194,6 @@ def test_user_enumeration_a_known_and_an_unknown_name_are_answered_alike(page: W
     assert answers[0][0][0] == 401 and answers[0][-1][0] == 429
 
 
-def test_verb_tampering_another_verb_does_nothing(page: WholePage) -> None:
-    verbs = ("HEAD", "PUT", "post", "GET", "POST", "DELETE")
-    more = ("X-HTTP-Method-Override: POST", "Content-Length: 2")
-    paths = {_path(page, row) for row in TABLE}
-    wrong = [(verb, path) for path in paths for verb in verbs if least_right(verb, path) is None]
-    before = page.done()
-    for verb, path in random.Random(SEED).sample(sorted(wrong), draws(50)):
-        answer = page.exchange(_head(page, f"{verb} {path} HTTP/1.1", *more) + b"{}")
-        assert re.match(rb"HTTP/1.1 40[0345] ", answer), (verb, path, answer)
-    assert page.done() == before
-
-
 @each_case(
     "framing",
     [
@@ -253,54 +233,3 @@ def test_mass_assignment_fields_that_a_route_has_not_are_not_taken(page: WholePa
     assert page.ask("POST", "/api/login", NOBODY, login).values["role"] == WATCH
     roles = {one.name: one.role for one in page.accounts.all() if one.name in PEOPLE.values()}
     assert roles == {name: role for role, name in PEOPLE.items()}
-
-
-WITH_POINT = re.compile(r"(?<![\w.])\d+\.\d+(?![\w.])|\d{4}-\d\d-\d\d")
-# Keys whose texts programs read, and what people have typed.
-OF_PROGRAMS = ("id", "folder", "since", "created", "time_utc", "notes", "markers", "code")
-
-
-def _texts(value: Any, key: str = "") -> Iterator[str]:
-    parts = value.items() if isinstance(value, dict) else [(key, one) for one in value]
-    for name, one in parts:
-        if name not in OF_PROGRAMS:
-            yield from [one] if isinstance(one, str) else ()
-            yield from _texts(one, name) if isinstance(one, (list, dict)) else ()
-
-
-def test_no_text_of_the_spanish_page_has_a_decimal_point(page: WholePage) -> None:
-    page.be(SurveyState.SURVEYING)
-    place = CurrentPosition(12.5, 20.25, 90.0)
-    page.shell.refresh(dataclasses.replace(page.model.snapshot(), current=place))
-    members = "".join(page.shell.document(Language.SPANISH)).rstrip(",")
-    found = [json.loads(f"{{{members}}}")]
-    assert found[0]["job"]["place"].startswith("X 12,5 mm, Y 20,2 mm, 90 ")
-    for row in TABLE:
-        # What is downloaded is for programs.
-        if row.method == "GET" and row.path != "/api/live" and "/files/" not in row.path:
-            reply = page.ask("GET", f"{_path(page, row)}?language=es", CONTROL)
-            with contextlib.suppress(ValueError):
-                found.append(json.loads(reply.body))
-    assert len(found) > 5
-    assert [one for answer in found for one in _texts(answer) if WITH_POINT.search(one)] == []
-
-
-@pytest.mark.skipif(shutil.which("node") is None, reason="no Node.js")
-def test_the_script_writes_numbers_as_the_catalogue_says() -> None:
-    """With the functions of the page, out of its script."""
-    script = (STATIC / "app.js").read_text(encoding="utf-8")
-    methods = re.search(r"  word\(name.*?(?=\n  get\()", script, re.DOTALL)
-    assert methods is not None
-    code = f"""
-class App {{
-  constructor(words) {{ this.words = words; }}
-{methods.group()}
-}}
-const said = [".", ","].map((point) => {{
-  const app = new App({{ "shell.point": point, a: "{{x:g}} mm {{y}}" }});
-  return [app.word("a", {{ x: 0.5, y: "1.2.3" }}), app.number(-2.25)];
-}});
-console.log(JSON.stringify(said));
-"""
-    done = subprocess.run(["node", "-e", code], capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout) == [["0.5 mm 1.2.3", "-2.25"], ["0,5 mm 1.2.3", "-2,25"]]

@@ -7,7 +7,6 @@ import importlib
 import io
 import random
 import string
-from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import pytest
@@ -26,7 +25,6 @@ from gpr20_common.sent_message import received_message
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_user_interface.terminal.follower import Display, first_step
-from gpr20_web import faults
 from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import NotNowError
 
@@ -130,8 +128,3 @@ def test_of_an_unknown_code_text_and_remedy_are_shown_and_to_keep_hands_off(plac
     # Nor does one without a remedy leave it out.
     for said in places(received_message("as sent", {"code": "mast.warped"})).values():
         assert said.remedy == places.catalogue.text(MOTORS_OFF)
-
-
-def test_the_codes_that_programs_of_operators_name_are_those_of_faults() -> None:
-    script = Path(faults.__file__).parent / "static" / "app.js"
-    assert f'"{faults.NOT_LOGGED_IN.code}"' in script.read_text(encoding="utf-8")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import getpass
 import io
-import subprocess
 import sys
 from pathlib import Path
 from typing import Callable, Tuple
@@ -96,18 +95,6 @@ def test_two_passwords_none_control_c_or_a_name_that_is_none_make_no_account(
     assert make_accounts(tmp_path).all() == []
 
 
-def test_a_damaged_file_is_named_with_its_remedy_and_stays(run: Run, tmp_path: Path) -> None:
-    # A control character does not reach the terminal.
-    assert "\x1b" not in run("remove", "a\x1b[2J")[2]
-    (tmp_path / "web").mkdir(exist_ok=True)
-    file = tmp_path / "web" / "accounts.json"
-    file.write_text("damaged")
-    for arguments in (("list",), ("remove", "ana")):
-        status, _out, complaint = run(*arguments)
-        assert (status, str(file) in complaint, "->" in complaint) == (1, True, True)
-    assert file.read_text() == "damaged"
-
-
 def test_the_folder_is_that_of_the_page_by_default(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -124,22 +111,6 @@ def test_the_folder_is_that_of_the_page_by_default(
         (tmp_path / "web.yaml").write_text(written)
         assert run(*add, stdin=PASSWORD.encode())[0] == 0
         assert (tmp_path / folder / "accounts.json").is_file()
-
-
-def test_the_program_needs_no_ros() -> None:
-    code = (
-        "import sys\n"
-        "from gpr20_web.high.users_command import main\n"
-        "print([one for one in sys.modules if one.startswith(('ros', 'tornado'))])\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env={"PYTHONPATH": ":".join(sys.path)},
-    )
-    assert done.stdout.strip() == "[]"
 
 
 def parameters(**values):

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from map_kit import MARKER, focused
+from map_kit import focused
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
-from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
+from web_ground_kit import BEN, FOLDER, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import MarkersStored
@@ -60,19 +60,6 @@ def test_the_coverage_has_the_signs_of_the_window(server):
     assert (found == pattern_colours(Theme.NIGHT)[pattern(states, PATTERN_PX)]).all()
 
 
-def test_what_loads_is_not_shown_as_missing(server):
-    server.open_past(stored=12)
-    server.page._past[FOLDER].traces.shown.radar.begin(
-        server.page._past[FOLDER].traces.shown.map.grid
-    )
-    server.tick()
-    answer = server.ask(survey=FOLDER)
-    assert any("loading 0/12" in one for one in answer["ground"]["notes"])
-    loading = server.pixels(survey=FOLDER, layer="coverage")
-    # Dashes on nothing; what is missing is dotted paper.
-    assert (loading[-64:, :, 3] == 0).mean() > 0.5 and (loading[:64, :, 3] == 255).all()
-
-
 def test_no_choice_of_a_browser_changes_what_others_see(server):
     server.run(stored=4)
     before = server.ask()
@@ -107,20 +94,6 @@ def test_a_past_survey_is_never_shown_as_the_running_one(server):
     server.page.on_event(trace_at(grid, 4))
     server.tick()
     assert (shown.shown.radar.count, radar_of(server).count) == (12, 5)
-
-
-def test_a_survey_that_begins_is_not_mixed_with_the_last_one(server):
-    server.run()
-    server.look()
-    server.node.ticket("focus").done(focused())
-    server.page.on_event(MarkersStored(SURVEY, (MARKER,)))
-    assert len(server.ask()["ground"]["marks"]) == 3
-    server.page.on_event(SurveyDescribed(description(survey_id=PAST)))
-    after = server.ask()
-    assert after["title"] == "Loading…"
-    assert after["ground"]["counts"][0][1] is None
-    assert not after["ground"]["marks"]
-    assert server.page.live(str)["ground"]["survey"] == ""
 
 
 def test_while_nobody_watches_no_traces_are_read(server):
