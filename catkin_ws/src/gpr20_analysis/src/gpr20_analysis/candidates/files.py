@@ -146,7 +146,5 @@ def _csv(head: Record, records: Sequence[Record], columns: Sequence[str]) -> str
 def _flat(value: Any) -> Any:
     """Return a value as a cell holds it: flags and rotations are separated by spaces."""
     if isinstance(value, list):
-        # A rotation that is not known keeps its place.
-        known = [float("nan") if one is None else one for one in value]
-        return " ".join(f"{one:g}" if isinstance(one, float) else one for one in known)
+        return " ".join(f"{one:g}" if isinstance(one, float) else one for one in value)
     return int(value) if isinstance(value, bool) else value
