@@ -34,7 +34,6 @@ from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
-from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -66,7 +65,6 @@ LONGEST = {
 PEOPLE = Annotation(NAME, SITE, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
 FIRST_FIELDS = [SPECS[TILE_FIELDS[tile][0]] for tile in VALUE_TILES]
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
-ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 
 
 MANY = [
@@ -236,16 +234,6 @@ def list_fails(window):
     show(window, snapshot())
 
 
-def robots(window):
-    window.on_event(RobotsFound(frozenset({*ROBOTS, "/"})))
-    now = busiest(SurveyState.IDLE)
-    for name in ROBOTS:
-        window.on_event(RobotReported(name, now.state))
-    window.settings.open()
-    window.settings.robot_button.click()
-    show(window, now)
-
-
 def armed(window):
     window.on_event(WEB)
     show(window, busiest(SurveyState.PAUSED))
@@ -255,7 +243,6 @@ def armed(window):
 
 
 def service(window):
-    window.on_event(RobotsFound(frozenset()))
     window.show_tab(TabName.ROBOT)
     show(window, busiest(SurveyState.FINISHED))
     window.robot.overview.entered.emit()
@@ -298,7 +285,6 @@ STOPS = {
     **{name: on_ground(name) for name in ("layers", "set_marker")},
     "surveys": surveys,
     "the list fails": list_fails,
-    "robots": robots,
     "armed": armed,
     "service": service,
     "instruments": instruments,
