@@ -34,7 +34,7 @@ PERIOD_S = 0.05
 READY = verbatim("READY")
 KEPT = {f"field {number}" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
-HARMLESS = {"stop", "pause", "pause replay"}
+HARMLESS = {"stop", "pause"}
 # Of SERVICE: whether its tab is looked at, and what CHECK ALL asks for.
 LOOKED = {
     *(("watch", True), ("watch", False), ("examine", False), ("examine", True)),

@@ -63,9 +63,6 @@ class Survey:
     def pause(self):
         self.asked.append("pause")
 
-    def pause_replay(self):
-        self.asked.append("pause replay")
-
     def resume(self, folder="", accept_zeros=False):
         self.asked.append(f"resume {folder}".strip() + " without proof" * accept_zeros)
 

@@ -64,8 +64,6 @@ class ControlClient(RosEvents):
         self._withdrawals = 0
         self._pause = ServiceClient("pause_survey", srv.Command)
         self._resume = ServiceClient("resume_survey", srv.ResumeSurvey)
-        self._pause_replay = ServiceClient("pause", srv.Command)
-        self._continue_replay = ServiceClient("continue", srv.Command)
         self._checking_master = threading.Lock()
         # The last report of each axis that was passed on: whether it moved, and when [s].
         self._reports: Dict[AxisId, Tuple[bool, float]] = {}
@@ -143,18 +141,6 @@ class ControlClient(RosEvents):
             Request.RESUME,
             lambda: self._resume.call(START_TIMEOUT_S, survey=survey_id, **fields),
         )
-
-    def set_replay_paused(self, paused: bool) -> None:
-        """See `SurveyControl`; its next mark shows whether it did."""
-        service = self._pause_replay if paused else self._continue_replay
-
-        def ask() -> None:
-            try:
-                service.call(PAUSE_TIMEOUT_S)
-            except ServiceUnavailableError as error:
-                rospy.logwarn("the replay did not answer: %s", error)
-
-        in_background(ask)
 
     def check_master(self) -> None:
         """See `SurveyControl`."""

@@ -55,9 +55,6 @@ class SurveyControl(Protocol):
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event."""
 
-    def set_replay_paused(self, paused: bool) -> None:
-        """Ask the replay to pause or to continue."""
-
 
 class WindowPresenter:
     """Carries events to the model and requests to the main control. Belongs to one thread.
@@ -91,12 +88,6 @@ class WindowPresenter:
                 self.preview = replace(self.preview, cost=event.cost)
             return None
         return self._model.handle(event)
-
-    def pause_replay(self) -> None:
-        """Pause the replay, or continue it."""
-        replay = self.snapshot.replay
-        if replay is not None and replay.can_pause:
-            self._control.set_replay_paused(not replay.paused)
 
     def refresh(self) -> Snapshot:
         """Return what is known now."""

@@ -128,7 +128,6 @@ class SurveyModel:
         state, parameters = self._last(ControlState), self._last(SurveyParameters)
         master, described = self._last(MasterAnswered), self._last(RobotDescribed)
         service, height = self._last(ServiceActivity), self._last(MeasuredHeight, STALE_S)
-        ignored = self._last(SenderIgnored, STALE_S)
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
             control_silent_s=silent_s,
@@ -146,7 +145,7 @@ class SurveyModel:
             state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
             service=service.activity if service else None,
-            ignored_sender=ignored.sender if ignored else "",
+            sender_ignored=self._last(SenderIgnored, STALE_S) is not None,
             axes=tuple(
                 replace(one, silent=now_s - one.received_s > STALE_S) for one in self._axes.values()
             ),

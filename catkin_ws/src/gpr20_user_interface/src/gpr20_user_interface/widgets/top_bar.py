@@ -106,8 +106,6 @@ class TopBar(QWidget):
     pause_pressed = pyqtSignal()
     # Resuming moves the robot: the receiver asks first.
     resume_pressed = pyqtSignal()
-    # A replay is to pause, or to continue.
-    replay_pressed = pyqtSignal()
 
     def __init__(self) -> None:
         super().__init__()
@@ -162,24 +160,16 @@ class TopBar(QWidget):
             message = left
         self.band.show_condition(condition, title, message, self._name)
         self.band.simulated.setVisible(snapshot.simulated)
-        replay, paused = snapshot.replay, snapshot.paused
-        self.stop.setVisible(replay is None)
-        if replay is not None:
-            goes_on = replay.paused
-            self.pause.setText(self.tr("CONTINUE") if goes_on else self.tr("PAUSE"))
-            self.pause.setVisible(replay.can_pause)
-            self.pause.setEnabled(True)
-            return
+        is_robot, paused = snapshot.replay is None, snapshot.paused
+        self.stop.setVisible(is_robot)
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
-        self.pause.setVisible(snapshot.running)
+        self.pause.setVisible(is_robot and snapshot.running)
         self.pause.setEnabled(snapshot.can_resume if paused else snapshot.can_pause)
 
     def _on_pause(self) -> None:
         if self._snapshot is None:
             return
-        if self._snapshot.replay is not None:
-            self.replay_pressed.emit()
-        elif self._snapshot.paused:
+        if self._snapshot.paused:
             self.resume_pressed.emit()
         else:
             self.pause_pressed.emit()

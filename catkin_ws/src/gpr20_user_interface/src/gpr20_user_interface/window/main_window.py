@@ -330,7 +330,6 @@ class MainWindow(QWidget):
         for request in (
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
-            self.top_bar.replay_pressed,
             self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())

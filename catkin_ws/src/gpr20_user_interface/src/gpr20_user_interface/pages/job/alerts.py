@@ -95,7 +95,6 @@ class Alerts(Page):
         self._answer_due.timeout.connect(self._show_stop)
         top_bar.stop.pressed.connect(self._on_stop)
         top_bar.pause_pressed.connect(survey.pause)
-        top_bar.replay_pressed.connect(survey.pause_replay)
         top_bar.resume_pressed.connect(ask_resume)
         top_bar.band.touched.connect(self.show_condition)
         self.notice.resume_pressed.connect(top_bar.resume_pressed)
