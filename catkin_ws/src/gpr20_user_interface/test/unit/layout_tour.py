@@ -7,7 +7,7 @@ import itertools
 
 from candidate_examples import candidate
 from hiding_kit import a_map
-from map_kit import MARKER
+from map_kit import MARKER, marked
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     FOLDER,
@@ -25,7 +25,6 @@ from window_helpers import click, hold, open_field, show
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
-from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.pictures import Exported
@@ -205,7 +204,8 @@ def ground(window):
     runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
-    window.on_event(MarkersStored(SURVEY, (MARKER,)))
+    window.refresh()
+    window.node.ticket("read").done(marked(MARKER))
     window.draw()
 
 

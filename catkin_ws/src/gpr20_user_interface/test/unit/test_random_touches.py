@@ -184,9 +184,8 @@ class Field:
 
     def check_wishes(self):
         assert set(wishes(self.window)) <= HARMLESS and not self.arming.armed
-        changed = {one[0] for one in self.window.traces.source.asked}
-        changed |= {fields.get("kind") for _name, _ticket, fields in self.window.node.asked}
-        assert not changed & {"remove marker", Kind.ANNOTATION}
+        changed = {fields.get("kind") for _name, _ticket, fields in self.window.node.asked}
+        assert not changed & {Kind.MARKER_REMOVED, Kind.ANNOTATION}
         assert set(self.window.tools.asked) <= LOOKED
 
     def check_shown(self):

@@ -4,12 +4,11 @@ from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from map_kit import MARKER, focused
+from map_kit import MARKER, focused, marked
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import BEN, FOLDER, PAST, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import Place
 from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colours, shade_numbers
@@ -113,7 +112,7 @@ def test_a_survey_that_begins_is_not_mixed_with_the_last_one(server):
     server.run()
     server.look()
     server.node.ticket("focus").done(focused())
-    server.page.on_event(MarkersStored(SURVEY, (MARKER,)))
+    server.node.ticket("read").done(marked(MARKER))
     assert len(server.ask()["ground"]["marks"]) == 3
     server.page.on_event(SurveyDescribed(description(survey_id=PAST)))
     after = server.ask()
@@ -178,7 +177,7 @@ def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server,
     revision = server.ask(layer="echoes")["revision"]
     assert len(made) == 2
     assert "ground" not in server.ask(layer="echoes", known=revision)
-    server.page.on_event(MarkersStored(SURVEY, ()))
+    server.node.ticket("read").done(marked())
     assert "ground" in server.ask(layer="echoes", known=revision)
 
 

@@ -10,7 +10,6 @@ import numpy as np
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.additions import AdditionsSource
 from gpr20_operator.ground.coverage import CoverageRuns, MapModel, coverage_of_stored
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
@@ -185,7 +184,7 @@ class ShownSurvey:
         return self.radar.absent(self.map.stored)
 
 
-class TraceSource(AdditionsSource, Protocol):
+class TraceSource(Protocol):
     """Requests to the storage, without waiting; the answers come as events."""
 
     def list_surveys(self, before: str) -> None:

@@ -245,9 +245,7 @@ class MainWindow(QWidget):
             *(self, self.survey, traces, presenters.plans, self._imaging),
         )
         self.additions = AdditionsPresenter(
-            traces.source,
-            lambda: self.control.next_annotation.value.operator,
-            self._imaging.pictures,
+            self._imaging, lambda: self.control.next_annotation.value.operator
         )
         self.result = ResultPage(
             *(self, SurveyResult(self._imaging), languages),
