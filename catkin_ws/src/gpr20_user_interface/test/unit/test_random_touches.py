@@ -20,7 +20,6 @@ from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import Arming, WebStatusReported
-from gpr20_operator.robot.survey_model import Refusal
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
@@ -83,7 +82,7 @@ class Field:
         """Return what may happen beside a new state."""
         window = self.window
         notice = refusal_notice(Refused.PAUSE, verbatim("the reason"))
-        refusal = Refusal(Request.RESUME, verbatim("another one"), IDENTITY)
+        refusal = Answer(Request.RESUME, False, verbatim("another one"), "", IDENTITY)
         read = SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40)))
         return (
             lambda: window.show_tab(self.random.choice(list(TabName))),

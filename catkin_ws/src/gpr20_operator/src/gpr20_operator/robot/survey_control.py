@@ -12,9 +12,9 @@ from gpr20_operator.plan.form import (
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_model import Refusal, ReplayModel, SurveyModel
+from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -81,7 +81,7 @@ class WindowPresenter:
         self.finer: Optional[FinerPlan] = None
         self.snapshot = model.snapshot()
 
-    def on_event(self, event: object) -> Optional[Refusal]:
+    def on_event(self, event: object) -> Optional[Answer]:
         """Take an event; return what the operator must see at once."""
         if isinstance(event, CostEstimated):
             if self.preview is not None and event.parameters == self._parameters:

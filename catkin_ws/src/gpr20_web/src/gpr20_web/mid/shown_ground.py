@@ -159,7 +159,7 @@ class ShownGround:
         if grid is not None:
             # Since the plan was read somebody may have entered another one, which images have.
             soil = grid.permittivity if image is None else image.found.permittivity
-            self.imaging.soils.take(grid.survey_id, soil)
+            self.imaging.soils[grid.survey_id] = soil
             self.model.take_soil(soil)
 
     def _show(self, choice: GroundChoice) -> Shown:

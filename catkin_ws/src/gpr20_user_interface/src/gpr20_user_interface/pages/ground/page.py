@@ -200,8 +200,8 @@ class GroundPage(QObject, Page):
             if (grid, grid.permittivity) != self._described:
                 self._described = grid, grid.permittivity
                 if grid.permittivity is not None:  # of a survey that runs it is not read yet
-                    soils.take(grid.survey_id, grid.permittivity)
-            self.model.take_soil(soils.of(grid.survey_id))
+                    soils[grid.survey_id] = grid.permittivity
+            self.model.take_soil(soils.get(grid.survey_id))
 
 
 def _problem_of_text(text: str) -> str:
