@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
+from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
@@ -65,17 +65,6 @@ class ReadingFailed:
     """Something that was requested cannot be read now."""
 
     reason: Message
-
-
-TraceEvent = Union[
-    Trace,
-    CoverageRuns,
-    SurveyDescribed,
-    SurveyRead,
-    TracesRead,
-    SurveysListed,
-    ReadingFailed,
-]
 
 
 @dataclass(frozen=True)

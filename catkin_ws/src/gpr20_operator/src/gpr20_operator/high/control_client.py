@@ -84,7 +84,7 @@ class ControlClient(RosEvents):
     def _watched_topics(self) -> List[rospy.Subscriber]:
         """Subscribe to motion, position, endstops, height and health of the robot."""
         topics: List[Any] = [
-            ("control_current_coordinate", msg.Coordinates, _current, 1),
+            ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),
             ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
@@ -221,11 +221,7 @@ def _endstop(axis: AxisId, message: Bool) -> Endstop:
     return Endstop(axis, message.data)
 
 
-def _current(message: msg.Coordinates) -> CurrentPosition:
-    return CurrentPosition(message.x_mm, message.y_mm, message.z_deg)
-
-
 def _target(message: msg.Coordinates) -> Optional[TargetPosition]:
-    place = TargetPosition(message.x_mm, message.y_mm, message.z_deg)
+    place = record_of(TargetPosition, message)
     # All three are -1 while no survey runs.
     return None if place == TargetPosition(-1.0, -1.0, -1.0) else place
