@@ -38,8 +38,6 @@ def test_the_window_of_the_real_robot_covers_its_screen_and_comes_back(robot, is
     assert window.respawn is is_real
     assert f"_full_screen:={is_real}" in window.args
     assert ("--wait-for-display" in window.args) is is_real
-    # STOP on a real robot is always its own.
-    assert f"_choose_robot:={not is_real}" in window.args
     assert "_language:=auto" in window.args
     # Every other node comes back too.
     assert {name for name, node in nodes.items() if not node.respawn} == set()

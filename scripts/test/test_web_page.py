@@ -93,7 +93,7 @@ LOADED_BYTES = """
 const loaded = performance.getEntriesByType("resource");
 return loaded.reduce((sum, one) => sum + one.transferSize, 0);
 """
-PAGES = ("now", "map", "surveys", "more", "robots", "service")
+PAGES = ("now", "map", "surveys", "more", "service")
 
 
 @pytest.fixture(scope="module")

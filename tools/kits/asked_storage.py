@@ -23,12 +23,3 @@ class Storage:
 
     def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
         self.asked.append(("traces", survey, indices))
-
-    def read_additions(self, survey: str) -> None:
-        self.asked.append(("additions", survey))
-
-    def add_marker(self, survey: str, marker: Any) -> None:
-        self.asked.append(("add marker", survey, marker))
-
-    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
-        self.asked.append(("remove marker", survey, marker_id, author))

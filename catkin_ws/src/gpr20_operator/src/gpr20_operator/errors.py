@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import NOT_ALLOWED, NOT_RUNNING
+from gpr20_common.faults import NOT_RUNNING
 from gpr20_operator import faults
 from gpr20_survey.faults import DAMAGED
 
@@ -18,12 +18,6 @@ class DisplayUnavailableError(Gpr20Error, OSError):
     """There is no display to show the window on."""
 
     fault = faults.NO_DISPLAY
-
-
-class ParametersRefusedError(Gpr20Error, ValueError):
-    """The parameters of the survey are not allowed; the message names each."""
-
-    fault = NOT_ALLOWED
 
 
 class SurveyNotReadableError(Gpr20Error, ValueError):

@@ -6,44 +6,33 @@ import contextlib
 import datetime
 import math
 import re
-from decimal import Decimal
 from typing import Iterable, Sequence, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, numeral, verbatim
 from gpr20_survey.trace.utc_time import moment_text
 
-# Not Decimal() or float() alone: they accept digits of other scripts, underscores and words.
+# Not float() alone: it accepts digits of other scripts, underscores and words.
 _NUMBER = re.compile(r"[-+]?([0-9]{1,20}([.,][0-9]{0,20})?|[.,][0-9]{1,20})([eE][-+]?[0-9]{1,3})?")
 SHOWN_CHARACTERS = 64
 STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
 HERTZ_PER_MEGAHERTZ = 1.0e6
-MEGAHERTZ_EXPONENT = 6
 # Of a whole number; far more than any parameter needs.
 MAX_DIGITS = 18
-
-
-def decimal_from_text(text: str) -> Decimal:
-    """Return the number of a text such as "12.5" or "12,5", exactly.
-
-    Fields show numbers with a point in every language, as the VNA and the files have them.
-
-    Raises:
-        InvalidValueError: The text is not a number.
-    """
-    number = text.strip()
-    if not _NUMBER.fullmatch(number):
-        raise InvalidValueError(Message("'{text}' is not a number", text=text[:SHOWN_CHARACTERS]))
-    return Decimal(number.replace(",", "."))
 
 
 def number_from_text(text: str) -> float:
     """Return the number of a text such as "12.5" or "12,5".
 
+    Fields show numbers with a point in every language, as the VNA and the files have them.
+
     Raises:
         InvalidValueError: The text is not a number, or one beyond all numbers of a computer.
     """
-    value = float(decimal_from_text(text)) + 0.0  # no negative zero
+    number = text.strip()
+    value = math.nan
+    if _NUMBER.fullmatch(number):
+        value = float(number.replace(",", ".")) + 0.0  # no negative zero
     if not math.isfinite(value):
         raise InvalidValueError(Message("'{text}' is not a number", text=text[:SHOWN_CHARACTERS]))
     return value
@@ -65,22 +54,16 @@ def in_line(numbers: Sequence[Message]) -> Message:
     return line
 
 
-def plain_text(value: Decimal) -> str:
-    """Return a number without an exponent and without zeros at its end."""
-    text = f"{value:f}"
-    return text.rstrip("0").rstrip(".") if "." in text else text
-
-
 def hertz_from_megahertz(text: str) -> float:
-    """Return the frequency [Hz] nearest to a decimal number of megahertz.
+    """Return the frequency [Hz] of a number of megahertz, to a thousandth.
 
-    A product of floats would be off by a fraction of a hertz for many inputs.
+    A product of floats alone would be off by a fraction of that for many inputs.
 
     Raises:
         InvalidValueError: The text is not a number.
     """
     try:
-        return float(decimal_from_text(text).scaleb(MEGAHERTZ_EXPONENT))
+        return round(number_from_text(text) * HERTZ_PER_MEGAHERTZ, 3)
     except InvalidValueError:
         raise InvalidValueError(
             Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
@@ -88,8 +71,8 @@ def hertz_from_megahertz(text: str) -> float:
 
 
 def megahertz_text(frequency_hz: float) -> str:
-    """Return a frequency [Hz] as a decimal number of megahertz, exactly."""
-    return plain_text(Decimal(repr(frequency_hz)).scaleb(-MEGAHERTZ_EXPONENT))
+    """Return a frequency [Hz] as a number of megahertz."""
+    return number_text(frequency_hz / HERTZ_PER_MEGAHERTZ)
 
 
 def rotations_from_text(text: str) -> Tuple[float, ...]:
@@ -111,7 +94,7 @@ def rotations_from_text(text: str) -> Tuple[float, ...]:
 
 def rotations_text(rotations_deg: Iterable[float]) -> str:
     """Return rotations [deg] as a list with commas."""
-    return ", ".join(f"{rotation_deg:.12g}" for rotation_deg in rotations_deg)
+    return ", ".join(map(number_text, rotations_deg))
 
 
 def whole_from_text(text: str) -> int:

@@ -1,9 +1,13 @@
 """Candidates and markers for the tests of MAP."""
 
+import json
+from dataclasses import asdict
+
 import numpy as np
 from candidate_examples import candidate, candidate_list
 from view_kit import SURVEY
 
+from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.focused_image import FocusedImage
@@ -21,3 +25,8 @@ def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):
     levels_db = np.zeros((4, 2, 3), np.float32)
     found = candidate_list(candidates, survey_id=survey_id)
     return FocusedImage(9, x_mm, y_mm, depth_mm, levels_db, found)
+
+
+def marked(*markers):
+    """Return what the storage answers of a survey with these markers."""
+    return StoredSurvey(json.dumps({"markers": [asdict(one) for one in markers]}), 0)

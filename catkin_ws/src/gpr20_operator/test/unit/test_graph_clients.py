@@ -10,21 +10,20 @@ pytest.importorskip("rospy")
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
-from topics_kit import LIMIT_S, Graph, taken
+from topics_kit import LIMIT_S, taken
 
 from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import fault_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_msgs.msg import ControlStatus, SurveyCoverage, SurveySummary
+from gpr20_msgs.msg import SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.files.settings_file import Newest
-from gpr20_operator.high import robot_stop, robots_client, ros_events, storage_client
+from gpr20_operator.high import robot_stop, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
-from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.axes.axis_id import AxisId
 
 REMEDY = Message("Free some space on the disk.")
@@ -202,27 +201,3 @@ def test_a_graph_is_joined_within_the_limit_or_the_reason_is_said(monkeypatch):
         with raises_fault(fault, error=MasterUnavailableError):
             ros_events.join_graph("a_node", 5.0, cancelled, FakeClock())
     assert joined == ["a_node"]
-
-
-def test_other_robots_are_listened_to_only_while_their_list_is_looked_at(monkeypatch):
-    services = [
-        f"{robot}/{name}" for robot in ("", "/beside") for name in ("start_survey", "stop_survey")
-    ]
-    state = SimpleNamespace(getSystemState=lambda: ([], [], [(name, []) for name in services]))
-    monkeypatch.setattr(robots_client.rosgraph, "Master", lambda _name: state)
-    monkeypatch.setattr(ros_events, "in_background", lambda work: work())
-    monkeypatch.setattr(robots_client, "Periodic", lambda _period_s, act: act())
-    graph, events = Graph(), []
-    monkeypatch.setattr(robots_client.rospy, "Subscriber", graph.subscriber)
-    client = robots_client.RobotsClient(events.append, Senders("/"))
-    client.listen()
-    assert events == [RobotsFound(frozenset({"/", "/beside"}))] and not graph.subscribers
-    client.set_watched(True)
-    topics = {one.name for one in graph.subscribers}
-    assert topics == {"/control_status", "/beside/control_status"}
-    for sender in ("/play_1", "/main_control", "/beside/main_control"):
-        graph.send(sender, "/beside/control_status", ControlStatus(code=ControlStatus.PAUSED))
-    (report,) = [one for one in events if isinstance(one, RobotReported)]
-    assert (report.namespace, report.state.code.name) == ("/beside", "PAUSED")
-    client.close()
-    assert not graph.subscribers

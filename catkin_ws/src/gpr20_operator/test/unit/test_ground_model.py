@@ -5,22 +5,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from asked_storage import Storage
 from candidate_examples import candidate, candidate_list
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_kit import DOUBTED, MARKER, SURE, focused
+from map_kit import MARKER, focused, marked
+from result_kit import Now, Requests
 from run_seed import draws
 from view_kit import PAST, SURVEY, TRAVEL, add_trace, make_grid, trace_at
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.additions import (
-    RETRY_REFRESHES,
-    AdditionsFailed,
-    AdditionsPresenter,
-    MarkersStored,
-)
+from gpr20_operator.ground.additions import RETRY_S, AdditionsPresenter
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.finer_plan import SIZE_MM, plan_finer
 from gpr20_operator.ground.grid import Area, Place, planned_grid
@@ -28,7 +23,8 @@ from gpr20_operator.ground.marks import marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.traces import ShownSurvey
-from gpr20_operator.jobs.pictures import Pictures
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
 from gpr20_survey.radar.soils import ANY_SOIL
 from gpr20_survey.results.candidates import Flag
@@ -54,7 +50,7 @@ def new_model(grid=None):
     """Return a model that shows a survey of 5 x 4 stops and two rotations, of nothing yet."""
     survey = ShownSurvey()
     survey.begin(grid or make_grid())
-    additions = AdditionsPresenter(Storage(), lambda: "Ana", Pictures())
+    additions = AdditionsPresenter(Imaging(Requests(), Now()), lambda: "Ana")
     additions.follow(survey.survey_id, can_read=True)
     model = GroundModel(survey, additions)
     model.notice_survey()
@@ -114,7 +110,8 @@ def test_what_must_not_be_overlooked_is_painted_last_and_has_its_number_at_every
         candidate(3, 151.0, 91.0, 160.0, 10.0, [Flag.EDGE]),
     ]
     find(model, *marks)
-    model.additions.on_event(MarkersStored(SURVEY, (MARKER,)))
+    model.additions.read_again()
+    model.additions._imaging._requests.ticket("read").done(marked(MARKER))
     model.set_depth(0.06)
     above = marks_above(model)
     assert [one.about for one in above] == [MARKER, marks[2], marks[1], marks[0]]
@@ -239,42 +236,56 @@ def test_the_soil_is_that_of_the_survey_or_of_its_image(model):
 
 
 @pytest.fixture
-def additions(storage):
-    additions = AdditionsPresenter(storage, lambda: "Ana", Pictures())
+def additions(node, now):
+    additions = AdditionsPresenter(Imaging(node, now), lambda: "Ana")
     additions.follow(SURVEY, can_read=True)
     return additions
 
 
-def test_markers_are_asked_for_once_and_again_after_a_failure(storage, additions):
+def test_markers_are_asked_for_once_and_again_after_a_failure(node, now, additions):
     additions.follow(SURVEY, can_read=True)
-    additions.on_event(AdditionsFailed(SURVEY, verbatim("no")))
-    for asked in (*[1] * (RETRY_REFRESHES - 1), 2):
-        additions.refresh()
-        assert storage.asked == asked * [("additions", SURVEY)]
+    for answer in (lambda one: one.fail(verbatim("no")), lambda one: one.done(StoredSurvey("", 0))):
+        asked = len(node.of("read"))
+        answer(node.ticket("read"))
+        for later_s in (RETRY_S / 2.0, RETRY_S):
+            now.s += later_s
+            assert len(node.of("read")) == asked
+            additions.refresh()
+        assert len(node.of("read")) == asked + 1
 
 
-def test_nothing_of_another_survey_is_shown(additions):
-    additions.on_event(MarkersStored(PAST, (MARKER,)))
+def test_nothing_of_another_survey_is_shown(node, additions):
+    first = node.ticket("read")
     additions.pictures.add_image(focused(survey_id=PAST))
-    assert additions.markers == additions.candidates == ()
-    additions.on_event(MarkersStored(SURVEY, (MARKER,)))
+    additions.follow(PAST, can_read=True)
+    first.done(marked(MARKER))
+    assert additions.markers == ()
+    node.ticket("read").done(marked(MARKER))
     assert additions.markers == (MARKER,)
     # A replay has no storage to ask.
-    additions.follow(PAST, can_read=False)
-    assert additions.markers == () and not additions.can_mark
-    assert additions.candidates == (SURE, DOUBTED)
+    additions.follow(SURVEY, can_read=False)
+    assert additions.markers == additions.candidates == () and not additions.can_mark
 
 
-def test_a_marker_is_shown_when_the_storage_has_it(storage, additions):
+def test_a_marker_is_shown_when_the_storage_has_it_and_each_failure_is_reported(node, additions):
+    failed = []
+    additions.marking_failed = failed.append
     with pytest.raises(InvalidValueError):
         additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
-    assert len(storage.asked) == 1
     additions.add_marker(SURVEY, 1.0, 2.0, None, "metal")
-    _kind, survey, marker = storage.asked[-1]
-    assert (survey, marker.text, marker.author, marker.depth_mm) == (SURVEY, "metal", "Ana", None)
-    assert additions.markers == ()
-    additions.remove_marker(marker.marker_id)
-    assert storage.asked[-1] == ("remove marker", SURVEY, marker.marker_id, "Ana")
+    first = node.ticket("fact")
+    additions.remove_marker(MARKER.marker_id)
+    (survey, kind, values), removal = node.of("fact")
+    assert (survey, kind, values["text"], values["author"]) == (SURVEY, Kind.MARKER, "metal", "Ana")
+    values = {"marker_id": MARKER.marker_id, "author": "Ana"}
+    assert removal == (SURVEY, Kind.MARKER_REMOVED, values)
+    # Neither ends the other.
+    first.fail(verbatim("the disk is full"))
+    assert failed == [verbatim("the disk is full")] and additions.markers == ()
+    node.ticket("fact").done(verbatim("stored"))
+    assert len(node.of("read")) == 2
+    node.ticket("read").done(marked(MARKER))
+    assert additions.markers == (MARKER,)
 
 
 def test_a_finer_plan_has_half_the_spacing_and_all_else_of_the_survey():

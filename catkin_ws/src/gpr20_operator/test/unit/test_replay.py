@@ -91,25 +91,25 @@ STEPS = some.lists(
 def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
     with listening(count=2) as ((graph, events), (graph_without, events_without), clock):
         model, model_without = SurveyModel(clock), SurveyModel(clock)
-        heard = []
+        heard_s = []
         for sender, kind, number, pause_s in steps:
             clock.advance(pause_s)
             graph.send(sender, *message(kind, number))
             if sender not in OTHERS:
                 graph_without.send(sender, *message(kind, number))
             else:
-                heard.append((clock.now_s(), sender))
+                heard_s.append(clock.now_s())
             for one, queue in ((model, events), (model_without, events_without)):
                 while queue:
                     one.handle(queue.pop(0))
             shown, without = model.snapshot(), model_without.snapshot()
             assert shown.replay is None
-            assert replace(shown, ignored_sender="") == without
-            recent = {by for at, by in heard if clock.now_s() - at <= 4.0}
-            assert shown.ignored_sender in {"", *recent}
+            assert replace(shown, sender_ignored=False) == without
+            recent = any(clock.now_s() - at_s <= 4.0 for at_s in heard_s)
+            assert recent or not shown.sender_ignored
 
 
-def test_a_player_on_the_topics_of_a_robot_is_named_while_it_plays():
+def test_a_player_on_the_topics_of_a_robot_is_reported_while_it_plays():
     with listening() as ((graph, events), clock):
         model = SurveyModel(clock)
         for plays in (True, False):
@@ -120,11 +120,11 @@ def test_a_player_on_the_topics_of_a_robot_is_named_while_it_plays():
                 clock.advance(0.1)
             # Not one event for each message.
             ignored = [one for one in events if isinstance(one, SenderIgnored)]
-            assert len(ignored) <= 6 and set(ignored) <= {SenderIgnored("/play_1")}
+            assert len(ignored) <= 6
             while events:
                 model.handle(events.pop(0))
             shown = model.snapshot()
-            assert shown.ignored_sender == ("/play_1" if plays else "") and shown.can_pause
+            assert shown.sender_ignored is plays and shown.can_pause
 
 
 def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported():
@@ -181,11 +181,8 @@ def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_stat
     for code in SurveyState:
         model = played(MARK, state(code), progress())
         assert_harmless(model.snapshot())
-        # The player of `rosbag play` takes no requests.
-        assert not model.snapshot().replay.can_pause
         model.handle(replace(MARK, phase=ReplayPhase.PAUSED, rate=2.0))
-        view = model.snapshot().replay
-        assert view.paused and view.can_pause
+        assert str(model.snapshot().replay.title) == "REPLAY PAUSED"
         assert_harmless(model.snapshot())
 
 
@@ -201,7 +198,6 @@ def test_the_end_of_a_replay_names_the_end_of_the_survey():
     ):
         view = played(mark, state(code)).snapshot().replay
         assert (str(view.title), str(view.message)) == (title, f"{text}. {SURVEY}")
-        assert not view.can_pause
 
 
 def test_another_survey_shows_nothing_of_the_one_before():

@@ -20,7 +20,6 @@ from gpr20_common.high.answers import message_fields
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message, verbatim
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
-from gpr20_operator.ground.additions import AdditionsFailed, MarkersStored, MarkingFailed
 from gpr20_operator.ground.traces import ReadingFailed, SurveyRead, SurveysListed
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import JobState, Service
@@ -28,7 +27,6 @@ from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
@@ -131,7 +129,6 @@ def test_only_the_progress_of_the_export_that_runs_is_shown(imaging, services, e
     assert job.state is JobState.DONE
 
 
-MARKER = Marker("6ba7b810-9dad-11d1-80b4-00c04fd430c8", 1.0, 2.0, None, "here", "Ana")
 ASKED = {
     "list": (lambda one: one.list_surveys(""), ReadingFailed, SurveysListed("", (), False)),
     "survey": (
@@ -139,18 +136,6 @@ ASKED = {
         SurveyRead("folder", "{}", (0, 3)),
     ),
     "traces": (lambda one: one.read_traces("id", (3, 4)), ReadingFailed, None),
-    "additions": (
-        *(lambda one: one.read_additions("id"), AdditionsFailed),
-        MarkersStored("id", ()),
-    ),
-    "marker": (
-        *(lambda one: one.add_marker("id", MARKER), MarkingFailed),
-        MarkersStored(SURVEY, ()),
-    ),
-    "removal": (
-        *(lambda one: one.remove_marker("id", MARKER.marker_id, "Ana"), MarkingFailed),
-        MarkersStored(SURVEY, ()),
-    ),
 }
 
 

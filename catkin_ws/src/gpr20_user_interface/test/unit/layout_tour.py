@@ -7,7 +7,7 @@ import itertools
 
 from candidate_examples import candidate
 from hiding_kit import a_map
-from map_kit import MARKER
+from map_kit import MARKER, marked
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     FOLDER,
@@ -25,7 +25,6 @@ from window_helpers import click, hold, open_field, show
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
-from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.jobs.pictures import Exported
@@ -34,7 +33,6 @@ from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
-from gpr20_operator.robot.robots import RobotReported, RobotsFound
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
@@ -66,7 +64,6 @@ LONGEST = {
 PEOPLE = Annotation(NAME, SITE, "W " * 2000, Wgs84Position(-89.123456, -179.123456))
 FIRST_FIELDS = [SPECS[TILE_FIELDS[tile][0]] for tile in VALUE_TILES]
 WEB = WebStatusReported("gpr20-pc.campo.local", 8443, " ".join(["4F4F"] * 16), 20, NAME)
-ROBOTS = [f"/{'w' * 20}{number}" for number in range(20)]
 
 
 MANY = [
@@ -207,7 +204,8 @@ def ground(window):
     runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
-    window.on_event(MarkersStored(SURVEY, (MARKER,)))
+    window.refresh()
+    window.node.ticket("read").done(marked(MARKER))
     window.draw()
 
 
@@ -236,16 +234,6 @@ def list_fails(window):
     show(window, snapshot())
 
 
-def robots(window):
-    window.on_event(RobotsFound(frozenset({*ROBOTS, "/"})))
-    now = busiest(SurveyState.IDLE)
-    for name in ROBOTS:
-        window.on_event(RobotReported(name, now.state))
-    window.settings.open()
-    window.settings.robot_button.click()
-    show(window, now)
-
-
 def armed(window):
     window.on_event(WEB)
     show(window, busiest(SurveyState.PAUSED))
@@ -255,7 +243,6 @@ def armed(window):
 
 
 def service(window):
-    window.on_event(RobotsFound(frozenset()))
     window.show_tab(TabName.ROBOT)
     show(window, busiest(SurveyState.FINISHED))
     window.robot.overview.entered.emit()
@@ -298,7 +285,6 @@ STOPS = {
     **{name: on_ground(name) for name in ("layers", "set_marker")},
     "surveys": surveys,
     "the list fails": list_fails,
-    "robots": robots,
     "armed": armed,
     "service": service,
     "instruments": instruments,

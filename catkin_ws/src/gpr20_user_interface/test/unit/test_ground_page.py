@@ -8,18 +8,18 @@ import pytest
 from candidate_examples import candidate, candidate_list
 from finger import colours, touch
 from imported_kit import imported_folder
-from map_kit import DOUBTED, MARKER, SURE, focused
+from map_kit import DOUBTED, MARKER, SURE, focused, marked
 from PyQt5.QtTest import QTest
 from test_ground_model import cover, image_of
 from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
 from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.additions import MarkersStored, MarkingFailed
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.traces import SurveyRead, SurveysListed, TracesRead
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -47,7 +47,7 @@ def view(window):
 @pytest.fixture
 def filled(window):
     fill(window)
-    window.on_event(MarkersStored(SURVEY, (MARKER,)))
+    window.node.ticket("read").done(marked(MARKER))
     window.additions.pictures.add_image(focused())
     window.draw()
     return window
@@ -198,23 +198,27 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
 
 
 def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view):
-    asked, confirm = filled.traces.source.asked, filled.ground.confirm
+    node, confirm = filled.node, filled.ground.confirm
     click(view.next)
     click(view.set_marker)
     filled.ground.note_pad.press("metal")
     click(filled.ground.note_pad.accept_button)
-    kind, survey, marker = asked[-1]
-    assert (kind, survey, marker.text.lower()) == ("add marker", SURVEY, "metal")
-    place = (marker.x_mm, marker.y_mm, marker.depth_mm)
-    assert place == (SURE.x_mm, SURE.y_mm, SURE.depth_mm)
+    ((survey, kind, values),) = node.of("fact")
+    assert (survey, kind, values["text"].lower()) == (SURVEY, Kind.MARKER, "metal")
+    assert tuple(values[name] for name in ("x_mm", "y_mm", "depth_mm")) == (
+        SURE.x_mm,
+        SURE.y_mm,
+        SURE.depth_mm,
+    )
     touch(view.above, MARKER.x_mm, MARKER.y_mm)
     view.refresh()
-    before = len(asked)
     click(view.set_marker)
-    assert confirm.isVisible() and len(asked) == before
+    assert confirm.isVisible() and len(node.of("fact")) == 1
     hold(confirm.hold)
-    assert asked[-1][:3] == ("remove marker", SURVEY, MARKER.marker_id)
-    filled.on_event(MarkingFailed(SURVEY, MARKER.marker_id, verbatim("the disk is full")))
+    survey, kind, values = node.of("fact")[-1]
+    assert (survey, kind) == (SURVEY, Kind.MARKER_REMOVED)
+    assert values["marker_id"] == MARKER.marker_id
+    node.ticket("fact").fail(verbatim("the disk is full"))
     assert filled.notice.isVisible()
 
 

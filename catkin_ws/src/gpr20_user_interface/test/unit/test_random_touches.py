@@ -20,7 +20,6 @@ from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import Arming, WebStatusReported
-from gpr20_operator.robot.survey_model import Refusal
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
@@ -34,7 +33,7 @@ PERIOD_S = 0.05
 READY = verbatim("READY")
 KEPT = {f"field {number}" for number in range(3)}
 # What may be asked for: all of it stops the robot or moves nothing.
-HARMLESS = {"stop", "pause", "pause replay"}
+HARMLESS = {"stop", "pause"}
 # Of SERVICE: whether its tab is looked at, and what CHECK ALL asks for.
 LOOKED = {
     *(("watch", True), ("watch", False), ("examine", False), ("examine", True)),
@@ -83,7 +82,7 @@ class Field:
         """Return what may happen beside a new state."""
         window = self.window
         notice = refusal_notice(Refused.PAUSE, verbatim("the reason"))
-        refusal = Refusal(Request.RESUME, verbatim("another one"), IDENTITY)
+        refusal = Answer(Request.RESUME, False, verbatim("another one"), "", IDENTITY)
         read = SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40)))
         return (
             lambda: window.show_tab(self.random.choice(list(TabName))),
@@ -184,9 +183,8 @@ class Field:
 
     def check_wishes(self):
         assert set(wishes(self.window)) <= HARMLESS and not self.arming.armed
-        changed = {one[0] for one in self.window.traces.source.asked}
-        changed |= {fields.get("kind") for _name, _ticket, fields in self.window.node.asked}
-        assert not changed & {"remove marker", Kind.ANNOTATION}
+        changed = {fields.get("kind") for _name, _ticket, fields in self.window.node.asked}
+        assert not changed & {Kind.MARKER_REMOVED, Kind.ANNOTATION}
         assert set(self.window.tools.asked) <= LOOKED
 
     def check_shown(self):

@@ -1,8 +1,6 @@
-"""What the window asks its robot for, and which of several robots that is."""
+"""What the window asks its robot for, and which robot that is."""
 
-import os
 import random
-import sys
 from dataclasses import replace
 
 import pytest
@@ -14,16 +12,13 @@ from gpr20_doctor.low.masters import robots_on_master
 from gpr20_operator.plan.form import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
-    ControlState,
     Request,
     RobotDescribed,
 )
-from gpr20_operator.robot.robots import RobotReported, Robots, RobotsFound
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_cost import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.low.process import open_in
 
 
 class Asked:
@@ -151,25 +146,6 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     assert window.control.start.lines[0].whole == "132 traces"
 
 
-MEASURING = ControlState(SurveyState.SURVEYING, verbatim("Measuring"), "id", True)
-
-
-@pytest.fixture
-def window(opened, request):
-    """A window of one of the robots on a master, and what it asks for."""
-    watched, chosen = [], []
-    given = getattr(request, "param", ("/robot1", True))
-    window = opened(robots=Robots(*given, watched.append, chosen.append))
-    window.watched, window.chosen = watched, chosen
-    return window
-
-
-def found(window, *namespaces):
-    window.on_event(RobotsFound(frozenset(namespaces)))
-    for _ in range(2):  # the bar names the robot with the next refresh
-        show(window, window.survey.snapshot)
-
-
 def test_only_a_main_control_that_starts_surveys_is_a_robot():
     both = ("start_survey", "stop_survey")
     services = [f"{robot}/{name}" for robot in ("", "/robot1", "/field/a") for name in both]
@@ -179,58 +155,10 @@ def test_only_a_main_control_that_starts_surveys_is_a_robot():
         assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
 
 
-def test_other_robots_are_listed_and_can_be_chosen_but_for_while_a_stop_is_open(window):
-    found(window, "/robot1")
-    window.rail.settings.click()
-    assert not window.settings.robot_button.isVisible()
-    assert not window.top_bar.band.message.whole.startswith("robot1")
-    names = [f"/robot{number:02d}" for number in range(2, 30)]
-    found(window, "/robot1", *names)
-    assert window.top_bar.band.message.whole.startswith("robot1: ")
-    window.settings.robot_button.click()
-    sheet = window.robots
-    assert sheet.isVisible() and window.watched == [True]
-    window.on_event(RobotReported("/robot02", MEASURING))
-    show(window, snapshot(SurveyState.SURVEYING, pending=frozenset({Request.STOP})))
-    texts = [button.text() for button in sheet.buttons]
-    assert "robot02\nSURVEYING" in texts and "robot03\nno report yet" in texts
-    assert not any(button.isEnabled() for button in sheet.buttons)
-    show(window, snapshot(SurveyState.STOPPED))
-    for button in sheet.buttons:
-        if button.isEnabled():
-            button.click()
-    assert window.chosen == names
-    sheet.close_button.click()
-    assert window.watched == [True, False] and not sheet.isVisible()
-
-
-def test_a_window_without_a_robot_proposes_those_that_there_are_once(window):
-    show(window, snapshot(alive=False))
-    found(window, "/robot2", "/robot3")
-    assert not window.robots.isVisible()  # its own may be starting
-    for visible in (True, False):
-        window.clock.advance(6.0)
-        show(window, snapshot(alive=False))
-        assert window.robots.isVisible() is visible
-        window.robots.close_button.click()
-
-
-@pytest.mark.parametrize("window", [("/", False)], indirect=True)
-def test_the_window_of_a_real_robot_stays_with_it(window):
-    window.clock.advance(6.0)
-    found(window, "/robot2")
-    show(window, snapshot(alive=False))
-    assert not window.robots.isVisible()
-    window.rail.settings.click()
-    assert not window.settings.robot_button.isVisible()
-    assert window.top_bar.band.message.whole.startswith("/: ")
-
-
-def test_the_next_window_has_the_options_of_this_one_and_a_name_of_its_own(monkeypatch):
-    begun = []
-    monkeypatch.setattr(os, "execve", lambda *given: begun.extend(given))
-    words = ["/x/user_interface", "_language:=es", "__name:=user_interface", "__ns:=/robot1"]
-    open_in("/robot2", words, {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot1"})
-    _program, command, environment = begun
-    assert command == [sys.executable, "/x/user_interface", "_language:=es", "__ns:=/robot2"]
-    assert environment == {"DISPLAY": ":0", "ROS_NAMESPACE": "/robot2"}
+def test_the_band_names_the_robot_that_stop_stops(opened):
+    window = opened()
+    for name, begin in (("", ""), ("robot1", "robot1: "), ("a" * 20 + "/1", f"…{'a' * 13}/1: ")):
+        window.top_bar.show_robot(name)
+        show(window, snapshot(SurveyState.SURVEYING))
+        shown = window.top_bar.band.message.whole
+        assert shown.startswith(begin) and (": " in shown) is bool(name)

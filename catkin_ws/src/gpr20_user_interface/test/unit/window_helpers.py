@@ -20,7 +20,6 @@ from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.form import preview
 from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.remote_control import Arming
-from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
@@ -64,9 +63,6 @@ class Survey:
     def pause(self):
         self.asked.append("pause")
 
-    def pause_replay(self):
-        self.asked.append("pause replay")
-
     def resume(self, folder="", accept_zeros=False):
         self.asked.append(f"resume {folder}".strip() + " without proof" * accept_zeros)
 
@@ -83,7 +79,6 @@ def opened_window(
     imaging=None,
     clock=None,
     memory=None,
-    robots=None,
     arming=None,
 ):
     """Return a window without contact to a robot, which without a folder keeps no plan."""
@@ -101,7 +96,6 @@ def opened_window(
                 SettingsFile(folder / "window" / "plan.yaml") if folder else not_kept,
                 problems.append,
             ),
-            robots or Robots("/"),
             arming or Arming(clock),
         ),
         languages,

@@ -9,7 +9,6 @@ from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import BEN, FOLDER, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.additions import MarkersStored
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import Place
 from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colours, shade_numbers
@@ -151,7 +150,7 @@ def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server,
     revision = server.ask(layer="echoes")["revision"]
     assert len(made) == 2
     assert "ground" not in server.ask(layer="echoes", known=revision)
-    server.page.on_event(MarkersStored(SURVEY, ()))
+    server.node.ticket("read").done(marked())
     assert "ground" in server.ask(layer="echoes", known=revision)
 
 

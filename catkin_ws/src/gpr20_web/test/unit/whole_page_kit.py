@@ -36,7 +36,6 @@ from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
-from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
@@ -48,7 +47,6 @@ from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.remote_plan import plan_id
-from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
@@ -99,7 +97,6 @@ class WholePage:
                 "commands": commands,
                 "map": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
                 "surveys": SurveysPage(self.surveys.services, self.surveys.data),
-                "robots": RobotsPage(Robots("/", False, nothing), self.clock),
                 "service": ServicePage(nothing, self.clock),
                 "notices": Watch(self.clock, nothing),
                 "login": LoginPage(self.accounts, self.logins, self.clock),
@@ -243,7 +240,6 @@ TABLE = (
     Row("GET", "/api/ground/map.png", WATCH),
     Row("GET", "/api/ground/section.png", WATCH),
     Row("GET", "/api/ground/bar.png", WATCH),
-    Row("GET", "/api/robots", WATCH),
     Row("GET", "/api/service", WATCH),
     # The stored surveys: search, verdict, candidates, downloads.
     Row("GET", "/api/surveys", WATCH),

@@ -3,83 +3,47 @@
 from __future__ import annotations
 
 import uuid
-from dataclasses import dataclass
-from typing import Callable, Optional, Protocol, Tuple
+from typing import Any, Callable, Mapping, Optional, Tuple
 
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.jobs.pictures import Pictures
-from gpr20_survey.plan.markers import Marker
+from gpr20_operator.jobs.job import Job, JobState, Service
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
+from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 
-# How often a survey is asked for again after a failure, in refreshes of 200 ms.
-RETRY_REFRESHES = 50
-
-
-@dataclass(frozen=True)
-class MarkersStored:
-    """The markers of a survey that are stored durably, and were not removed."""
-
-    survey_id: str
-    markers: Tuple[Marker, ...]
-
-
-@dataclass(frozen=True)
-class AdditionsFailed:
-    """What belongs to a survey cannot be read now."""
-
-    survey_id: str
-    reason: Message
-
-
-@dataclass(frozen=True)
-class MarkingFailed:
-    """A marker could not be stored, or not be removed."""
-
-    survey_id: str
-    marker_id: str
-    reason: Message
-
-
-class AdditionsSource(Protocol):
-    """Requests to the storage, without waiting; the answers come as events."""
-
-    def read_additions(self, survey: str) -> None:
-        """Ask for the markers of a survey, by its id."""
-
-    def add_marker(self, survey: str, marker: Marker) -> None:
-        """Ask to store a marker of a survey, by its id."""
-
-    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
-        """Ask to remove a marker of a survey, by its id."""
+# After a failure a survey is read again [s].
+RETRY_S = 10.0
 
 
 class AdditionsPresenter:
     """Knows what belongs to the survey that GROUND shows. Belongs to one thread.
 
     Args:
-        source: The storage.
+        imaging: Images and hiding maps of surveys, and the requests to the storage.
         author: Returns who makes markers now.
-        pictures: Images and hiding maps of surveys.
 
     Attributes:
+        marking_failed: Called with the reason why a marker was not stored, or not removed.
         survey_id: The survey that is shown; empty: none.
         markers: Its markers.
         permittivity: That of the image which may be shown; None: any.
     """
 
-    def __init__(
-        self, source: AdditionsSource, author: Callable[[], str], pictures: Pictures
-    ) -> None:
-        self._source, self._author, self.pictures = source, author, pictures
+    def __init__(self, imaging: Imaging, author: Callable[[], str]) -> None:
+        self._imaging, self._author, self.pictures = imaging, author, imaging.pictures
+        self._reading: Job[StoredSurvey] = imaging.job(Service.READ, self._take)
+        self.marking_failed: Callable[[Message], None] = lambda _reason: None
         self.survey_id = ""
         self.markers: Tuple[Marker, ...] = ()
         self.permittivity: Optional[float] = None
         self._revision = 0
         self._can_read = False
-        # After so many refreshes it is read again; 0: not at all.
-        self._due = 0
 
     @property
     def revision(self) -> Tuple[int, int]:
@@ -117,30 +81,19 @@ class AdditionsPresenter:
         """Show what belongs to another survey, if the storage can read it: not that of a replay."""
         if (survey_id, can_read) != (self.survey_id, self._can_read):
             self.survey_id, self._can_read = survey_id, can_read
-            self._take(())
+            self._show(())
+            self._reading.end()
             self.read_again()
 
     def read_again(self) -> None:
         """Read what belongs to the survey again: others may have added to it."""
-        self._due = 0
         if self.can_mark:
-            self._source.read_additions(self.survey_id)
+            self._reading.ask(survey=self.survey_id)
 
     def refresh(self) -> None:
         """Ask again some time after a failure."""
-        if self._due:
-            self._due -= 1
-            if not self._due:
-                self.read_again()
-
-    def on_event(self, event: object) -> None:
-        """Take an event about additions of the survey that is shown; others are ignored."""
-        if getattr(event, "survey_id", "") != self.survey_id:
-            return
-        if isinstance(event, MarkersStored):
-            self._take(event.markers)
-        elif isinstance(event, AdditionsFailed):
-            self._due = RETRY_REFRESHES
+        if self._reading.state is JobState.FAILED and self._reading.age_s > RETRY_S:
+            self.read_again()
 
     def add_marker(
         self, survey: str, x_mm: float, y_mm: float, depth_mm: Optional[float], text: str
@@ -153,12 +106,27 @@ class AdditionsPresenter:
             InvalidValueError: The text or the place is not allowed.
         """
         marker = Marker(str(uuid.uuid4()), x_mm, y_mm, depth_mm, text, self._author())
-        self._source.add_marker(survey, marker)
+        self._change(survey, Kind.MARKER, marker.request())
 
     def remove_marker(self, marker_id: str) -> None:
         """Ask the storage to remove a marker."""
-        self._source.remove_marker(self.survey_id, marker_id, self._author())
+        values = {"marker_id": marker_id, "author": self._author()}
+        self._change(self.survey_id, Kind.MARKER_REMOVED, values)
 
-    def _take(self, markers: Tuple[Marker, ...]) -> None:
+    def _change(self, survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
+        # A job for each: one that is asked for while another runs must not end that.
+        job = self._imaging.job(
+            Service.FACT, lambda _said: self.read_again(), lambda why: self.marking_failed(why)
+        )
+        job.ask(survey=survey, kind=kind, values=values)
+
+    def _take(self, stored: StoredSurvey) -> None:
+        try:
+            description = parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
+            self._show(present_markers(description))
+        except (SurveyRefusedError, InvalidValueError) as error:
+            self._reading.refuse(error.message)
+
+    def _show(self, markers: Tuple[Marker, ...]) -> None:
         self.markers = markers
         self._revision += 1

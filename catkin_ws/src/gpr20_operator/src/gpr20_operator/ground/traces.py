@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple, Union
+from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.additions import AdditionsSource
 from gpr20_operator.ground.coverage import CoverageRuns, MapModel, coverage_of_stored
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
@@ -66,17 +65,6 @@ class ReadingFailed:
     """Something that was requested cannot be read now."""
 
     reason: Message
-
-
-TraceEvent = Union[
-    Trace,
-    CoverageRuns,
-    SurveyDescribed,
-    SurveyRead,
-    TracesRead,
-    SurveysListed,
-    ReadingFailed,
-]
 
 
 @dataclass(frozen=True)
@@ -185,7 +173,7 @@ class ShownSurvey:
         return self.radar.absent(self.map.stored)
 
 
-class TraceSource(AdditionsSource, Protocol):
+class TraceSource(Protocol):
     """Requests to the storage, without waiting; the answers come as events."""
 
     def list_surveys(self, before: str) -> None:

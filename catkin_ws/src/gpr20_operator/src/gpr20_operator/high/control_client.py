@@ -64,8 +64,6 @@ class ControlClient(RosEvents):
         self._withdrawals = 0
         self._pause = ServiceClient("pause_survey", srv.Command)
         self._resume = ServiceClient("resume_survey", srv.ResumeSurvey)
-        self._pause_replay = ServiceClient("pause", srv.Command)
-        self._continue_replay = ServiceClient("continue", srv.Command)
         self._checking_master = threading.Lock()
         # The last report of each axis that was passed on: whether it moved, and when [s].
         self._reports: Dict[AxisId, Tuple[bool, float]] = {}
@@ -86,7 +84,7 @@ class ControlClient(RosEvents):
     def _watched_topics(self) -> List[rospy.Subscriber]:
         """Subscribe to motion, position, endstops, height and health of the robot."""
         topics: List[Any] = [
-            ("control_current_coordinate", msg.Coordinates, _current, 1),
+            ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),
             ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
@@ -143,18 +141,6 @@ class ControlClient(RosEvents):
             Request.RESUME,
             lambda: self._resume.call(START_TIMEOUT_S, survey=survey_id, **fields),
         )
-
-    def set_replay_paused(self, paused: bool) -> None:
-        """See `SurveyControl`; its next mark shows whether it did."""
-        service = self._pause_replay if paused else self._continue_replay
-
-        def ask() -> None:
-            try:
-                service.call(PAUSE_TIMEOUT_S)
-            except ServiceUnavailableError as error:
-                rospy.logwarn("the replay did not answer: %s", error)
-
-        in_background(ask)
 
     def check_master(self) -> None:
         """See `SurveyControl`."""
@@ -235,11 +221,7 @@ def _endstop(axis: AxisId, message: Bool) -> Endstop:
     return Endstop(axis, message.data)
 
 
-def _current(message: msg.Coordinates) -> CurrentPosition:
-    return CurrentPosition(message.x_mm, message.y_mm, message.z_deg)
-
-
 def _target(message: msg.Coordinates) -> Optional[TargetPosition]:
-    place = TargetPosition(message.x_mm, message.y_mm, message.z_deg)
+    place = record_of(TargetPosition, message)
     # All three are -1 while no survey runs.
     return None if place == TargetPosition(-1.0, -1.0, -1.0) else place

@@ -161,7 +161,7 @@ class RosEvents:
         if self._ignored_s == -math.inf:
             rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
         self._ignored_s = now_s
-        self._emit(SenderIgnored(sender))
+        self._emit(SenderIgnored())
 
     def _emit(self, event: Any) -> None:
         with self._emitting:

@@ -20,7 +20,6 @@ from gpr20_doctor.mid.findings import examine
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_msgs import srv
 from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
-from gpr20_operator.ground.additions import AdditionsFailed, MarkersStored, MarkingFailed
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.traces import (
     ReadingFailed,
@@ -43,8 +42,6 @@ from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
-from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.focused_image import image_from
 from gpr20_survey.results.hiding_map import hiding_from
@@ -222,33 +219,6 @@ class StorageClient(RosEvents):
             return traces_read(indices[0], answer)
 
         self._emit_answer(ask, ReadingFailed)
-
-    def read_additions(self, survey: str) -> None:
-        """Ask for the markers of a survey, by its id."""
-
-        def ask() -> MarkersStored:
-            text = self._read(survey).metadata_json
-            description = parse_object(text, "metadata_json", MAX_FILE_BYTES)
-            return MarkersStored(survey, present_markers(description))
-
-        self._emit_answer(ask, partial(AdditionsFailed, survey))
-
-    def add_marker(self, survey: str, marker: Marker) -> None:
-        """Ask to store a marker of a survey, by its id."""
-        self._change_markers(survey, Kind.MARKER, marker.request())
-
-    def remove_marker(self, survey: str, marker_id: str, author: str) -> None:
-        """Ask to remove a marker of a survey, by its id."""
-        values = {"marker_id": marker_id, "author": author}
-        self._change_markers(survey, Kind.MARKER_REMOVED, values)
-
-    def _change_markers(self, survey: str, kind: Kind, values: Mapping[str, Any]) -> None:
-        def ask() -> MarkersStored:
-            answer = accepted(self._call(Service.FACT, **fact_fields(survey, kind, values)))
-            markers = present_markers({"markers": json.loads(answer.markers_json)})
-            return MarkersStored(answer.survey_id, markers)
-
-        self._emit_answer(ask, partial(MarkingFailed, survey, values["marker_id"]))
 
     def _listed(self, before: str) -> Any:
         return accepted(self._call(Service.LIST, before=before, max_surveys=SURVEYS_PER_PAGE))

@@ -109,7 +109,6 @@ class Job(Generic[Result]):
         self._send, self._cancel = send, cancel
         self._now_s, self._done, self._failed = now_s, done, failed
         self._ticket: Optional[Ticket[Result]] = None
-        self._started_s = 0.0
         self.revision = 0
         self._set(JobState.READY)
 
@@ -123,15 +122,10 @@ class Job(Generic[Result]):
         """How long ago it has changed [s]."""
         return self._now_s() - self.changed_s
 
-    @property
-    def running_s(self) -> float:
-        """How long the request has been running [s]; 0 if none is."""
-        return self._now_s() - self._started_s if self.running else 0.0
-
     def ask(self, **wanted: Any) -> None:
         """Send a request with these fields; one that runs is ended."""
         self.end()
-        self._ticket, self._started_s = Ticket(self), self._now_s()
+        self._ticket = Ticket(self)
         self._set(JobState.RUNNING)
         self._send(self._ticket, **wanted)
 

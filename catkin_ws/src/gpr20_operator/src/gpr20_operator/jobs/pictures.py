@@ -85,21 +85,6 @@ class Pictures:
             self.revision += 1
 
 
-class KnownSoils:
-    """The permittivity that is stored with each survey, for all pages."""
-
-    def __init__(self) -> None:
-        self._values: Dict[str, Optional[float]] = {}
-
-    def of(self, survey_id: str) -> Optional[float]:
-        """Return the permittivity of a survey; None: it is not known."""
-        return self._values.get(survey_id)
-
-    def take(self, survey_id: str, stored: Optional[float]) -> None:
-        """Take what is stored with a survey; None: that it is not known."""
-        self._values[survey_id] = stored
-
-
 class Wanted(NamedTuple):
     """What an image depends on."""
 
@@ -120,7 +105,7 @@ class Imaging:
 
     Attributes:
         pictures: What it has found.
-        soils: The permittivity of the ground of each survey.
+        soils: The permittivity that is stored with each survey, by its id; None: not known.
     """
 
     def __init__(
@@ -132,7 +117,7 @@ class Imaging:
     ) -> None:
         self._requests, self._now_s, self._again_s = requests, now_s, again_s
         self.pictures = pictures or Pictures()
-        self.soils = KnownSoils()
+        self.soils: Dict[str, Optional[float]] = {}
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked = Wanted("", 0, None)
 
@@ -163,7 +148,7 @@ class Imaging:
             period_s = PERIOD_S if same else SETTLED_S
         if self._shown.age_s >= period_s:
             self._asked, permittivity = wanted, wanted.permittivity
-            if permittivity is None or permittivity == self.soils.of(wanted.survey_id):
+            if permittivity is None or permittivity == self.soils.get(wanted.survey_id):
                 permittivity = NOT_KNOWN
             self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
 

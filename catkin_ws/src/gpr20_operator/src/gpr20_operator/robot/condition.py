@@ -246,11 +246,9 @@ def _doubts(snapshot: Snapshot) -> Iterator[Message]:
         yield Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
             faults.STANDS_STILL
         )
-    if snapshot.ignored_sender:
-        yield Message(
-            "A recording plays on this robot's topics. It is not shown.",
-            details=snapshot.ignored_sender,
-        ).with_fault(faults.REPLAY.as_warning())
+    if snapshot.sender_ignored:
+        recording = Message("A recording plays on this robot's topics. It is not shown.")
+        yield recording.with_fault(faults.REPLAY.as_warning())
 
 
 def left_of(snapshot: Snapshot) -> Optional[Message]:

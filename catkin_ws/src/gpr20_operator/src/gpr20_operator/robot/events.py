@@ -260,21 +260,11 @@ class Replay:
         return self.phase is ReplayPhase.ENDED or (self.rate == 0.0 and self.state in ENDED)
 
     @property
-    def paused(self) -> bool:
-        """Whether it is paused and can continue."""
-        return self.phase is ReplayPhase.PAUSED
-
-    @property
-    def can_pause(self) -> bool:
-        """Whether its player takes requests: `rosbag play` takes none."""
-        return not self.ended and self.rate > 0.0
-
-    @property
     def title(self) -> Message:
         """What is shown where the state of a robot would be."""
         if self.ended:
             return Message("REPLAY ENDED")
-        return Message("REPLAY PAUSED") if self.paused else Message("REPLAY")
+        return Message("REPLAY PAUSED") if self.phase is ReplayPhase.PAUSED else Message("REPLAY")
 
     @property
     def message(self) -> Message:
@@ -293,8 +283,6 @@ class Replay:
 @dataclass(frozen=True)
 class SenderIgnored:
     """Event: a node that is none of the robot's speaks for it; nothing of that is shown."""
-
-    sender: str
 
 
 @dataclass(frozen=True)

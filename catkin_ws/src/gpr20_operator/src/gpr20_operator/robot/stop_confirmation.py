@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Dict, Optional
 
 from gpr20_common.low.clock import Clock
@@ -19,14 +18,8 @@ ANSWER_S = 0.2
 REST_S = 1.0
 # A stop request ends every motion within this time [s]; as in the main control.
 EFFECT_S = 0.2
-
-
-@dataclass(frozen=True)
-class StopWarning:
-    """What is shown over everything until a STOP is confirmed."""
-
-    title: Message
-    text: Message
+# Shown over everything until a STOP is confirmed.
+MOTORS_OFF = Message("SWITCH OFF THE MOTORS' POWER")
 
 
 class StopConfirmation:
@@ -72,8 +65,11 @@ class StopConfirmation:
         """Note that the operator has read the warning, or that it is over."""
         self._pressed_s = None
 
-    def warning(self, snapshot: Snapshot) -> Optional[StopWarning]:
-        """Return what is shown now; None: STOP was not pressed, or every axis rests."""
+    def warning(self, snapshot: Snapshot) -> Optional[Message]:
+        """Return what is known while the motors have to be switched off.
+
+        None: STOP was not pressed, every axis rests, or none is late yet.
+        """
         if self._pressed_s is None:
             return None
         reports = {one.axis: one for one in snapshot.axes}
@@ -92,7 +88,7 @@ class StopConfirmation:
             return None
         if not any(self._is_late(axis, reports.get(axis), self._pressed_s) for axis in AxisId):
             return None
-        return StopWarning(Message("SWITCH OFF THE MOTORS' POWER"), known)
+        return known
 
     def _is_late(self, axis: AxisId, report: Optional[AxisReport], pressed_s: float) -> bool:
         """Return whether an axis should have said by now that it rests."""

@@ -12,9 +12,9 @@ from gpr20_operator.plan.form import (
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Request
+from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_model import Refusal, ReplayModel, SurveyModel
+from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -55,9 +55,6 @@ class SurveyControl(Protocol):
     def check_master(self) -> None:
         """Check that the master answers; the answer is an event."""
 
-    def set_replay_paused(self, paused: bool) -> None:
-        """Ask the replay to pause or to continue."""
-
 
 class WindowPresenter:
     """Carries events to the model and requests to the main control. Belongs to one thread.
@@ -84,19 +81,13 @@ class WindowPresenter:
         self.finer: Optional[FinerPlan] = None
         self.snapshot = model.snapshot()
 
-    def on_event(self, event: object) -> Optional[Refusal]:
+    def on_event(self, event: object) -> Optional[Answer]:
         """Take an event; return what the operator must see at once."""
         if isinstance(event, CostEstimated):
             if self.preview is not None and event.parameters == self._parameters:
                 self.preview = replace(self.preview, cost=event.cost)
             return None
         return self._model.handle(event)
-
-    def pause_replay(self) -> None:
-        """Pause the replay, or continue it."""
-        replay = self.snapshot.replay
-        if replay is not None and replay.can_pause:
-            self._control.set_replay_paused(not replay.paused)
 
     def refresh(self) -> Snapshot:
         """Return what is known now."""

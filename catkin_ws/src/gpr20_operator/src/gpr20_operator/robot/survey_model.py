@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Dict, Optional, Set, Tuple, Type, TypeVar
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import HealthReport, HealthTracker, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import (
@@ -28,21 +27,6 @@ from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING
-
-
-@dataclass(frozen=True)
-class Refusal:
-    """A request that was refused or failed, and why.
-
-    Attributes:
-        other_analyzer: Identity of another analyzer with which the survey can be resumed; empty
-            if the operator has nothing to accept.
-    """
-
-    request: Request
-    reason: Message
-    other_analyzer: str = ""
-
 
 Event = TypeVar("Event")
 # Events of which the last one is known.
@@ -78,8 +62,8 @@ class SurveyModel:
             self._health = HealthTracker(self._clock) if followed else None
             self._axes.clear()
 
-    def handle(self, event: object) -> Optional[Refusal]:
-        """Take an event; return the request that was refused or failed with it."""
+    def handle(self, event: object) -> Optional[Answer]:
+        """Take an event; return the answer to a request that was refused or failed."""
         now_s = self._clock.now_s()
         if isinstance(event, Answer):
             return self._take_answer(event, now_s)
@@ -96,14 +80,12 @@ class SurveyModel:
             self._latest[type(event)] = event, now_s
         return None
 
-    def _take_answer(self, answer: Answer, now_s: float) -> Optional[Refusal]:
+    def _take_answer(self, answer: Answer, now_s: float) -> Optional[Answer]:
         self._pending.discard(answer.request)
         if answer.request is Request.START and answer.success:
             self._started_id, self._started_s = answer.survey_id, now_s
         # StopConfirmation says what became of a STOP.
-        if answer.success or answer.request is Request.STOP:
-            return None
-        return Refusal(answer.request, answer.message, answer.other_analyzer)
+        return None if answer.success or answer.request is Request.STOP else answer
 
     def _note_course(self, event: Any, now_s: float) -> None:
         """Note when the survey went on last, and whether it was interrupted."""
@@ -128,7 +110,6 @@ class SurveyModel:
         state, parameters = self._last(ControlState), self._last(SurveyParameters)
         master, described = self._last(MasterAnswered), self._last(RobotDescribed)
         service, height = self._last(ServiceActivity), self._last(MeasuredHeight, STALE_S)
-        ignored = self._last(SenderIgnored, STALE_S)
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
             control_silent_s=silent_s,
@@ -146,7 +127,7 @@ class SurveyModel:
             state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
             service=service.activity if service else None,
-            ignored_sender=ignored.sender if ignored else "",
+            sender_ignored=self._last(SenderIgnored, STALE_S) is not None,
             axes=tuple(
                 replace(one, silent=now_s - one.received_s > STALE_S) for one in self._axes.values()
             ),

@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional, Tuple, Union
+from typing import Any, Callable, NoReturn, Optional, Union
 
 import rosgraph
 import rospy
@@ -36,7 +36,6 @@ from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import WebPageClient
-from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
@@ -44,14 +43,13 @@ from gpr20_operator.plan.form import CostEstimator
 from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming
-from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.display import check_display, wait_for_display
-from gpr20_user_interface.low.process import StopSignals, leave_now, open_in
+from gpr20_user_interface.low.process import StopSignals, leave_now
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
@@ -103,19 +101,15 @@ class UserInterface:
         plan_settings: SettingsFile,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
-        may_choose_robot: bool = True,
     ) -> None:
-        # Namespace of the robot that a window is opened for when this one has ended.
-        self.next_robot = ""
         self.signal = EventSignal()
         # What is shown and who is believed belong together.
         senders = Senders(rospy.get_namespace(), replay=isinstance(model, ReplayModel))
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.robots = RobotsClient(self.signal.emit_event, senders)
         self.web = WebPageClient(self.signal.emit_event, senders)
-        self._clients = (self.control, self.storage, self.robots, self.web)
+        self._clients = (self.control, self.storage, self.web)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
@@ -123,15 +117,13 @@ class UserInterface:
                 Imaging(self.storage, time.monotonic),
                 ServiceModel(self.storage, self.storage.examine, Clock()),
                 self.plans,
-                Robots(
-                    *(rospy.get_namespace(), may_choose_robot),
-                    *(self.robots.set_watched, self._show_robot),
-                ),
                 Arming(Clock(), self.web.send),
             ),
             languages,
             memory,
         )
+        if not senders.replay:
+            self.window.top_bar.show_robot(senders.namespace.strip("/"))
         self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
 
@@ -154,10 +146,6 @@ class UserInterface:
         for client in reversed(self._clients):
             client.close()
 
-    def _show_robot(self, namespace: str) -> None:
-        self.next_robot = namespace
-        _quit_soon()
-
     def health(self) -> Health:
         """Return the health of this node."""
         # The snapshot is immutable: safe to read from ROS's threads.
@@ -177,15 +165,13 @@ def main() -> NoReturn:
         "--wait-for-display", action="store_true", help="wait until there is a screen"
     )
     parser.add_argument("--replay", action="store_true", help="show a replay, and no robot")
-    status, next_robot = _run(parser.parse_known_args(rospy.myargv()[1:])[0])
-    if next_robot:
-        open_in(next_robot, sys.argv, os.environ)
+    status = _run(parser.parse_known_args(rospy.myargv()[1:])[0])
     # Without the exit handlers and destructors of libraries: their threads still run.
     leave_now(status)
 
 
-def _run(options: argparse.Namespace) -> Tuple[int, str]:
-    """Return the exit status, and the robot of a window in place of this one; empty: none."""
+def _run(options: argparse.Namespace) -> int:
+    """Show the window; return the exit status."""
     # It costs memory and time, and crashes when the display closes while the window is made.
     os.environ.setdefault("QT_XCB_GL_INTEGRATION", "none")
     try:
@@ -195,27 +181,27 @@ def _run(options: argparse.Namespace) -> Tuple[int, str]:
             check_display(os.environ)
     except DisplayUnavailableError as error:
         _say(str(error))
-        return EXIT_NO_DISPLAY, ""
+        return EXIT_NO_DISPLAY
     if options.replay and _robot_is_here():
         _say(
             f"a robot has the namespace {rospy.get_namespace()}: its window, and STOP with it, "
             "would end; show the replay in another namespace, as in ns:=replay"
         )
-        return EXIT_WRONG_PARAMETER, ""
+        return EXIT_WRONG_PARAMETER
     with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
             _say(str(error))
             # At once: the exit handlers of rospy would wait for the master.
-            return EXIT_NO_MASTER, ""
+            return EXIT_NO_MASTER
         _on_display_lost(lambda: _leave_without_display(signals.received))
         application = QApplication(rospy.myargv())
         try:
             return _show(application, signals, options)
         except Gpr20Error as error:
             rospy.logfatal("user_interface cannot start: %s", error)
-            return EXIT_WRONG_PARAMETER, ""
+            return EXIT_WRONG_PARAMETER
 
 
 def _say(sentence: str) -> None:
@@ -264,9 +250,7 @@ def _robot_is_here() -> bool:
     return True
 
 
-def _show(
-    application: QApplication, signals: StopSignals, options: argparse.Namespace
-) -> Tuple[int, str]:
+def _show(application: QApplication, signals: StopSignals, options: argparse.Namespace) -> int:
     settings = _path("~settings", DEFAULT_SETTINGS)
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
@@ -276,7 +260,6 @@ def _show(
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
         bool(rospy.get_param("~full_screen", False)),
-        bool(rospy.get_param("~choose_robot", True)) and not options.replay,
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
@@ -299,7 +282,7 @@ def _show(
     # While the objects that it calls still exist.
     rospy.signal_shutdown("the window was closed")
     del diagnostics
-    return status, "" if signals.received else interface.next_robot
+    return status
 
 
 def _plan_file(namespace: str) -> str:

@@ -1,4 +1,4 @@
-"""This process: signals that ask it to stop, its end, another window in its place."""
+"""This process: signals that ask it to stop, and its end."""
 
 from __future__ import annotations
 
@@ -6,11 +6,9 @@ import os
 import signal
 import sys
 from types import FrameType
-from typing import Any, Callable, Dict, Mapping, NoReturn, Optional, Sequence
+from typing import Any, Callable, Dict, NoReturn, Optional
 
 NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
-# roslaunch gives a name; in another namespace it could be that of a window that is open there.
-OWN_NAMES = ("__ns:=", "__name:=")
 
 
 class SecondStopSignal(BaseException):
@@ -70,15 +68,3 @@ def leave_now(status: int) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(status)
-
-
-def open_in(namespace: str, words: Sequence[str], environment: Mapping[str, str]) -> NoReturn:
-    """Run this program for the robot of a namespace in this process, with the same options.
-
-    The process stays the one that roslaunch started: it ends with its launch.
-    """
-    sys.stdout.flush()
-    sys.stderr.flush()
-    kept = [word for word in words if not word.startswith(OWN_NAMES)]
-    command = [sys.executable, *kept, f"__ns:={namespace}"]
-    os.execve(sys.executable, command, {**environment, "ROS_NAMESPACE": namespace})

@@ -29,6 +29,8 @@ SIGNS: Dict[JobLevel, str] = {
     JobLevel.REST: "rest",
     JobLevel.REPLAY: "replay",
 }
+# Of the name of a robot; the band has no room for more.
+LONGEST_NAME = 16
 # In these a plan may be right that the robot does not know yet.
 PLANNED = (SurveyState.IDLE, SurveyState.CONFIGURED)
 
@@ -65,7 +67,7 @@ class StateBand(QFrame):
             condition: The gravest that is known.
             title: The state in a word or two.
             message: What the robot does, or how long it still takes.
-            robot: Its name, where there are several; else empty.
+            robot: Its name; empty: it has none.
         """
         self.level = condition.level
         for widget in (self, self.sign, self.title, self.message, self.simulated, self.more):
@@ -104,13 +106,11 @@ class TopBar(QWidget):
     pause_pressed = pyqtSignal()
     # Resuming moves the robot: the receiver asks first.
     resume_pressed = pyqtSignal()
-    # A replay is to pause, or to continue.
-    replay_pressed = pyqtSignal()
 
     def __init__(self) -> None:
         super().__init__()
         self._snapshot: Optional[Snapshot] = None
-        # The name of the robot, where several share a master.
+        # The name of the robot, which may share a master with others.
         self._name = ""
         self.band = StateBand()
         # That somebody elsewhere may start the robot, and how long.
@@ -136,8 +136,9 @@ class TopBar(QWidget):
         self.band.use_look(look)
 
     def show_robot(self, name: str) -> None:
-        """Name the robot that STOP stops, from the next refresh on; empty: there is only one."""
-        self._name = name
+        """Name the robot that STOP stops, from the next refresh on; empty: it has no name."""
+        # The end of names differs most often.
+        self._name = name if len(name) <= LONGEST_NAME else f"…{name[1 - LONGEST_NAME :]}"
 
     def refresh(self, snapshot: Snapshot, ready: bool, figures: bool) -> None:
         """Show what is known now.
@@ -159,24 +160,16 @@ class TopBar(QWidget):
             message = left
         self.band.show_condition(condition, title, message, self._name)
         self.band.simulated.setVisible(snapshot.simulated)
-        replay, paused = snapshot.replay, snapshot.paused
-        self.stop.setVisible(replay is None)
-        if replay is not None:
-            goes_on = replay.paused
-            self.pause.setText(self.tr("CONTINUE") if goes_on else self.tr("PAUSE"))
-            self.pause.setVisible(replay.can_pause)
-            self.pause.setEnabled(True)
-            return
+        is_robot, paused = snapshot.replay is None, snapshot.paused
+        self.stop.setVisible(is_robot)
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
-        self.pause.setVisible(snapshot.running)
+        self.pause.setVisible(is_robot and snapshot.running)
         self.pause.setEnabled(snapshot.can_resume if paused else snapshot.can_pause)
 
     def _on_pause(self) -> None:
         if self._snapshot is None:
             return
-        if self._snapshot.replay is not None:
-            self.replay_pressed.emit()
-        elif self._snapshot.paused:
+        if self._snapshot.paused:
             self.resume_pressed.emit()
         else:
             self.pause_pressed.emit()

@@ -18,7 +18,6 @@ from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.remote_control import Arming
-from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -38,7 +37,6 @@ from gpr20_user_interface.pages.job.page import JobPage
 from gpr20_user_interface.pages.plan.page import PlanPage
 from gpr20_user_interface.pages.result.page import ResultPage
 from gpr20_user_interface.pages.robot.page import RobotPage
-from gpr20_user_interface.pages.robots.page import RobotsPage
 from gpr20_user_interface.pages.settings.page import SettingsPage
 from gpr20_user_interface.pages.settings.remote import RemotePage
 from gpr20_user_interface.pages.surveys.page import SurveysPage
@@ -68,7 +66,6 @@ class Presenters:
         imaging: Focused images, results and exports.
         service: Maintenance of the robot.
         plans: What the operator planned last.
-        robots: The robots that share the ROS master.
         arming: Whether the web page may start and resume.
     """
 
@@ -77,7 +74,6 @@ class Presenters:
     imaging: Imaging
     service: ServiceModel
     plans: PlanMemory
-    robots: Robots
     arming: Arming
 
 
@@ -113,8 +109,8 @@ class MainWindow(QWidget):
         # The traces first: the others show what they have.
         self._bindings: Tuple[Page, ...] = (
             *(self.ground, self.alerts, self.survey_tab, self.job, self.control),
-            *(self.start_sheet, self.past, self.result, self.settings, self.robots),
-            *(self.remote, self.robot),
+            *(self.start_sheet, self.past, self.result, self.settings, self.remote),
+            self.robot,
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -249,9 +245,7 @@ class MainWindow(QWidget):
             *(self, self.survey, traces, presenters.plans, self._imaging),
         )
         self.additions = AdditionsPresenter(
-            traces.source,
-            lambda: self.control.next_annotation.value.operator,
-            self._imaging.pictures,
+            self._imaging, lambda: self.control.next_annotation.value.operator
         )
         self.result = ResultPage(
             *(self, SurveyResult(self._imaging), languages),
@@ -283,10 +277,6 @@ class MainWindow(QWidget):
         self.settings = SettingsPage(
             *(self, self.top_bar.stop, seen, languages),
             *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
-        )
-        self.robots = RobotsPage(
-            *(self, presenters.robots, self.settings.robot_button),
-            *(self.top_bar.show_robot, clock),
         )
         self.remote = RemotePage(
             *(self, presenters.arming, lambda: self.control.plan_to_start),
@@ -338,7 +328,6 @@ class MainWindow(QWidget):
         for request in (
             self.top_bar.stop.pressed,
             self.top_bar.pause_pressed,
-            self.top_bar.replay_pressed,
             self.start_sheet.hold.held,
         ):
             request.connect(lambda *_: self.refresh())

@@ -24,13 +24,11 @@ from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import RemoteControlClient
-from gpr20_operator.high.robots_client import RobotsClient
 from gpr20_operator.high.ros_events import RequestError
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
-from gpr20_operator.robot.robots import Robots
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.folder.log_record import Kind
 from gpr20_web.errors import NotNowError
@@ -45,7 +43,6 @@ from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.robots_page import RobotsPage
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
@@ -107,7 +104,6 @@ class WebNode:
         """
         self._parameters, self._clock = parameters, Clock()
         self._refreshed_s = self._checked_s = self._watched_s = -SELDOM_S
-        self._asks_for_robots = False
         self._said: Optional[WebStatusReported] = None
         # Of any thread; one beat takes many: an axis reports 50 times a second.
         self._events: Deque[Any] = deque()
@@ -160,20 +156,16 @@ class WebNode:
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
         self._services = WaitingServices(self._storage)
-        self._robots = RobotsClient(put, senders)
         remote = RemoteControlClient(put, namespace)
-        self._clients = (self._control, self._storage, self._robots, remote)
+        self._clients = (self._control, self._storage, remote)
 
     def _new_shell(self, data: Path) -> Shell:
-        namespace = rospy.get_namespace()
-        robots = Robots(namespace, False, self._follow_robots)
         return Shell(
             {
-                "now": NowPage(namespace.strip("/")),
+                "now": NowPage(rospy.get_namespace().strip("/")),
                 "commands": self._commands,
                 "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
-                "robots": RobotsPage(robots, self._clock),
                 "service": ServicePage(self._storage.examine, self._clock),
                 "notices": Watch(self._clock, self._notifier.send),
                 "login": LoginPage(self._accounts, self._logins, self._clock),
@@ -182,9 +174,7 @@ class WebNode:
 
     def _begin(self) -> None:
         for client in self._clients:
-            # Asking the master for the robots costs more than all the rest.
-            if client is not self._robots:
-                client.listen()
+            client.listen()
         self._thread.start()
         parameters = self._parameters
 
@@ -243,12 +233,6 @@ class WebNode:
         if status != self._said:
             self._said = status
             self._status.publish(WebStatus(**asdict(status)))
-
-    def _follow_robots(self, watched: bool) -> None:
-        if watched and not self._asks_for_robots:
-            self._asks_for_robots = True
-            self._robots.listen()
-        self._robots.set_watched(watched)
 
     def _note(self, survey: str, values: Mapping[str, Any]) -> None:
         self._notes.put({"survey": survey, "kind": Kind.AUDIT, "values": values})

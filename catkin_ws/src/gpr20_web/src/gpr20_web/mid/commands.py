@@ -11,7 +11,7 @@ from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name
-from gpr20_operator.robot.stop_confirmation import StopConfirmation, StopWarning
+from gpr20_operator.robot.stop_confirmation import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_web import faults
@@ -90,7 +90,7 @@ class Commands(WebPage):
         self._starts: Dict[str, Call] = {}
         self._described = ""
         self._stop = StopConfirmation(clock)
-        self._warning: Optional[StopWarning] = None
+        self._warning: Optional[Message] = None
         self.routes = (
             Route("POST", "/api/stop", Role.WATCH, self._on_stop),
             Route("POST", "/api/pause", Role.WATCH, self._pause),
@@ -153,7 +153,7 @@ class Commands(WebPage):
             "stop_open": self._is_stop_open,
             "stop_warning": None
             if warning is None
-            else {"title": text(warning.title), "text": sentence(text, warning.text)},
+            else {"title": text(MOTORS_OFF), "text": sentence(text, warning)},
         }
 
     @property

@@ -81,7 +81,7 @@ class ShownGround:
         self.opened, self._source, self._report = opened, source, report
         self.imaging = imaging
         self.traces = TracePresenter(source, self._note)
-        self.additions = AdditionsPresenter(source, lambda: "", imaging.pictures)
+        self.additions = AdditionsPresenter(imaging, lambda: "")
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.used_by, self.is_outdated = -math.inf, "", False
         self.problem: Optional[Message] = None
@@ -119,7 +119,6 @@ class ShownGround:
 
     def on_event(self, event: object) -> None:
         """Take what belongs to this survey."""
-        self.additions.on_event(event)
         if isinstance(event, TracesRead) and event.block.survey_id != self.survey_id:
             return  # the answer to another one's question
         if not self.opened or isinstance(event, OF_PAST):
@@ -160,7 +159,7 @@ class ShownGround:
         if grid is not None:
             # Since the plan was read somebody may have entered another one, which images have.
             soil = grid.permittivity if image is None else image.found.permittivity
-            self.imaging.soils.take(grid.survey_id, soil)
+            self.imaging.soils[grid.survey_id] = soil
             self.model.take_soil(soil)
 
     def _show(self, choice: GroundChoice) -> Shown:

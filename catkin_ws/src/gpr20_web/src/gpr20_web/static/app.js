@@ -4,13 +4,13 @@ import { button, element, field } from "./dom.js";
 import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
 import map from "./pages/map.js";
-import { more, robots, service } from "./pages/more.js";
+import { more, service } from "./pages/more.js";
 import now from "./pages/now.js";
 import surveys from "./pages/surveys.js";
 
 const CONTROL = 2;
 // The places at the bottom, each with its pages; the first one opens.
-const PLACES = [[now], [map], [surveys], [more, service, robots]];
+const PLACES = [[now], [map], [surveys], [more, service]];
 const PAGES = PLACES.flat();
 const TICK_MS = 400;
 const AGAIN_MS = 2000;

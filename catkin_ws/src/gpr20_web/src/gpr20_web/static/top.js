@@ -3,7 +3,7 @@
 import { ask, button, element, write } from "./dom.js";
 import { nowMs } from "./server.js";
 
-export const SIGNS = {
+const SIGNS = {
   working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
 };
 // Before 5 s: it was on its way for a while, and the tick may be late.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable, NamedTuple, Optional, Tuple
 
 from PyQt5.QtCore import QObject, pyqtSignal
@@ -9,7 +10,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.ground.additions import AdditionsPresenter, MarkingFailed
+from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.finer_plan import plan_finer
 from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.ground.model import GroundModel
@@ -85,6 +86,7 @@ class GroundPage(QObject, Page):
         view.layers.clicked.connect(lambda: self.layers.open())
         view.back.clicked.connect(lambda: self._show_live())
         view.opened.connect(additions.read_again)
+        additions.marking_failed = partial(show_refusal, Refused.MARKER)
         self.layers.changed.connect(view.refresh)
 
     def show_place(self, x_mm: float, y_mm: float, depth_mm: Optional[float] = None) -> None:
@@ -116,9 +118,6 @@ class GroundPage(QObject, Page):
         """Take what belongs to a survey."""
         self._traces.on_event(event)
         self._follow()
-        self._additions.on_event(event)
-        if isinstance(event, MarkingFailed):
-            self._show_refusal(Refused.MARKER, event.reason)
         if isinstance(event, Answer) and event.request is Request.START and event.success:
             self._survey.finer = None
 
@@ -201,8 +200,8 @@ class GroundPage(QObject, Page):
             if (grid, grid.permittivity) != self._described:
                 self._described = grid, grid.permittivity
                 if grid.permittivity is not None:  # of a survey that runs it is not read yet
-                    soils.take(grid.survey_id, grid.permittivity)
-            self.model.take_soil(soils.of(grid.survey_id))
+                    soils[grid.survey_id] = grid.permittivity
+            self.model.take_soil(soils.get(grid.survey_id))
 
 
 def _problem_of_text(text: str) -> str:

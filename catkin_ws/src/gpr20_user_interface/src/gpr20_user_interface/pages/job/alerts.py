@@ -10,6 +10,7 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.notices import (
     CardWatch,
     Notice,
@@ -19,9 +20,8 @@ from gpr20_operator.robot.notices import (
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.stop_confirmation import ANSWER_S, StopConfirmation, StopWarning
+from gpr20_operator.robot.stop_confirmation import ANSWER_S, MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import Refusal
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.cards import NoticeView
@@ -37,7 +37,7 @@ class StopWarningView(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.setObjectName("stop_warning")
-        self._warning: Optional[StopWarning] = None
+        self._warning: Optional[Message] = None
         self.title = new_label("motors_off", wraps=True)
         self.title.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.text = new_label(wraps=True)
@@ -46,15 +46,15 @@ class StopWarningView(Overlay):
         parts = ((self.title, 3), (self.text, 1), self.close_button)
         self.setLayout(column(*parts, margin=3 * GAP_PX))
 
-    def show_warning(self, warning: Optional[StopWarning]) -> None:
+    def show_warning(self, warning: Optional[Message]) -> None:
         """Show a warning over everything; None: there is none."""
         if warning is None:
             self.hide()
             return
         if warning != self._warning:
             self._warning = warning
-            say(self.title, warning.title)
-            say(self.text, warning.text)
+            say(self.title, MOTORS_OFF)
+            say(self.text, warning)
         if not self.isVisible():
             self.open()
         # Another sheet may have opened since.
@@ -95,7 +95,6 @@ class Alerts(Page):
         self._answer_due.timeout.connect(self._show_stop)
         top_bar.stop.pressed.connect(self._on_stop)
         top_bar.pause_pressed.connect(survey.pause)
-        top_bar.replay_pressed.connect(survey.pause_replay)
         top_bar.resume_pressed.connect(ask_resume)
         top_bar.band.touched.connect(self.show_condition)
         self.notice.resume_pressed.connect(top_bar.resume_pressed)
@@ -122,17 +121,17 @@ class Alerts(Page):
         if snapshot.replay is None:
             self.notice.show_notice(band_notice(snapshot))
 
-    def take_refusal(self, refusal: Optional[Refusal]) -> None:
+    def take_refusal(self, refusal: Optional[Answer]) -> None:
         """Show why a request was refused; None: none was."""
         if refusal is None:
             return
         if not refusal.other_analyzer:
-            self.show_refusal(Refused[refusal.request.name], refusal.reason)
+            self.show_refusal(Refused[refusal.request.name], refusal.message)
             return
         # The status of the survey may have opened a notice with the same reason.
         self.notice.hide()
         self.question.ask(
-            analyzer_notice(refusal.reason, refusal.other_analyzer),
+            analyzer_notice(refusal.message, refusal.other_analyzer),
             lambda: self._ask_resume_with(refusal.other_analyzer),
         )
 

@@ -42,7 +42,6 @@ class SettingsPage(Overlay, Page):
 
     Attributes:
         cover: What dims the window.
-        robot_button: Opens the list of robots; connected where there may be several.
         remote_button: Opens what concerns the web page.
     """
 
@@ -65,9 +64,7 @@ class SettingsPage(Overlay, Page):
         self.title = new_label("title", text=Message("Settings"))
         self.hint = new_label("quiet", wraps=True)
         self.close_button = new_button(self.hide, Message("CLOSE"))
-        self.robot_button = new_button(self.hide, Message("OTHER ROBOT"))
         self.remote_button = new_button(self.hide, Message("REMOTE CONTROL"))
-        self.robot_button.hide()
         self.languages: Dict[Language, QPushButton] = self._choices(languages(), self._use_language)
         self.themes: Dict[Theme, QPushButton] = self._choices(Theme, self._use_theme)
         self.dim_choices: Dict[int, QPushButton] = self._choices(DIM_CHOICES_MIN, self._dim_after)
@@ -131,7 +128,7 @@ class SettingsPage(Overlay, Page):
             layout.addWidget(label, number, 0)
             layout.addLayout(row(*((one, 1) for one in choices.values())), number, 1)
         layout.setColumnStretch(1, 1)
-        bottom = row((self.robot_button, 1), (self.remote_button, 1), (self.close_button, 1))
+        bottom = row((self.remote_button, 1), (self.close_button, 1))
         self.setLayout(column(self.title, layout, (self.hint, 1), bottom, margin=2 * GAP_PX))
 
     def _choices(self, values: Iterable[Any], act: Callable[[Any], None]) -> Dict[Any, QPushButton]:

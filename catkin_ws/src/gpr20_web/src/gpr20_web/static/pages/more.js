@@ -1,14 +1,12 @@
-// MORE: how this browser shows the page, and two pages that are needed seldom.
+// MORE: how this browser shows the page, and the page of service.
 
 import { button, element, write } from "../dom.js";
-import { SIGNS } from "../top.js";
 
 const SERVICE_MS = 5000;
-const ROBOTS_MS = 3000;
-// Of findings, parts and robots.
+// Of findings and parts.
 const CHIPS = {
   ...{ ok: "good", unknown: "warn", warning: "warn", warn: "warn", error: "bad", stale: "bad" },
-  ...{ working: "good", done: "good", paused: "warn", attention: "warn", fault: "bad" },
+  fault: "bad",
 };
 const chip = (level, ...title) =>
   element("span", { class: `chip ${CHIPS[level] ?? ""}` }, ...title);
@@ -32,9 +30,7 @@ export const more = {
 
   show(root, app) {
     root.append(
-      element("ul", { class: "list" }, ...[service, robots].map(({ name }) =>
-        element("li", {},
-          element("a", { class: "button", href: `#${name}` }, app.word(`${name}.title`))))),
+      element("a", { class: "button", href: "#service" }, app.word("service.title")),
       permission(app),
       element("div", { class: "card" }, ...app.choices()),
       element("div", { class: "card row" },
@@ -68,25 +64,5 @@ export const service = {
   line({ level, title, text, remedy }) {
     return element("li", { class: "card" }, chip(level, title), ` ${text}`,
       remedy ? element("p", { class: "first" }, `→ ${remedy}`) : null);
-  },
-};
-
-// Every robot of the ROS master, one line each.
-export const robots = {
-  name: "robots",
-
-  show(root, app) {
-    const word = (name) => app.word(`robots.${name}`);
-    const heads = ["name", "state"].map((one) => element("th", { scope: "col" }, word(one)));
-    const rows = element("tbody");
-    root.append(element("table", { class: "table" },
-      element("thead", {}, element("tr", {}, ...heads)), rows));
-    app.poll("/api/robots", ROBOTS_MS, ({ robots: found }) =>
-      rows.replaceChildren(...found.map(({ name, level, title, shown }) =>
-        element("tr", {},
-          element("th", { scope: "row" }, name,
-            shown ? element("div", { class: "muted" }, word("shown")) : null),
-          element("td", {}, chip(level,
-            element("span", { "aria-hidden": "true" }, SIGNS[level] ?? "?"), ` ${title}`))))));
   },
 };

@@ -1,1 +1,0 @@
-"""The robots that share the ROS master."""
