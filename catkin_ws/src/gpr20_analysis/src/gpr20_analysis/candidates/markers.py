@@ -81,7 +81,7 @@ def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
         path: The file; its ending is .csv, .json or .geojson.
 
     Raises:
-        ExportError: The ending is unknown, or the output cannot be written.
+        AnalysisError: The ending is unknown, or the output cannot be written.
     """
     write_list(Path(path), _head(found), "markers", _records(found), COLUMNS)
 

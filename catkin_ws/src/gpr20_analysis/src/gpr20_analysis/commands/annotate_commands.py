@@ -14,7 +14,7 @@ from gpr20_analysis.candidates.files import ENDINGS, output_paths
 from gpr20_analysis.candidates.markers import marker_lines, marker_list, write_markers
 from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command, number, print_rows
-from gpr20_analysis.errors import AnalysisError, not_there, wrong_ending
+from gpr20_analysis.errors import AnalysisError, check_ending, not_there
 from gpr20_analysis.read.checks import found_rows
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
@@ -77,8 +77,8 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise AnalysisError(Message("give --found, --list and --what, or none of them"))
     if all(given) and not chosen.who:
         raise AnalysisError(Message("give the name of who found it with --who"))
-    if chosen.photo is not None and chosen.photo.suffix.lower() not in PHOTO_ENDINGS:
-        raise AnalysisError(wrong_ending(chosen.photo, PHOTO_ENDINGS))
+    if chosen.photo is not None:
+        check_ending(chosen.photo.with_suffix(chosen.photo.suffix.lower()), PHOTO_ENDINGS)
     written = [one for path in chosen.markers for one in output_paths(path)]
     outputs.check(written, [survey], chosen.overwrite)
     changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}
