@@ -76,9 +76,17 @@ def library_missing(library: str, extra: str = "", package: str = "gpr20_analysi
     )
 
 
-def wrong_ending(path: PurePath, endings: Iterable[str]) -> Message:
-    """Return the message for an output whose name has the wrong ending."""
-    return Message("{file} must end in {endings}", file=path.name, endings=", ".join(endings))
+def check_ending(path: PurePath, endings: Iterable[str]) -> None:
+    """Check the ending of a path.
+
+    Raises:
+        AnalysisError: It has another one; argparse shows its text, but not that of a ValueError.
+    """
+    if path.suffix not in endings:
+        allowed = ", ".join(endings)
+        raise AnalysisError(
+            Message("{file} must end in {endings}", file=path.name, endings=allowed)
+        )
 
 
 def not_there(path: PurePath) -> Message:

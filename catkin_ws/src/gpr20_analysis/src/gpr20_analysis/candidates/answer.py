@@ -75,7 +75,7 @@ def answer(
         survey: Dataset with `s21`. Coupling and surface echo are subtracted, unless a step before
             has done so.
         options: How the image is made; None: with what the survey knows.
-        progress: Shows the progress over all polarizations.
+        progress: Shows the progress of each polarization.
         steps: What is subtracted; None: see `default_steps`.
 
     Raises:

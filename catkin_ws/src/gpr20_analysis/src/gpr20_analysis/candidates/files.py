@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Dict, Sequence, Tuple, Union
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.errors import ExportError, check_ending
 from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -40,7 +40,7 @@ def write_candidates(found: CandidateList, path: Union[str, Path]) -> None:
         path: The file; its ending is .csv, .json or .geojson.
 
     Raises:
-        ExportError: The ending is unknown, the format needs a place on the earth that the survey
+        AnalysisError: The ending is unknown, the format needs a place on the earth that the survey
             does not have, or the output cannot be written.
     """
     path = Path(path)
@@ -71,9 +71,9 @@ def write_list(
         columns: What CSV has of them.
 
     Raises:
-        ExportError: The ending is unknown, or the output cannot be written.
+        AnalysisError: The ending is unknown, or the output cannot be written.
     """
-    check_ending(path)
+    check_ending(path, ENDINGS)
     if path.suffix == CSV:
         write_with_checksum(path, _csv(head, records, columns))
     elif path.suffix == GEOJSON:
@@ -104,16 +104,6 @@ def write_with_checksum(path: Path, text: str) -> None:
 def output_paths(path: Path) -> Tuple[Path, Path]:
     """Return the files that are written: the list and its checksum."""
     return path, path.with_name(path.name + SUM)
-
-
-def check_ending(path: Path, endings: Sequence[str] = ENDINGS) -> None:
-    """Check the ending of a path.
-
-    Raises:
-        ExportError: It is unknown.
-    """
-    if path.suffix not in endings:
-        raise ExportError(wrong_ending(path, tuple(endings)))
 
 
 def json_content(values: Dict[str, Any]) -> str:

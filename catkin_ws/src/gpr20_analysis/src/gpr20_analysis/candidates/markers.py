@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
 import xarray as xr
 
@@ -16,8 +16,7 @@ from gpr20_analysis.read.survey_attributes import area_position
 from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
-from gpr20_survey.plan.markers import Marker, markers_of
+from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
 from gpr20_survey.trace.utc_time import moment_text
@@ -26,7 +25,7 @@ NONE = "-"
 FORMAT = "gpr20-markers/1"
 COLUMNS = (
     *("id", "x_m", "y_m", "depth_m", "text", "author", "time"),
-    *("removed", "removed_by", "longitude_deg", "latitude_deg"),
+    *("longitude_deg", "latitude_deg"),
 )
 
 
@@ -37,7 +36,7 @@ class MarkerList:
     Attributes:
         survey_id: UUID; empty if it is not known.
         simulated: Whether the survey shows no real ground.
-        markers: The markers; removed ones too, if they were requested.
+        markers: The markers that were not removed.
         position: Where the area is on the earth; None if position or heading is not known.
     """
 
@@ -47,28 +46,31 @@ class MarkerList:
     position: Optional[AreaPosition] = None
 
 
-def survey_markers(survey: xr.Dataset, removed: bool = False) -> MarkerList:
-    """Return the markers of a survey.
+def survey_markers(survey: xr.Dataset) -> MarkerList:
+    """Return the markers of a survey that were not removed.
 
     A recording or a folder of JSON files alone holds none: they are in the log.
 
     Args:
         survey: Dataset of a survey.
-        removed: Whether markers that were removed are listed too.
 
     Raises:
         AnalysisError: The markers in the log are damaged.
     """
     try:
-        found = markers_of(description_of(survey))
+        return marker_list(description_of(survey), area_position(survey.attrs))
     except InvalidValueError as error:
         raise AnalysisError(error.message) from error
-    return MarkerList(
-        str(survey.attrs.get("survey_id", "")),
-        bool(survey.attrs.get("simulated")),
-        tuple(one for one in found if removed or one.is_present),
-        area_position(survey.attrs),
-    )
+
+
+def marker_list(description: Mapping[str, Any], position: Optional[AreaPosition]) -> MarkerList:
+    """Return the markers in what describes a survey, and where its area is.
+
+    Raises:
+        InvalidValueError: They are damaged.
+    """
+    survey_id, simulated = description.get("survey_id", ""), description.get("simulated")
+    return MarkerList(str(survey_id), bool(simulated), present_markers(description), position)
 
 
 def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
@@ -79,7 +81,7 @@ def write_markers(found: MarkerList, path: Union[str, Path]) -> None:
         path: The file; its ending is .csv, .json or .geojson.
 
     Raises:
-        ExportError: The ending is unknown, or the output cannot be written.
+        AnalysisError: The ending is unknown, or the output cannot be written.
     """
     write_list(Path(path), _head(found), "markers", _records(found), COLUMNS)
 
@@ -114,8 +116,6 @@ def _record(marker: Marker, found: MarkerList) -> Dict[str, Any]:
         "text": marker.text,
         "author": marker.author,
         "time": marker.time,
-        "removed": marker.removed,
-        "removed_by": marker.removed_by,
         "longitude_deg": longitude_deg,
         "latitude_deg": latitude_deg,
     }
@@ -139,23 +139,13 @@ def marker_rows(found: MarkerList, catalogue: Catalogue = ENGLISH) -> List[Tuple
 
 
 def _row(marker: Marker, catalogue: Catalogue) -> Tuple[str, ...]:
-    text = marker.text or NONE
-    if not marker.is_present:
-        text = catalogue.text(
-            Message(
-                "{text} (removed {time} {operator})",
-                text=text,
-                time=moment_text(marker.removed),
-                operator=marker.removed_by,
-            )
-        )
     return (
         f"{marker.x_mm:.0f}",
         f"{marker.y_mm:.0f}",
         NONE if marker.depth_mm is None else f"{marker.depth_mm:.0f}",
         catalogue.text(moment_text(marker.time)),
         marker.author or NONE,
-        text,
+        marker.text or NONE,
     )
 
 

@@ -11,10 +11,10 @@ from typing import Any, Callable, Dict, Optional
 
 from gpr20_analysis import faults
 from gpr20_analysis.candidates.files import ENDINGS, output_paths
-from gpr20_analysis.candidates.markers import MarkerList, marker_lines, write_markers
+from gpr20_analysis.candidates.markers import marker_lines, marker_list, write_markers
 from gpr20_analysis.commands import outputs
 from gpr20_analysis.commands.command import DONE, Command, number, print_rows
-from gpr20_analysis.errors import AnalysisError, not_there, wrong_ending
+from gpr20_analysis.errors import AnalysisError, check_ending, not_there
 from gpr20_analysis.read.checks import found_rows
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
@@ -31,7 +31,6 @@ from gpr20_survey.plan.annotation import (
     annotation_of,
     position_from_text,
 )
-from gpr20_survey.plan.markers import markers_of
 from gpr20_survey.results.area_position import AreaPosition
 from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What
@@ -65,7 +64,6 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--markers", type=outputs.path_with(*ENDINGS), action="append", default=[], metavar="FILE",
         help="write the markers as .csv, .json or .geojson; may be given more than "
         "once")  # fmt: skip
-    add("--removed", action="store_true", help="list markers that were removed too")
     outputs.add_overwrite(parser)
 
 
@@ -79,8 +77,8 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         raise AnalysisError(Message("give --found, --list and --what, or none of them"))
     if all(given) and not chosen.who:
         raise AnalysisError(Message("give the name of who found it with --who"))
-    if chosen.photo is not None and chosen.photo.suffix.lower() not in PHOTO_ENDINGS:
-        raise AnalysisError(wrong_ending(chosen.photo, PHOTO_ENDINGS))
+    if chosen.photo is not None:
+        check_ending(chosen.photo.with_suffix(chosen.photo.suffix.lower()), PHOTO_ENDINGS)
     written = [one for path in chosen.markers for one in output_paths(path)]
     outputs.check(written, [survey], chosen.overwrite)
     changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}
@@ -95,7 +93,7 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         _add(survey, found_fact)
     description = read_description(survey)
     annotation = annotation_of(description)
-    markers = _markers(description, annotation, chosen.removed)
+    markers = marker_list(description, _area_position(annotation))
     for path in chosen.markers:
         write_markers(markers, path)
     values = {name: getattr(annotation, name) for name in NAMES}
@@ -172,15 +170,11 @@ def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
     raise AnalysisError(other, fault=faults.INPUT)
 
 
-def _markers(description: Dict[str, Any], annotation: Annotation, removed: bool) -> MarkerList:
+def _area_position(annotation: Annotation) -> Optional[AreaPosition]:
     at, heading_deg = annotation.position, annotation.heading_deg
-    place = None
-    if at is not None and heading_deg is not None:
-        place = AreaPosition(at.latitude_deg, at.longitude_deg, heading_deg)
-    found = tuple(one for one in markers_of(description) if removed or one.is_present)
-    return MarkerList(
-        str(description.get("survey_id", "")), bool(description.get("simulated")), found, place
-    )
+    if at is None or heading_deg is None:
+        return None
+    return AreaPosition(at.latitude_deg, at.longitude_deg, heading_deg)
 
 
 def _heading(text: str) -> Optional[float]:

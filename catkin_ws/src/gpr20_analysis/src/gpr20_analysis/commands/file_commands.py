@@ -14,7 +14,7 @@ from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import DONE, Command, per
-from gpr20_analysis.errors import AnalysisError, ExportError, not_there, wrong_ending
+from gpr20_analysis.errors import AnalysisError, ExportError, check_ending, not_there
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_path, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
@@ -58,7 +58,7 @@ def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 fault=faults.INPUT,
             )
         return _say(bags.make_survey_bag(chosen.survey), chosen.survey, catalogue)
-    exports.check_ending(output, form)
+    exports.check_format(output, form)
     outputs.check([output], [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar("writing")
     if form in exports.OF_RECORDINGS:
@@ -117,8 +117,8 @@ def _add_import(parser: argparse.ArgumentParser) -> None:
 def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     output = chosen.output
     into_folder = not output.suffix or (output.is_dir() and output.suffix != NETCDF)
-    if not into_folder and output.suffix != NETCDF:
-        raise ExportError(wrong_ending(output, (NETCDF,)))
+    if not into_folder:
+        check_ending(output, (NETCDF,))
     # The survey's folder gets its name when it is written.
     written = output / "survey" if into_folder else output
     outputs.check([written], [chosen.input], chosen.overwrite)
@@ -174,9 +174,8 @@ def _add_sample(parser: argparse.ArgumentParser) -> None:
 
 
 def _sample(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    output, ending = chosen.output, NETCDF if chosen.real else MCAP
-    if output.suffix != ending:
-        raise ExportError(wrong_ending(output, (ending,)))
+    output = chosen.output
+    check_ending(output, (NETCDF if chosen.real else MCAP,))
     outputs.check([output], [sample_survey()], chosen.overwrite)
     if chosen.real:
         write_dataset(real_line(), output)

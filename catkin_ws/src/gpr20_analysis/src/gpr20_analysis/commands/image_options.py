@@ -60,8 +60,6 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     add("--separation", type=float, default=0.0, metavar="M",
         help="distance between the antennas; used by back-projection and --buried; default: the "
         "one that the survey records, else 0")  # fmt: skip
-    add("--grid-step", type=per(MM_PER_M), metavar="MM",
-        help="step of the image along X and Y; default the positions of the survey")  # fmt: skip
     add("--ground", choices=[one.value for one in Ground],
         help="why the recorded heights differ: level: the antennas moved up and down; uneven: the "
         "ground rises and falls, which only back-projection supports")  # fmt: skip
@@ -90,7 +88,6 @@ def options_of(chosen: argparse.Namespace) -> ImageOptions:
         height_m=chosen.height,
         leave_out_missing=chosen.leave_out_missing,
         separation_m=chosen.separation,
-        grid_step_m=chosen.grid_step,
         ground=Ground(chosen.ground) if chosen.ground else None,
         delay_s=chosen.delay,
         false_alarms_per_m2=chosen.false_alarms,

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Callable, Iterable, Sequence
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import AnalysisError, ExportError, wrong_ending
+from gpr20_analysis.errors import ExportError, check_ending
 from gpr20_common.message import Message
 from gpr20_survey.folder import survey_folder
 
@@ -42,9 +42,7 @@ def path_with(*endings: str) -> Callable[[str], Path]:
 
     def path_of(text: str) -> Path:
         path = Path(text)
-        if path.suffix not in endings:
-            # argparse would hide the text of a ValueError, such as an ExportError.
-            raise AnalysisError(wrong_ending(path, endings))
+        check_ending(path, endings)
         return path
 
     return path_of

@@ -38,9 +38,6 @@ def _add_replay(parser: argparse.ArgumentParser) -> None:
     add("--ns", default="replay", metavar="NAME", type=_namespace,
         help="namespace in which it is published; default: replay")  # fmt: skip
     add("--rate", type=float, default=1.0, help="speed relative to the recording")
-    add("--start", type=float, default=0.0, metavar="S",
-        help="start at this time of the recording [s]; earlier traces are published at once",
-        )  # fmt: skip
     add("--paused", action="store_true", help="start paused")
     add("--hold", action="store_true", help="keep the last messages until interrupted")
     add("--wait", type=float, default=0.0, metavar="S",
@@ -50,7 +47,7 @@ def _add_replay(parser: argparse.ArgumentParser) -> None:
 def _replay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.read.replay import Playback, describe, recorded
 
-    playback = Playback(Clock(), chosen.rate, chosen.start, chosen.paused)
+    playback = Playback(Clock(), chosen.rate, chosen.paused)
     replayed = describe(chosen.survey)
     with _needing_ros():
         import rospy

@@ -22,11 +22,10 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import (
     AnalysisError,
     DamagedSurveyError,
-    ExportError,
     UnreadableFileError,
     WrongDatasetError,
+    check_ending,
     not_there,
-    wrong_ending,
 )
 from gpr20_analysis.formats.facts import marked
 from gpr20_analysis.sentences import (
@@ -63,11 +62,10 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
         path: Ends in .nc; an existing file is replaced.
 
     Raises:
-        ExportError: The path has another ending, or it cannot be written.
+        AnalysisError: The path has another ending, or it cannot be written.
     """
     path = Path(path).expanduser()
-    if path.suffix != NETCDF:
-        raise ExportError(wrong_ending(path, (NETCDF,)))
+    check_ending(path, (NETCDF,))
     stored = _as_real(dataset.described(data.copy()))
     title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
     of_file = ("CF-1.9", marked(title, data), "written by gpr20_analysis")

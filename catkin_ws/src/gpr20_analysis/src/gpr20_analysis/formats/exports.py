@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis import dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, wrong_ending
+from gpr20_analysis.errors import ExportError, check_ending
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.formats.facts import facts_path, write_facts
 from gpr20_analysis.formats.plain_csv import write_plain_csv
@@ -47,11 +47,11 @@ def export_survey(
         no place for is in a file NAME.json beside it.
 
     Raises:
-        ExportError: The format cannot hold the survey, the name does not have the format's
+        AnalysisError: The format cannot hold the survey, the name does not have the format's
             ending, or the output cannot be written.
     """
     path = Path(path).expanduser()
-    check_ending(path, form)
+    check_format(path, form)
     if form == "netcdf":
         write_dataset(survey, path)
         return {path: Message("all data")}
@@ -82,11 +82,11 @@ def output_paths(survey: xr.Dataset, path: Path, form: str) -> List[Path]:
     return [file_of(path, turn) for turn in survey[dataset.POLARIZATION].values]
 
 
-def check_ending(path: Path, form: str) -> None:
+def check_format(path: Path, form: str) -> None:
     """Check that a path has the ending of its format.
 
     Raises:
-        ExportError: It has another one, or there is no such format.
+        AnalysisError: It has another one, or there is no such format.
     """
     if form not in ENDINGS:
         raise ExportError(
@@ -96,5 +96,5 @@ def check_ending(path: Path, form: str) -> None:
                 names=", ".join(ENDINGS),
             )
         )
-    if ENDINGS[form] and path.suffix != ENDINGS[form]:
-        raise ExportError(wrong_ending(path, (ENDINGS[form],)))
+    if ENDINGS[form]:
+        check_ending(path, (ENDINGS[form],))

@@ -9,8 +9,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Union
 
-from gpr20_analysis.candidates.files import JSON, check_ending, write_with_checksum
-from gpr20_analysis.errors import UnreadableFileError
+from gpr20_analysis.candidates.files import JSON, write_with_checksum
+from gpr20_analysis.errors import UnreadableFileError, check_ending
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.results.hiding_map import HidingMap, hiding_from, hiding_json
@@ -27,7 +27,7 @@ def write_hiding(found: HidingMap, path: Union[str, Path]) -> None:
         path: The file; its ending is .json.
 
     Raises:
-        ExportError: It has another ending, or cannot be written.
+        AnalysisError: It has another ending, or cannot be written.
     """
     check_ending(Path(path), (JSON,))
     write_with_checksum(Path(path), hiding_json(found))

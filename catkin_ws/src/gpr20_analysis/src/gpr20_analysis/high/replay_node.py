@@ -186,7 +186,7 @@ class ReplayNode:
         if topic not in self._publishers:
             refuse_beside_others([topic], rospy.get_name())
             is_trace = topic.rsplit("/", 1)[-1] == TRACE_TOPIC
-            # A replay from a later start publishes all traces before it at once: none is dropped.
+            # A fast replay publishes traces faster than they are sent: none is dropped.
             size = 0 if latch or is_trace else QUEUE_LENGTH
             publisher = rospy.Publisher(topic, kind, latch=latch, queue_size=size)
             self._publishers[topic] = publisher

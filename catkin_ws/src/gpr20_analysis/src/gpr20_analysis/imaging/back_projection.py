@@ -14,7 +14,7 @@ import numpy as np
 
 from gpr20_analysis.errors import MissingLibraryError, library_missing
 from gpr20_analysis.imaging.a_scans import gated_a_scans
-from gpr20_analysis.imaging.records import Focus, Ground, Positions, Traces, antenna_offset_m, reach
+from gpr20_analysis.imaging.records import Focus, Ground, Traces, antenna_offset_m, reach
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
@@ -32,14 +32,13 @@ PAIRS = 2_000_000
 
 
 def back_projection_image(
-    traces: Traces, focus: Focus, at: Positions = None, progress: Progress = no_progress
+    traces: Traces, focus: Focus, progress: Progress = no_progress
 ) -> np.ndarray:
     """Return the complex image (depth, y, x).
 
     Args:
         traces: The traces.
         focus: How to focus.
-        at: Positions of the image.
         progress: Shows the progress.
 
     Raises:
@@ -54,11 +53,11 @@ def back_projection_image(
                 reason=library_missing("numba", "compiled"),
             )
         ) from error
-    x_m, y_m = at or (traces.x_m, traces.y_m)
+    x_m, y_m = traces.x_m, traces.y_m
     height_m = np.asarray(traces.height_m, dtype=np.float64).ravel()
     lowest_m, range_m = float(height_m.min()), float(np.ptp(height_m))
     step_m = max(HEIGHT_STEP_M, range_m / MOST_HEIGHTS)
-    distance_m = _distances_m(traces, focus, x_m, y_m)
+    distance_m = _distances_m(traces, focus)
     # Height by height, because the iterations need several times the memory of their result.
     delay_s = np.stack(
         [
@@ -81,7 +80,7 @@ def back_projection_image(
         more = (own_m - lowest_m - step_m * level) / (SPEED_OF_LIGHT_M_S * sample_s)
         return level, more.astype(np.float32)
 
-    grid_y, grid_x = np.meshgrid(traces.y_m, traces.x_m, indexing="ij")
+    grid_y, grid_x = np.meshgrid(y_m, x_m, indexing="ij")
     shared = (
         samples.view(np.float32).reshape(*samples.shape, 2),
         np.stack([grid_x.ravel(), grid_y.ravel()], axis=1),
@@ -96,8 +95,7 @@ def back_projection_image(
         focus.ground is Ground.UNEVEN,
     )
     # Height of the antennas' plane above the surface at each column (y, x).
-    along_x = [np.interp(x_m, traces.x_m, row) for row in traces.height_m]
-    columns_m = np.transpose([np.interp(y_m, traces.y_m, one) for one in np.transpose(along_x)])
+    columns_m = height_m.reshape(len(y_m), len(x_m))
     own = (columns_m, *levels(columns_m))
     width = max(1, PAIRS // len(height_m))
     parts = [
@@ -114,12 +112,9 @@ def back_projection_image(
     return np.ascontiguousarray(np.moveaxis(image, 2, 0))
 
 
-def _distances_m(traces: Traces, focus: Focus, x_m: np.ndarray, y_m: np.ndarray) -> np.ndarray:
+def _distances_m(traces: Traces, focus: Focus) -> np.ndarray:
     """Return the horizontal distances of the table (distance, 1) [m]."""
-    spread_m = [
-        max(np.max(axis_m) - np.min(place_m), np.max(place_m) - np.min(axis_m))
-        for axis_m, place_m in ((x_m, traces.x_m), (y_m, traces.y_m))
-    ]
+    spread_m = [np.ptp(traces.x_m), np.ptp(traces.y_m)]
     in_air, in_soil = reach(focus)
     reach_m = float(traces.height_m.max()) * in_air + float(focus.depth_m[-1]) * in_soil
     furthest_m = min(float(np.hypot(*spread_m)), reach_m) + focus.separation_m / 2.0

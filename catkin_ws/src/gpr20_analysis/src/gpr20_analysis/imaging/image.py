@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import replace
 from typing import Dict, List, Sequence
 
@@ -32,7 +31,7 @@ from gpr20_analysis.imaging.records import Focus, Ground, Traces, longer_m
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import with_notes
-from gpr20_analysis.work import Progress, in_stages, no_progress, require_bytes
+from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
@@ -49,12 +48,6 @@ VALUE = "value"
 LONGEST = 1.5
 # -3 dB width with a Hann window, in units of the inverse of the band.
 RESOLUTION = 1.44
-VOXEL_BYTES = 8
-# Of the image of each polarization: as computed, stacked with the others, and its magnitude. Of
-# the one that is being computed two more.
-COPIES, COPIES_OF_ONE = 2.5, 2.0
-# Of a step: positions are read from axes that count steps of 0.01 mm.
-ROUNDING = 1e-3
 
 
 def image_survey(
@@ -68,7 +61,7 @@ def image_survey(
     Args:
         survey: Dataset with `s21`, without coupling and surface echo.
         options: How the image is made.
-        progress: Shows the progress over all polarizations.
+        progress: Shows the progress of each polarization.
         with_echoes: Find the echoes and the clutter, without which there are no candidates.
 
     Returns:
@@ -80,13 +73,11 @@ def image_survey(
     Raises:
         WrongDatasetError: The data cannot be imaged by this method.
         DamagedSurveyError: Samples or heights are missing, and that was not allowed.
-        TooLargeError: An image with that grid step would not fit into the memory.
+        TooLargeError: The traces do not fit into the memory.
     """
     if not options.separation_m:
         options = replace(options, separation_m=recorded_separation_m(survey))
     method = options.method
-    x, y = _image_axes(survey, options)
-    at = None if options.grid_step_m is None else (x.values, y.values)
     traces, notes = traces_of(survey, options)
     focus = Focus(
         permittivity=1.0,
@@ -98,19 +89,19 @@ def image_survey(
     focus = replace(focus, permittivity=known.permittivity)
     notes = [*notes, *contradictions, *_separation_notes(traces, focus, method)]
     longest_s = _longest_s(traces, focus)
-    volumes = [method.image(one, focus, at, stage) for one, stage in in_stages(traces, progress)]
+    volumes = [method.image(one, focus, progress) for one in traces]
     coordinates = {
         POLARIZATION: survey[POLARIZATION],
         DEPTH: (DEPTH, focus.depth_m, ATTRIBUTES[DEPTH]),
-        Y: y,
-        X: x,
+        Y: survey[Y],
+        X: survey[X],
     }
     image = xr.Dataset({IMAGE: ((POLARIZATION, DEPTH, Y, X), np.stack(volumes))}, coordinates)
     image.attrs["depth_resolution_m"] = depth_resolution_m(traces[0].sweep, focus.permittivity)
     if with_echoes:
 
         def imager(some: Traces) -> np.ndarray:
-            return method.image(some, focus, at, no_progress)
+            return method.image(some, focus, no_progress)
 
         points = [PointEchoes(one, focus, LONGEST * longest_s) for one in traces]
         image = _with_echoes(image, [one.rotation_deg for one in traces], points, imager)
@@ -213,42 +204,8 @@ def _record(options: ImageOptions, focus: Focus, delay_s: float) -> Dict[str, ob
         "separation_m": focus.separation_m,
         "ground": focus.ground.value,
         "height_m": options.height_m,
-        "grid_step_m": options.grid_step_m,
         "leave_out_missing": options.leave_out_missing,
         "delay_s": delay_s,
     }
     return {"permittivity": focus.permittivity, "method": options.method.name,
             "imaging": json.dumps(record)}  # fmt: skip
-
-
-def _image_axes(survey: xr.Dataset, options: ImageOptions) -> List[xr.DataArray]:
-    """Return the positions of the image along X and along Y [m].
-
-    Raises:
-        TooLargeError: The image would not fit into the memory.
-    """
-    axes = [survey[X], survey[Y]]
-    if options.grid_step_m is None:
-        return axes
-    # As many as cover the survey's from first to last, at most a step apart.
-    columns, rows = (1 + math.ceil(float(np.ptp(one.values)) / options.grid_step_m - ROUNDING)
-                     for one in axes)  # fmt: skip
-    polarizations, depths = survey.sizes[POLARIZATION], len(options.depth_m)
-    require_bytes(
-        columns * rows * depths * VOXEL_BYTES * (COPIES * polarizations + COPIES_OF_ONE),
-        Message(
-            "an image of {polarizations} x {depths} x {y} x {x} voxels (--depth, --grid-step)",
-            polarizations=polarizations,
-            depths=depths,
-            y=rows,
-            x=columns,
-        ),
-    )
-    return [
-        xr.DataArray(
-            np.linspace(one.values.min(), one.values.max(), count),
-            dims=one.dims,
-            attrs=ATTRIBUTES[str(one.name)],
-        )
-        for one, count in zip(axes, (columns, rows))
-    ]

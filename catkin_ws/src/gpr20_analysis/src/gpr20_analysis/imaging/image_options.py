@@ -8,7 +8,6 @@ from typing import Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.methods import Method
 from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY
@@ -38,8 +37,6 @@ class ImageOptions:
             level, but the other methods refuse heights that differ much.
         delay_s: Delay of cables and antennas to remove [s]; None: the one that the survey
             records, else none.
-        grid_step_m: Step of the image along X and Y, or slightly less so that the first and last
-            position are those of the survey [m]; None: the survey's own positions.
         permittivity_uncertainty: What the given permittivity may be off, as a share of it.
         soil: Kind of soil that a person chose.
         buried: A reference that was buried at a known depth. Of permittivity, soil and reference
@@ -57,7 +54,6 @@ class ImageOptions:
     separation_m: float = 0.0
     ground: Optional[Ground] = None
     delay_s: Optional[float] = None
-    grid_step_m: Optional[float] = None
     permittivity_uncertainty: float = GIVEN_UNCERTAINTY
     soil: Optional[Soils] = None
     buried: Optional[BuriedReference] = None
@@ -100,23 +96,16 @@ class ImageOptions:
         # As the command line gives them.
         delay_ns = None if self.delay_s is None else 1e9 * self.delay_s
         check_range(Message("the delay of cables and antennas"), delay_ns, -1e4, 1e4, "ns")
-        step_mm = None if self.grid_step_m is None else MM_PER_M * self.grid_step_m
-        check_range(Message("the step of the image"), step_mm, 1.0, 1000.0, "mm")
-        if self.grid_step_m is not None and not self.method.any_positions:
-            raise self._cannot("--grid-step", Method.PHASE_SHIFT)
         if self.ground is Ground.UNEVEN and not self.method.exact_paths:
-            raise self._cannot("--ground uneven", Method.BACK_PROJECTION)
-
-    def _cannot(self, option: str, other: Method) -> WrongDatasetError:
-        return WrongDatasetError(
-            Message(
-                "the method {method} has no {option}; that needs --method {other}",
-                method=self.method.name,
-                option=option,
-                other=other.name,
-            ),
-            fault=NOT_ALLOWED,
-        )
+            raise WrongDatasetError(
+                Message(
+                    "the method {method} has no {option}; that needs --method {other}",
+                    method=self.method.name,
+                    option="--ground uneven",
+                    other=Method.BACK_PROJECTION.name,
+                ),
+                fault=NOT_ALLOWED,
+            )
 
 
 def check_range(

@@ -11,7 +11,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.phase_shift import phase_shift_image
-from gpr20_analysis.imaging.records import Focus, Positions, Traces
+from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 
@@ -27,13 +27,11 @@ class Method:
         name: Its name, which images record.
         image: Makes the image (depth, y, x) of one polarization, complex.
         exact_paths: It knows the separation of the antennas, and uneven ground.
-        any_positions: It can image at other positions than those of the survey.
     """
 
     name: str
-    image: Callable[[Traces, Focus, Positions, Progress], np.ndarray]
+    image: Callable[[Traces, Focus, Progress], np.ndarray]
     exact_paths: bool = False
-    any_positions: bool = True
 
     PHASE_SHIFT: ClassVar[Method]
     BACK_PROJECTION: ClassVar[Method]

@@ -167,7 +167,7 @@ def _echo(
     optical_m = np.arange(0.8 * reference.depth_m, deepest_m, OPTICAL_STEP_M)
     depth_m = optical_m / math.sqrt(TRIAL_PERMITTIVITY)
     trial = replace(focus, permittivity=TRIAL_PERMITTIVITY, depth_m=depth_m)
-    magnitude = np.abs(method.image(traces, trial, None, no_progress))
+    magnitude = np.abs(method.image(traces, trial, no_progress))
     level = magnitude[:, near].max(axis=1)
     # Residue of the surface or another body may be as strong: then they cannot be distinguished.
     inner = level[1:-1]

@@ -23,7 +23,7 @@ from numpy.polynomial.chebyshev import chebpts1
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.a_scans import weighted_gate
-from gpr20_analysis.imaging.records import Focus, Positions, Traces, reach
+from gpr20_analysis.imaging.records import Focus, Traces, reach
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -41,15 +41,12 @@ TOLERANCE = 0.03
 PHASES_AT_ONCE = 250_000
 
 
-def phase_shift_image(
-    traces: Traces, focus: Focus, at: Positions = None, progress: Progress = no_progress
-) -> np.ndarray:
+def phase_shift_image(traces: Traces, focus: Focus, progress: Progress = no_progress) -> np.ndarray:
     """Return the complex image (depth, y, x).
 
     Args:
         traces: Traces on a regular grid or line.
         focus: How to focus.
-        at: Positions of the image, within those of the traces.
         progress: Shows the progress.
 
     Raises:
@@ -81,8 +78,6 @@ def phase_shift_image(
     )
     image = _focused(spectra, air_rad_m, across_rad_m, height_m, focus, progress)
     image = image.reshape(-1, *padded)
-    if at is not None:
-        return _interpolated(image, step_m, at[0] - traces.x_m[0], at[1] - traces.y_m[0])
     image = scipy.fft.ifft2(image, workers=THREADS, overwrite_x=True)
     return image[:, : len(traces.y_m), : len(traces.x_m)]
 
@@ -251,28 +246,3 @@ def unit_phasor(phase_rad: np.ndarray) -> np.ndarray:
     np.cos(small, out=phasor.real)
     np.sin(small, out=phasor.imag)
     return phasor
-
-
-def _interpolated(
-    spectra: np.ndarray, step_m: Tuple[float, float], x_m: np.ndarray, y_m: np.ndarray
-) -> np.ndarray:
-    """Return the image (depth, y, x) at any positions, from its spectra over wavenumber.
-
-    It is the inverse transform, evaluated there: exact for what the survey's positions sample.
-
-    Args:
-        spectra: Discrete spectra (depth, wavenumber along Y, along X).
-        step_m: Step of the positions that they are of, along Y and X [m].
-        x_m: Positions along X, from the first position of the survey [m].
-        y_m: The same along Y.
-    """
-    along_y, along_x = (
-        (np.exp(2j * np.pi * np.outer(place_m, np.fft.fftfreq(count, step))) / count).astype(
-            np.complex64
-        )
-        for place_m, count, step in zip((y_m, x_m), spectra.shape[1:], step_m)
-    )
-    image = np.empty((len(spectra), len(y_m), len(x_m)), dtype=np.complex64)
-    for layer, spectrum in zip(image, spectra):
-        np.matmul(along_y, spectrum @ along_x.T, out=layer)
-    return image

@@ -5,15 +5,12 @@ from __future__ import annotations
 import enum
 import math
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Tuple
 
 import numpy as np
 
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_survey.radar.frequency_to_delay import Window
-
-Positions = Optional[Tuple[np.ndarray, np.ndarray]]
-"""Positions of an image along X and along Y [m]; None: those of the traces."""
 
 
 class Ground(enum.Enum):

@@ -59,13 +59,9 @@ def new_figure(
         rows: Height in rows of panels.
     """
     notes = [shown(one, catalogue) for one in remarks_of(data)]
-    return noted_figure((WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows), title, notes)
-
-
-def noted_figure(size_in: Tuple[float, float], title: str, notes: Sequence[str]) -> Figure:
-    """Return a figure that is higher by the lines of its title and notes than its size [inches]."""
-    width_in, axes_height_in = size_in
+    width_in, axes_height_in = WIDTH_IN * columns + COLOUR_BAR_IN, HEIGHT_IN * rows
     heading, remarks = _wrapped([title], width_in, TITLE_PT), _wrapped(notes, width_in, NOTE_PT)
+    # Higher by the lines of title and notes.
     points = LINE_SPACING * (len(heading) * TITLE_PT + len(remarks) * NOTE_PT)
     height_in = axes_height_in + points / POINTS_PER_IN
     figure = Figure(figsize=(width_in, height_in), layout="compressed")

@@ -56,8 +56,6 @@ class Background(enum.Enum):
     """Mean, and the echo of the surface at each recorded height."""
     MEAN = "mean"
     """Mean over all positions."""
-    MEDIAN = "median"
-    """Median of real and imaginary part: targets that fill less than half do not bias it."""
     MOVING = "moving"
     """Mean over a window around each position: follows a sloping surface."""
 
@@ -118,8 +116,6 @@ def remove_background(
     else:
         counts = np.maximum(np.count_nonzero(present, axis=(1, 2)), 1)[:, None]
         average = np.sum(s21, axis=(1, 2), where=present[..., None]) / counts
-        if method is Background.MEDIAN:
-            average = _median(s21, present)
         cleaned = s21 - average[:, None, None, :]
     if method is Background.SURFACE and HEIGHT in survey:
         advance_s = np.zeros(present.shape)
@@ -132,15 +128,6 @@ def remove_background(
             if fitted is not None:
                 cleaned[number] = fitted
     return survey.assign({S21: measured.copy(data=cleaned)})
-
-
-def _median(s21: np.ndarray, present: np.ndarray) -> np.ndarray:
-    """Return the median trace of each polarization (polarization, frequency)."""
-    median = np.zeros((s21.shape[0], s21.shape[-1]), dtype=s21.dtype)
-    for turn in np.flatnonzero(present.any((1, 2))):
-        traces = s21[turn][present[turn]]
-        median[turn] = np.median(traces.real, axis=0) + 1j * np.median(traces.imag, axis=0)
-    return median
 
 
 def _moving_mean(s21: np.ndarray, present: np.ndarray, width: int) -> np.ndarray:

@@ -1,9 +1,9 @@
-"""What a replay publishes of a recorded survey, and when: its rate, pauses and start."""
+"""What a replay publishes of a recorded survey, and when: its rate and pauses."""
 
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterable, Iterator, Optional
 
@@ -25,7 +25,6 @@ from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TYPE
 from gpr20_survey.trace import trace_message, utc_time
 
-LONGEST_START_S = 1e9
 # A replay that is paused is woken by an event.
 PAUSED_WAIT_S = 3600.0
 # Shorter waits are none.
@@ -107,34 +106,6 @@ def recorded(survey: Path) -> Iterator[RecordedMessage]:
         raise DamagedSurveyError(in_a_row(lost.faults).reporting_only(DamagedSurveyError.fault))
 
 
-def from_start(messages: Iterable[RecordedMessage], start_s: float) -> Iterator[RecordedMessage]:
-    """Yield what a replay from a later moment publishes, in order of time.
-
-    What was recorded before that moment is due at it, without delay: every trace and the survey's
-    metadata, which a map needs, and the last message of each other topic.
-
-    Args:
-        messages: The whole recording.
-        start_s: The moment, from the start of the recording [s].
-    """
-    start_ns: Optional[int] = None
-    last: Dict[str, RecordedMessage] = {}
-    for one in messages:
-        if start_ns is None:
-            start_ns = one.time_ns + round(start_s * utc_time.NS_PER_S)
-        if one.time_ns >= start_ns:
-            yield from (replace(each, time_ns=start_ns) for each in last.values())
-            last = {}
-            yield one
-        elif is_metadata_topic(one.topic) or _is_trace(one):
-            yield replace(one, time_ns=start_ns)
-        else:
-            # Removed first, so that the topics are in the order of their last messages.
-            last.pop(one.topic, None)
-            last[one.topic] = one
-    yield from (replace(each, time_ns=start_ns or 0) for each in last.values())
-
-
 def _is_trace(message: RecordedMessage) -> bool:
     return message.datatype == trace_message.DATATYPE
 
@@ -149,33 +120,22 @@ class Playback:
         position_s: Place of the last message, from the start of the recording [s].
     """
 
-    def __init__(
-        self, clock: Clock, rate: float = 1.0, start_s: float = 0.0, paused: bool = False
-    ) -> None:
+    def __init__(self, clock: Clock, rate: float = 1.0, paused: bool = False) -> None:
         """Prepare a playback.
 
         Args:
             clock: Measures the time.
             rate: How many times faster than it was recorded.
-            start_s: Where it begins, from the start of the recording [s].
             paused: Whether it begins paused, behind the messages of its first moment.
 
         Raises:
-            AnalysisError: Rate or start is not allowed.
+            AnalysisError: The rate is not allowed.
         """
         self._clock = clock
         self._changed = threading.Event()
         self.ended = threading.Event()
         self.set_rate(rate)
-        if not 0.0 <= start_s <= LONGEST_START_S:
-            raise AnalysisError(
-                Message(
-                    "the start is {start_s:g} s; it must be between 0 and {most_s:g}",
-                    start_s=start_s,
-                    most_s=LONGEST_START_S,
-                )
-            )
-        self._start_s = self.position_s = start_s
+        self.position_s = 0.0
         self.paused = paused
         # Time of the recording by which the next message is overdue [s].
         self._lead_s = 0.0
@@ -219,7 +179,7 @@ class Playback:
         """
         now_ns: Optional[int] = None
         self._looked_s = self._clock.now_s()
-        for one in from_start(messages, self._start_s):
+        for one in messages:
             # Recorders may swap messages of the same instant: for messages out of order the
             # latest time counts, so that no gap is waited for twice.
             before_ns = one.time_ns if now_ns is None else now_ns

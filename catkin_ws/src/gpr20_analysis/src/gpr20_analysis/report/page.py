@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, List, Sequence, Tuple
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, MissingLibraryError, wrong_ending
+from gpr20_analysis.errors import ExportError, MissingLibraryError, check_ending
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
 
@@ -86,16 +86,6 @@ class Report:
     banner: str = ""
 
 
-def check_report_path(output: Path) -> None:
-    """Check the ending of a report's file.
-
-    Raises:
-        ExportError: It is another one.
-    """
-    if output.suffix != HTML:
-        raise ExportError(wrong_ending(output, (HTML,)))
-
-
 def save_report(made: Report, output: Path) -> None:
     """Write a report.
 
@@ -111,10 +101,9 @@ def write_pdf(report: Path, output: Path) -> None:
 
     Raises:
         MissingLibraryError: There is neither.
-        ExportError: The path has another ending, or the program failed.
+        AnalysisError: The path has another ending, or the program failed.
     """
-    if output.suffix != PDF:
-        raise ExportError(wrong_ending(output, (PDF,)))
+    check_ending(output, (PDF,))
     program = next(filter(None, map(shutil.which, (*BROWSERS, "weasyprint"))), None)
     if program is None:
         raise MissingLibraryError(

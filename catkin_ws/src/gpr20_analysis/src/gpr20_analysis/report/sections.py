@@ -14,7 +14,7 @@ from gpr20_analysis import __version__, dataset
 from gpr20_analysis.candidates.answer import Answer, answer
 from gpr20_analysis.candidates.markers import marker_heading, marker_rows, survey_markers
 from gpr20_analysis.candidates.table import candidate_table, places_sentence, weaker_sentence
-from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.errors import AnalysisError, check_ending
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.permittivity import permittivity_line
 from gpr20_analysis.plotting import maps, projections, scans
@@ -24,7 +24,7 @@ from gpr20_analysis.read.checks import found_rows
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.survey_attributes import NAME, SITE
 from gpr20_analysis.read.verification import FILES, verify_survey
-from gpr20_analysis.report.page import Report, Section, check_report_path, save_report
+from gpr20_analysis.report.page import HTML, Report, Section, save_report
 from gpr20_analysis.report.summary import SIMULATED, summary_of, warnings_of
 from gpr20_analysis.sentences import (
     DECISIONS,
@@ -79,7 +79,7 @@ def write_report(
     Raises:
         AnalysisError: The file has another ending or cannot be written.
     """
-    check_report_path(Path(output))
+    check_ending(Path(output), (HTML,))
     options, known = options or ImageOptions(), language_from_code(language)
     catalogue = read_catalogue(known)
     found: Optional[Answer] = None

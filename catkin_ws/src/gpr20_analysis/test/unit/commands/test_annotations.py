@@ -23,7 +23,6 @@ from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_o
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
 from gpr20_survey.results.found import What, present
-from gpr20_survey.trace.utc_time import moment_text
 
 # When the storage of the tests notes something.
 NOW = "2026-09-21T14:15:00.000000+00:00"
@@ -127,12 +126,11 @@ def marked(folder):
 
 
 @pytest.mark.usefixtures("blank_figures")
-def test_markers_are_listed_and_removed_ones_on_request(marked, tmp_path, capsys):
+def test_markers_are_listed_without_removed_ones(marked, tmp_path, capsys):
     assert annotate(marked) == 0
-    line = capsys.readouterr().out.splitlines()[-1]
+    *_, heading, line = capsys.readouterr().out.splitlines()
+    assert heading.split()[:2] == ["x", "mm"]
     assert line.split()[:3] == ["12", "20", "80"] and line.endswith('raíz, "metal"')
-    assert annotate(marked, "--removed") == 0
-    assert f"removed {moment_text(NOW)} Luis" in capsys.readouterr().out
     found = survey_markers(load_survey(marked))
     assert [one.same_request(MARKER) for one in found.markers] == [True]
     assert main(["report", str(marked), "-o", str(tmp_path / "r.html")]) == 0

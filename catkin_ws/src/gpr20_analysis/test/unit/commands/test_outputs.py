@@ -160,13 +160,13 @@ def refused(capsys, *arguments):
 
 def test_processed_data_go_through_the_chain_and_record_it(ground_file, tmp_path, capsys):
     result, image = tmp_path / "clean.nc", tmp_path / "image.nc"
-    chosen = ("--step", "background:method=median")
+    chosen = ("--step", "background:method=mean")
     said = printed(capsys, "process", ground_file, *chosen, "-o", result)
-    assert said.splitlines()[-1] == "background:method=median,width=11"
+    assert said.splitlines()[-1] == "background:method=mean,width=11"
     command = ("image", result, "--permittivity", 4, "--json", "-o", image)
     answer = json.loads(printed(capsys, *command))
     processing = json.loads(read_dataset(image).attrs["processing"])
-    assert [one["method"] for one in processing] == ["median"]
+    assert [one["method"] for one in processing] == ["mean"]
     echo = answer["candidates"][0]
     assert abs(echo["x_m"] * 1e3 - TARGET.x_mm) < 3.0
     assert abs(echo["depth_m"] - TARGET.depth_m) < 3e-3

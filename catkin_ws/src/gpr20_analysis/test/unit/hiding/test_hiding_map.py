@@ -11,7 +11,7 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis import faults, read_hiding, write_hiding
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import ExportError, UnreadableFileError
+from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, echo_of
@@ -179,7 +179,7 @@ def test_a_map_is_read_as_it_was_written_and_wrong_files_are_refused(found, tmp_
     write_hiding(found, path)
     for one in (path, str(path)):
         assert np.array_equal(read_hiding(one).found, found.found)
-    with pytest.raises(ExportError):
+    with pytest.raises(AnalysisError):
         write_hiding(found, tmp_path / "a.geojson")
     for content in (b"", b"{}", b"\xff\xfe", b"[1]"):
         path.write_bytes(content)

@@ -177,7 +177,7 @@ REFUSED = (
     ("background:wide=2", "'wide'"),
     ("background:width=1.5", "'1.5'"),
     ("time:padding=nan", "'nan'"),
-    ("background:method=average", "median"),
+    ("background:method=average", "moving"),
     ("background:method", "'method'"),
     ("background:width=1,width=3", "'width=3'"),
     ("band:start_hz=1e9", "'stop_hz'"),

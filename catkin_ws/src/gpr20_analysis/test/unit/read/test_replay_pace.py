@@ -3,7 +3,7 @@
 import pytest
 from fault_kit import raises_fault
 
-from gpr20_analysis.read.replay import Playback, from_start
+from gpr20_analysis.read.replay import Playback
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 
@@ -34,12 +34,10 @@ def test_messages_are_due_at_their_recorded_times():
         assert found == pytest.approx(expected_s), rate
 
 
-def test_a_rate_or_a_start_that_is_none_is_refused():
-    nan, infinite = float("nan"), float("inf")
-    wrong = [{"rate": one} for one in (0.0, -1.0, nan, infinite)]
-    for one in [*wrong, *({"start_s": start_s} for start_s in (-1.0, nan, infinite))]:
+def test_a_rate_that_is_none_is_refused():
+    for rate in (0.0, -1.0, float("nan"), float("inf")):
         with raises_fault(NOT_ALLOWED):
-            Playback(JumpingClock(), **one)
+            Playback(JumpingClock(), rate)
 
 
 def test_a_replay_pauses_and_changes_its_rate_in_the_middle_of_a_gap():
@@ -74,28 +72,3 @@ def test_a_replay_that_starts_paused_shows_its_first_moment():
 def message(topic, time_s, data=b""):
     kind = "gpr20_msgs/Trace" if topic == "/trace" else "std_msgs/String"
     return RecordedMessage(topic, kind, "", "", data, round(time_s * 1e9))
-
-
-def test_a_later_start_brings_every_trace_and_the_last_state_before_it_at_once():
-    items = [
-        message("/survey_metadata", 50.0),
-        message("/control_status", 50.0, b"checking"),
-        message("/trace", 51.0, b"0"),
-        message("/control_status", 52.0, b"measuring"),
-        message("/trace", 53.0, b"1"),
-        message("/trace", 54.0, b"2"),
-        message("/control_status", 60.0, b"finished"),
-    ]
-    found = [(one.topic, one.data, one.time_ns / 1e9) for one in from_start(items, 4.0)]
-    assert found == [
-        ("/survey_metadata", b"", 54.0),
-        ("/trace", b"0", 54.0),
-        ("/trace", b"1", 54.0),
-        ("/control_status", b"measuring", 54.0),
-        ("/trace", b"2", 54.0),
-        ("/control_status", b"finished", 60.0),
-    ]
-    # Behind the end: everything at once.
-    late = list(from_start(items, 1000.0))
-    assert [one.data for one in late][-1] == b"finished"
-    assert len({one.time_ns for one in late}) == 1
