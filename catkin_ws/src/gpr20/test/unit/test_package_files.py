@@ -14,7 +14,7 @@ import yaml
 from case_kit import each_case
 from setuptools import find_packages
 
-from gpr20_launch.low import needed_modules
+from gpr20_doctor.mid.software_checks import MODULES
 
 ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
@@ -41,9 +41,6 @@ INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 INDIRECT_KEYS |= {"openssh-client", "openssl"}
 # The description of the robot, which the check of its configuration reads.
 INDIRECT_KEYS |= {"gpr20_visualization"}
-# Needed by the window, which a machine without a screen does not start, by the viewer, and by the
-# web page, without which the robot works.
-NOT_EVERYWHERE = {"PyQt5", "apprise", "pyqtgraph", "tornado"}
 # Keys of the official lists (ros/rosdistro: rosdep/base.yaml, rosdep/python.yaml and the packages
 # in noetic/distribution.yaml). Look a key up there before you add it here.
 OFFICIAL_ROS_KEYS = {
@@ -197,7 +194,7 @@ def test_a_clone_in_another_workspace_holds_each_package_once():
     assert sorted(one.name for one in found.values()) == sorted(PACKAGES)
 
 
-def test_the_check_before_a_launch_knows_what_the_nodes_import():
+def test_the_doctor_and_the_check_before_a_launch_know_what_the_nodes_import():
     # What gpr20_scikit_rf imports, it asks for itself.
     launched = set(PACKAGES) - {
         "gpr20_analysis",
@@ -206,7 +203,8 @@ def test_the_check_before_a_launch_knows_what_the_nodes_import():
         "gpr20_viewer",
     }
     imported = set().union(*(foreign_modules(name) for name in launched))
-    assert {*needed_modules.NEEDED} == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
+    ours = {one for one in imported - ROBOT_MODULES if key_of(one).endswith("-pip")}
+    assert {*MODULES} == ours
 
 
 @each_case("name", PACKAGES)

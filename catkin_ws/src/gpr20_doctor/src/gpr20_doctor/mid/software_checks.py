@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from pathlib import Path
-from typing import Iterator, Optional
+from typing import Iterator, List, Optional
 
 import gpr20_common
 from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
@@ -27,7 +27,7 @@ CHECK_STATUSES = (0, 1)
 UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
 # What the nodes of each computer import and a system does not bring (requirements/nodes.in).
 MODULES = (
-    *("apprise", "mcap", "polib", "pydantic", "pyqtgraph", "rosbags", "tornado", "tqdm", "vxi11"),
+    *("apprise", "lz4", "mcap", "polib", "pydantic", "pyqtgraph", "rosbags", "tornado", "vxi11"),
     "zstandard",
 )
 
@@ -81,9 +81,14 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
     yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
 
 
+def missing_modules() -> List[str]:
+    """Return the Python modules that the nodes import and that are not installed."""
+    return [one for one in MODULES if importlib.util.find_spec(one) is None]
+
+
 def check_packages(machine: Machine) -> Iterator[Finding]:
     """Find Python packages that the parts of the robot import and that are not installed."""
-    missing = [one for one in MODULES if importlib.util.find_spec(one) is None]
+    missing = missing_modules()
     if not missing:
         yield Finding.of("packages", Message("Python packages of the robot"))
         return
