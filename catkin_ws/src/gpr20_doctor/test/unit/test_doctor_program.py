@@ -24,8 +24,6 @@ pytest.importorskip("rospy")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
-from gpr20_common.high.service_client import ServiceUnavailableError
-from gpr20_common.message import Message
 from gpr20_doctor.high import doctor, graph, node_reports
 from gpr20_doctor.low import masters
 from gpr20_doctor.low.masters import MasterState, NodeState
@@ -39,7 +37,7 @@ ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey")
 
 
 class Server(SimpleXMLRPCServer):
-    """A master with the services of a robot, its nodes, and the launch that keeps them."""
+    """A master with the services of a robot, and its nodes."""
 
     def __init__(self):
         super().__init__(("127.0.0.1", 0), logRequests=False)
@@ -50,8 +48,6 @@ class Server(SimpleXMLRPCServer):
             "getPid": lambda *_caller: (1, "", os.getpid()),
             "getSystemState": lambda _caller: (1, "", state),
             "lookupNode": self._look_up,
-            "getParam": lambda _caller, _name: (1, "", {"one": self.uri, "gone": closed_uri()}),
-            "get_node_names": lambda: (1, "", ["field/visualization-7", "other/web-1"]),
         }
         for name, method in known.items():
             self.register_function(method, name)
@@ -93,7 +89,6 @@ def computer(tmp_path, monkeypatch):
         monkeypatch.setattr(graph.rospy, name, lambda *_all, **_more: None)
     moment = SimpleNamespace(time_of_day_us=lambda: 1_000_000_000)
     monkeypatch.setattr(node_reports, "Clock", lambda: moment)
-    monkeypatch.setattr(graph, "ServiceClient", Services())
     monkeypatch.setattr(doctor, "ROOT", tmp_path)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
     monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(machine=one))
@@ -123,7 +118,6 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
     master, hanging, monkeypatch
 ):
     assert masters.robots_at(master.uri) == ("/field",)
-    assert masters.launched_nodes(master.uri) == {"/field/visualization", "/other/web"}
     master.nodes.update(hangs=hanging)
     found = masters.node_states(master.uri, ["/a/node", "/a/never"])
     assert tuple(found.values()) == (NodeState.ANSWERS, NodeState.GONE)
@@ -131,11 +125,10 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
     assert masters.node_states(master.uri, ["/a/hangs"]) == {"/a/hangs": NodeState.HANGS}
     for silent in (closed_uri(), hanging):
         assert masters.robots_at(silent) == ()
-        assert masters.launched_nodes(silent) == frozenset()
 
 
 def test_the_advice_leads_to_the_namespace_of_the_robot(run, master):
-    status, found, _said = run(master.uri, "--quick", "--ns", "other", "--wait", "0")
+    status, found, _said = run(master.uri, "--ns", "other", "--wait", "0")
     assert (status, found["master"]["fault_code"]) == (2, "robot.not_running")
     assert re.search(r"gpr20 doctor --ns field\.", found["master"]["remedy"])
     assert found["parts"]["level"] == "UNKNOWN"
@@ -164,23 +157,9 @@ def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path,
     assert (tmp_path / "a.zip").read_text() == "zip"
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 3
     monkeypatch.setenv("GPR20_CONFIG", "~no_such_user/robot")
-    status, found, said = run(closed_uri(), "--quick")
+    status, found, said = run(closed_uri())
     assert (status, found) == (3, {})
     assert said.startswith("The doctor could not work: ") and "\n-> " in said
-
-
-class Services:
-    """Those that the doctor calls, and that answer nothing."""
-
-    def __init__(self):
-        self.called = []
-
-    def __call__(self, name, _kind):
-        def call(_limit_s):
-            self.called.append(name)
-            raise ServiceUnavailableError(Message("no answer"))
-
-        return SimpleNamespace(call=call)
 
 
 def report_all(heard):
@@ -188,8 +167,7 @@ def report_all(heard):
     late = DiagnosticArray(status=[DiagnosticStatus(name="field/height_sensor: Status")])
     late.header.stamp = graph.rospy.Time(925)
     rest = [one for one in EXPECTED_NODES if one != "height_sensor"]
-    heard_now = (*rest, "visualization")
-    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in heard_now]
+    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in rest]
     now = DiagnosticArray(status=[*others, DiagnosticStatus(name="/b/imaging: Status", level=2)])
     now.header.stamp = graph.rospy.Time(1000)
     software = {"configuration_json": "{}", "version": "0.1.0", "revision": "a", "host": "pc"}
@@ -203,38 +181,22 @@ def report_all(heard):
         heard["/diagnostics"](one)
 
 
-CALLED = ["/field/test_analyzer"]
-
-
-@each_case(
-    "state, options, called",
-    [
-        (SurveyState.PAUSED, (), []),
-        (SurveyState.IDLE, ("--quick",), []),
-        (SurveyState.IDLE, (), CALLED),
-    ],
-)
-def test_what_is_published_is_judged_and_the_vna_is_tested_but_never_beside_a_survey(
-    run, master, monkeypatch, state, options, called
-):
-    services, heard = Services(), {}
-    monkeypatch.setattr(graph, "ServiceClient", services)
+def test_what_is_published_is_judged(run, master, monkeypatch):
+    heard = {}
     monkeypatch.setattr(
         *(graph.rospy, "Subscriber"), lambda name, _kind, take: heard.update({name: take})
     )
 
     def wait(_graph, _limit_s):
         report_all(heard)
-        heard["/field/control_status"](ControlStatus(code=state.value))
+        heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
 
     monkeypatch.setattr(graph.Graph, "wait", wait)
-    status, found, _said = run(master.uri, "--ns", "field", *options)
-    assert status == (2 if called else 1) and found["master"]["level"] == "OK"
+    status, found, _said = run(master.uri, "--ns", "field")
+    assert status == 1 and found["master"]["level"] == "OK"
     assert {found[one]["level"] for one in EXPECTED_NODES} == {"OK"}
     assert found["clocks"]["fault_code"] == "clock.wrong"
     assert found["versions"]["fault_code"] == "robot.versions_differ"
-    assert services.called == called
-    assert ("vna" in found) is bool(called)
 
 
 def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monkeypatch):
@@ -245,7 +207,7 @@ def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monke
     own = graph.Graph("field", master.uri, clock)
     own.wait(3.0)
     assert clock.now_s() == pytest.approx(3.0, abs=0.1)
-    assert own.silent() == [*EXPECTED_NODES, "visualization"]
+    assert own.silent() == [*EXPECTED_NODES]
     report_all(heard)
     heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
     own.wait(60.0)

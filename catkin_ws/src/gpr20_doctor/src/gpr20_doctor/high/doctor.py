@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from dataclasses import replace
+from pathlib import Path
 from typing import Mapping, Tuple
 
 import rosgraph
@@ -27,7 +27,6 @@ from gpr20_doctor import faults
 from gpr20_doctor.high.graph import Graph
 from gpr20_doctor.low.masters import MasterState, NodeState, state_of
 from gpr20_doctor.low.processes import Processes
-from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, examine, exit_status, findings, lines
@@ -37,8 +36,7 @@ from gpr20_doctor.mid.robot_checks import evidence_of
 from gpr20_doctor.mid.robot_facts import RobotFacts, unheard
 from gpr20_survey.plan.robot_description import NodeDescription
 
-ANALYZER_LIMIT_S = 8.0
-POLL_S = 0.5
+DEFAULT_WAIT_S, POLL_S = 4.0, 0.5
 REFUSED = 3
 EXIT_STATUS = (
     "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
@@ -49,11 +47,8 @@ EXIT_STATUS = (
 def main() -> int:
     """Print what is wrong with the robot; return the exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
-    parser.add_argument("--language", choices=[one.value for one in languages()])
-    add_arguments(parser)
     try:
-        given = parser.parse_args(rosgraph.myargv()[1:])
+        given = _parser().parse_args(rosgraph.myargv()[1:])
     except SystemExit as ending:
         return REFUSED if ending.code else 0
     language = (
@@ -69,6 +64,19 @@ def main() -> int:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
+    add = parser.add_argument
+    add("--language", choices=[one.value for one in languages()])
+    add("--json", action="store_true", help="print JSON")
+    text = "wait at most this long until every part of the robot has reported [s]; default 4"
+    add("--wait", type=float, default=DEFAULT_WAIT_S, metavar="S", help=text)
+    add("--ns", default=os.environ.get("ROS_NAMESPACE", ""), help="namespace of the robot")
+    text = "also write one file for remote help: findings, versions, settings, errors"
+    add("--bundle", type=Path, metavar="FILE.zip", help=text)
+    return parser
 
 
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -124,8 +132,6 @@ def _robot(
         gone = {name for name, one in facts.evidence.nodes.items() if one is NodeState.GONE}
         if gone.issuperset(EXPECTED_NODES) and not facts.control_alive:
             return unheard(master, evidence_of(given.ns, state, master, here)), {}
-        if facts.control_alive and not (given.quick or facts.surveying):
-            facts = replace(facts, analyzer=graph.test_analyzer(ANALYZER_LIMIT_S))
         return facts, graph.descriptions
     finally:
         rospy.signal_shutdown("the doctor has finished")
