@@ -93,6 +93,7 @@ def computer(tmp_path, monkeypatch):
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
     monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(machine=one))
     monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
+    monkeypatch.setenv("LC_ALL", "C")
     monkeypatch.delenv("ROS_NAMESPACE", raising=False)
 
 
@@ -102,7 +103,7 @@ def run(monkeypatch, capsys):
 
     def run(master, *arguments):
         monkeypatch.setenv("ROS_MASTER_URI", master)
-        monkeypatch.setattr(sys, "argv", ["doctor", "--json", "--language", "en", *arguments])
+        monkeypatch.setattr(sys, "argv", ["doctor", "--json", *arguments])
         status = doctor.main()
         printed, said = capsys.readouterr()
         if not printed:

@@ -69,19 +69,19 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
     success, and raises otherwise.
     """
     # Whoever repeats a request is refused again: of equal refusals in a row the first is logged.
-    logged = ""
+    logged: Optional[Message] = None
 
     def answer(request: Any) -> Any:
         nonlocal logged
         try:
             response = handler(request)
-            logged = ""
+            logged = None
             return response
         except Gpr20Error as error:
             message = error.message
-            if str(error) != logged:
-                logged = str(error)
-                rospy.logwarn("%s refused: %s", name, logged)
+            if message != logged:
+                logged = message
+                rospy.logwarn("%s refused: %s", name, message)
         except Exception as error:
             # Who waits for a step of a survey cannot do anything with a dropped call.
             message = internal_error(name, error)

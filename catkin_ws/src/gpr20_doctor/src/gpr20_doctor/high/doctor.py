@@ -7,19 +7,12 @@ import os
 import signal
 import sys
 import threading
-from pathlib import Path
 from typing import Mapping, Tuple
 
 import rosgraph
 import rospy
 
-from gpr20_common.catalogue import (
-    Catalogue,
-    language_from_code,
-    language_from_environment,
-    languages,
-    read_catalogue,
-)
+from gpr20_common.catalogue import Catalogue, language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -27,6 +20,7 @@ from gpr20_doctor import faults
 from gpr20_doctor.high.graph import Graph
 from gpr20_doctor.low.masters import MasterState, NodeState, state_of
 from gpr20_doctor.low.processes import Processes
+from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, examine, exit_status, findings, lines
@@ -36,7 +30,7 @@ from gpr20_doctor.mid.robot_checks import evidence_of
 from gpr20_doctor.mid.robot_facts import RobotFacts, unheard
 from gpr20_survey.plan.robot_description import NodeDescription
 
-DEFAULT_WAIT_S, POLL_S = 4.0, 0.5
+POLL_S = 0.5
 REFUSED = 3
 EXIT_STATUS = (
     "exit status: 0 nothing is wrong, 1 a warning or something unknown, 2 a fault, 3 the doctor "
@@ -47,36 +41,20 @@ EXIT_STATUS = (
 def main() -> int:
     """Print what is wrong with the robot; return the exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
+    add_arguments(parser)
     try:
-        given = _parser().parse_args(rosgraph.myargv()[1:])
+        given = parser.parse_args(rosgraph.myargv()[1:])
     except SystemExit as ending:
         return REFUSED if ending.code else 0
-    language = (
-        language_from_environment(os.environ)
-        if given.language is None
-        else language_from_code(given.language)
-    )
     try:
-        return run(given, read_catalogue(language))
+        return run(given, read_catalogue(language_from_environment(os.environ)))
     except KeyboardInterrupt:
         return REFUSED
     except BrokenPipeError:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return REFUSED
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
-    add = parser.add_argument
-    add("--language", choices=[one.value for one in languages()])
-    add("--json", action="store_true", help="print JSON")
-    text = "wait at most this long until every part of the robot has reported [s]; default 4"
-    add("--wait", type=float, default=DEFAULT_WAIT_S, metavar="S", help=text)
-    add("--ns", default=os.environ.get("ROS_NAMESPACE", ""), help="namespace of the robot")
-    text = "also write one file for remote help: findings, versions, settings, errors"
-    add("--bundle", type=Path, metavar="FILE.zip", help=text)
-    return parser
 
 
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
