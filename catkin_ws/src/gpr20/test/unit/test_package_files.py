@@ -14,7 +14,7 @@ import yaml
 from case_kit import each_case
 from setuptools import find_packages
 
-from gpr20_doctor.mid.software_checks import MODULES
+from gpr20_doctor.mid.software_checks import MODULES, NEEDED
 
 ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
@@ -205,6 +205,8 @@ def test_the_doctor_and_the_check_before_a_launch_know_what_the_nodes_import():
     imported = set().union(*(foreign_modules(name) for name in launched))
     ours = {one for one in imported - ROBOT_MODULES if key_of(one).endswith("-pip")}
     assert {*MODULES} == ours
+    # The window, which a machine without a screen does not start, and the page need the others.
+    assert {*MODULES} - {*NEEDED} == {"apprise", "pyqtgraph", "tornado"}
 
 
 @each_case("name", PACKAGES)

@@ -24,6 +24,8 @@ pytest.importorskip("rospy")
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+from gpr20_common.high.service_client import ServiceUnavailableError
+from gpr20_common.message import Message
 from gpr20_doctor.high import doctor, graph, node_reports
 from gpr20_doctor.low import masters
 from gpr20_doctor.low.masters import MasterState, NodeState
@@ -89,6 +91,7 @@ def computer(tmp_path, monkeypatch):
         monkeypatch.setattr(graph.rospy, name, lambda *_all, **_more: None)
     moment = SimpleNamespace(time_of_day_us=lambda: 1_000_000_000)
     monkeypatch.setattr(node_reports, "Clock", lambda: moment)
+    monkeypatch.setattr(graph, "ServiceClient", Services())
     monkeypatch.setattr(doctor, "ROOT", tmp_path)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
     monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(machine=one))
@@ -129,7 +132,7 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
 
 
 def test_the_advice_leads_to_the_namespace_of_the_robot(run, master):
-    status, found, _said = run(master.uri, "--ns", "other", "--wait", "0")
+    status, found, _said = run(master.uri, "--quick", "--ns", "other", "--wait", "0")
     assert (status, found["master"]["fault_code"]) == (2, "robot.not_running")
     assert re.search(r"gpr20 doctor --ns field\.", found["master"]["remedy"])
     assert found["parts"]["level"] == "UNKNOWN"
@@ -158,9 +161,23 @@ def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path,
     assert (tmp_path / "a.zip").read_text() == "zip"
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 3
     monkeypatch.setenv("GPR20_CONFIG", "~no_such_user/robot")
-    status, found, said = run(closed_uri())
+    status, found, said = run(closed_uri(), "--quick")
     assert (status, found) == (3, {})
     assert said.startswith("The doctor could not work: ") and "\n-> " in said
+
+
+class Services:
+    """Those that the doctor calls, and that answer nothing."""
+
+    def __init__(self):
+        self.called = []
+
+    def __call__(self, name, _kind):
+        def call(_limit_s):
+            self.called.append(name)
+            raise ServiceUnavailableError(Message("no answer"))
+
+        return SimpleNamespace(call=call)
 
 
 def report_all(heard):
@@ -182,22 +199,38 @@ def report_all(heard):
         heard["/diagnostics"](one)
 
 
-def test_what_is_published_is_judged(run, master, monkeypatch):
-    heard = {}
+CALLED = ["/field/test_analyzer"]
+
+
+@each_case(
+    "state, options, called",
+    [
+        (SurveyState.PAUSED, (), []),
+        (SurveyState.IDLE, ("--quick",), []),
+        (SurveyState.IDLE, (), CALLED),
+    ],
+)
+def test_what_is_published_is_judged_and_the_vna_is_tested_but_never_beside_a_survey(
+    run, master, monkeypatch, state, options, called
+):
+    services, heard = Services(), {}
+    monkeypatch.setattr(graph, "ServiceClient", services)
     monkeypatch.setattr(
         *(graph.rospy, "Subscriber"), lambda name, _kind, take: heard.update({name: take})
     )
 
     def wait(_graph, _limit_s):
         report_all(heard)
-        heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
+        heard["/field/control_status"](ControlStatus(code=state.value))
 
     monkeypatch.setattr(graph.Graph, "wait", wait)
-    status, found, _said = run(master.uri, "--ns", "field")
-    assert status == 1 and found["master"]["level"] == "OK"
+    status, found, _said = run(master.uri, "--ns", "field", *options)
+    assert status == (2 if called else 1) and found["master"]["level"] == "OK"
     assert {found[one]["level"] for one in EXPECTED_NODES} == {"OK"}
     assert found["clocks"]["fault_code"] == "clock.wrong"
     assert found["versions"]["fault_code"] == "robot.versions_differ"
+    assert services.called == called
+    assert ("vna" in found) is bool(called)
 
 
 def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monkeypatch):

@@ -12,7 +12,6 @@ import pytest
 from case_kit import each_case
 from wait_kit import wait_until
 
-from gpr20_doctor.mid import software_checks
 from gpr20_launch.low.launched_nodes import LaunchedNodes
 from gpr20_launch.low.processes import Process, is_working, process_of
 
@@ -54,7 +53,8 @@ def test_a_launch_without_a_module_is_refused_with_what_installs_it(tmp_path, mo
     ended = subprocess.run(command, env={"PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
     said = "This robot cannot be launched: the Python module rosgraph is missing; "
     assert (ended.returncode, ended.stderr.strip()) == (1, f"{said}run: scripts/setup.sh")
-    monkeypatch.setattr(software_checks, "MODULES", ["sys", "no_such_module"])
+    check_launch = pytest.importorskip("gpr20_launch.high.check_launch")
+    monkeypatch.setattr(check_launch, "NEEDED", ["sys", "no_such_module"])
     status, printed, said = run("check_launch", "--part", "robot", "--robot", "gpr20")
     assert (status, printed) == (1, "")
     assert "the Python modules no_such_module are missing; run: scripts/setup.sh" in said

@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+from dataclasses import replace
 from typing import Mapping, Tuple
 
 import rosgraph
@@ -30,6 +31,7 @@ from gpr20_doctor.mid.robot_checks import evidence_of
 from gpr20_doctor.mid.robot_facts import RobotFacts, unheard
 from gpr20_survey.plan.robot_description import NodeDescription
 
+ANALYZER_LIMIT_S = 8.0
 POLL_S = 0.5
 REFUSED = 3
 EXIT_STATUS = (
@@ -110,6 +112,8 @@ def _robot(
         gone = {name for name, one in facts.evidence.nodes.items() if one is NodeState.GONE}
         if gone.issuperset(EXPECTED_NODES) and not facts.control_alive:
             return unheard(master, evidence_of(given.ns, state, master, here)), {}
+        if facts.control_alive and not (given.quick or facts.surveying):
+            facts = replace(facts, analyzer=graph.test_analyzer(ANALYZER_LIMIT_S))
         return facts, graph.descriptions
     finally:
         rospy.signal_shutdown("the doctor has finished")

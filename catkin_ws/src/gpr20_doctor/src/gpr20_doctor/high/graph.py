@@ -12,13 +12,18 @@ import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
 from gpr20_common.high.answers import message_from
+from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_doctor.high.node_reports import descriptions, node_healths
+from gpr20_doctor.high.node_reports import analyzer_test_of, descriptions, node_healths
 from gpr20_doctor.low.masters import MasterState, node_states
 from gpr20_doctor.mid.node_health import HealthTracker
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
+from gpr20_msgs.srv import TestAnalyzer
+from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.plan.robot_description import NodeDescription
+from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.results.analyzer_test import AnalyzerTest
 
 # Clocks are compared for so long at least [s].
 WATCH_S = 1.5
@@ -28,7 +33,7 @@ NO_LOG = Path(__file__).with_name("no_log.yaml")
 
 
 class Graph:
-    """The robot of one namespace; it is only listened to."""
+    """The robot of one namespace; it is only listened to, unless a test is asked for."""
 
     def __init__(self, namespace: str, master: str, clock: Clock) -> None:
         """Join the graph of a master that answers, and listen.
@@ -50,6 +55,7 @@ class Graph:
         # Messages come in threads of their own.
         self._lock = threading.Lock()
         self._known = unheard(master, Evidence(MasterState.ANSWERS, self.namespace))
+        self._analyzer = ServiceClient(f"{self._prefix}test_analyzer", TestAnalyzer)
         rospy.Subscriber("/diagnostics", DiagnosticArray, self._on_diagnostics)
         rospy.Subscriber(f"{self._prefix}control_status", ControlStatus, self._on_status)
         rospy.Subscriber(
@@ -80,6 +86,17 @@ class Graph:
         with self._lock:
             return self._health.silent
 
+    def test_analyzer(self, limit_s: float) -> AnalyzerTest:
+        """Have the VNA tested; the main control refuses it beside a survey.
+
+        Args:
+            limit_s: For the answer [s]. A test that takes longer ends by itself.
+        """
+        try:
+            return analyzer_test_of(self._analyzer.call(limit_s))
+        except ServiceUnavailableError as error:
+            return AnalyzerTest("", failure=error.message.reporting_only(VNA_SILENT))
+
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         with self._lock:
             for health in node_healths(message, self.namespace):
@@ -95,8 +112,8 @@ class Graph:
             software={name: one.software for name, one in self.descriptions.items()},
         )
 
-    def _on_status(self, _message: ControlStatus) -> None:
-        self._note(control_alive=True)
+    def _on_status(self, message: ControlStatus) -> None:
+        self._note(control_alive=True, surveying=SurveyState(message.code) in RUNNING)
 
     def _note(self, **changes: Any) -> None:
         with self._lock:

@@ -12,6 +12,7 @@ DEFAULT_WAIT_S = 4.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments."""
     parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--quick", action="store_true", help="without the test of the VNA")
     parser.add_argument(
         "--wait",
         type=float,

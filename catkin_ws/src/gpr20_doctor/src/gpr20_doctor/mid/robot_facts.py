@@ -84,12 +84,13 @@ class RobotFacts:
         control_alive: Whether the main control reports.
         configured: Whether limits and settings of the robot are known.
         simulated: Whether the robot is simulated.
+        surveying: Whether a survey is running or paused.
         nodes: Health of each expected node; one that does not report is STALE.
         master: Address of the master; empty: not known.
         configuration_problem: Why the robot's configuration is not known; None if it is.
         listening_s: How long the robot was listened to [s].
         software: Software of each node that has described itself.
-        analyzer: Result of a test of the VNA that a person asked for; None: not tested.
+        analyzer: Result of a test of the VNA; None: not tested.
         evidence: What was found out about what cannot be heard.
     """
 
@@ -97,6 +98,7 @@ class RobotFacts:
     control_alive: bool = False
     configured: bool = False
     simulated: bool = False
+    surveying: bool = False
     nodes: Tuple[NodeHealth, ...] = ()
     master: str = ""
     configuration_problem: Optional[Message] = None

@@ -24,7 +24,7 @@ from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
-from gpr20_doctor.mid.software_checks import missing_modules
+from gpr20_doctor.mid.software_checks import NEEDED, missing_modules
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
@@ -43,7 +43,7 @@ def main() -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     names = [one.name for one in fields(SimulatorParameters)]
     try:
-        missing = ", ".join(missing_modules())
+        missing = ", ".join(missing_modules(NEEDED))
         if missing:
             text = f"the Python modules {missing} are missing; run: scripts/setup.sh"
             raise LaunchRefusedError(verbatim(text), fault=NOT_SET_UP)

@@ -187,6 +187,7 @@ class ServiceModel:
             control_alive=shown.control_alive,
             configured=shown.robot is not None,
             simulated=shown.simulated,
+            surveying=shown.running,
             nodes=shown.health.nodes,
             configuration_problem=self._described.reason,
             listening_s=now_s - self._begun_s,
