@@ -5,12 +5,7 @@
 
 # Of another install space that was sourced in this shell before.
 if [ -n "${GPR20_SET_VENV:-}" ]; then
-    PATH=":$PATH:"
-    while case "$PATH" in *":$GPR20_SET_VENV:"*) true ;; *) false ;; esac; do
-        PATH="${PATH%%":$GPR20_SET_VENV:"*}:${PATH#*":$GPR20_SET_VENV:"}"
-    done
-    PATH="${PATH#:}"
-    PATH="${PATH%:}"
+    PATH="$(printf '%s' "$PATH" | tr ':' '\n' | grep -Fxv "$GPR20_SET_VENV" | paste -s -d ':')"
     unset GPR20_SET_VENV
 fi
 if [ -x "$CATKIN_ENV_HOOK_WORKSPACE/venv/bin/python3" ]; then

@@ -14,7 +14,7 @@ import yaml
 from case_kit import each_case
 from setuptools import find_packages
 
-from gpr20_launch.low import needed_modules
+from gpr20_doctor.mid.software_checks import MODULES, NEEDED
 
 ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
@@ -42,9 +42,6 @@ INDIRECT_KEYS |= {"python3-pyvisa-py-pip"}
 INDIRECT_KEYS |= {"openssh-client", "openssl"}
 # The description of the robot, which the check of its configuration reads.
 INDIRECT_KEYS |= {"gpr20_visualization"}
-# Needed by the window, which a machine without a screen does not start, by the viewer, and by the
-# web page, without which the robot works.
-NOT_EVERYWHERE = {"PyQt5", "apprise", "pyqtgraph", "tornado"}
 # Read by catkin, pip or a person in the sources.
 BUILD_FILES = {"CHANGELOG.rst", "CMakeLists.txt", "README.md", "hatch_build.py", "package.xml"}
 BUILD_FILES |= {"pyproject.toml", "setup.py"}
@@ -142,7 +139,7 @@ def test_a_clone_in_another_workspace_holds_each_package_once():
     assert sorted(one.name for one in found.values()) == sorted(PACKAGES)
 
 
-def test_the_check_before_a_launch_knows_what_the_nodes_import():
+def test_the_doctor_and_the_check_before_a_launch_know_what_the_nodes_import():
     # What gpr20_scikit_rf imports, it asks for itself.
     launched = set(PACKAGES) - {
         "gpr20_analysis",
@@ -151,7 +148,10 @@ def test_the_check_before_a_launch_knows_what_the_nodes_import():
         "gpr20_viewer",
     }
     imported = set().union(*(foreign_modules(name) for name in launched))
-    assert {*needed_modules.NEEDED} == imported - set(PACKAGES) - ROBOT_MODULES - NOT_EVERYWHERE
+    ours = {one for one in imported - ROBOT_MODULES if key_of(one).endswith("-pip")}
+    assert {*MODULES} == ours
+    # The window, which a machine without a screen does not start, and the page need the others.
+    assert {*MODULES} - {*NEEDED} == {"apprise", "pyqtgraph", "tornado"}
 
 
 @each_case("name", PACKAGES)

@@ -39,7 +39,7 @@ ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey")
 
 
 class Server(SimpleXMLRPCServer):
-    """A master with the services of a robot, its nodes, and the launch that keeps them."""
+    """A master with the services of a robot, and its nodes."""
 
     def __init__(self):
         super().__init__(("127.0.0.1", 0), logRequests=False)
@@ -50,8 +50,6 @@ class Server(SimpleXMLRPCServer):
             "getPid": lambda *_caller: (1, "", os.getpid()),
             "getSystemState": lambda _caller: (1, "", state),
             "lookupNode": self._look_up,
-            "getParam": lambda _caller, _name: (1, "", {"one": self.uri, "gone": closed_uri()}),
-            "get_node_names": lambda: (1, "", ["field/visualization-7", "other/web-1"]),
         }
         for name, method in known.items():
             self.register_function(method, name)
@@ -98,6 +96,7 @@ def computer(tmp_path, monkeypatch):
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
     monkeypatch.setattr(doctor, "examine", lambda one: MachineReport(machine=one))
     monkeypatch.setenv("GPR20_CONFIG", str(tmp_path))
+    monkeypatch.setenv("LC_ALL", "C")
     monkeypatch.delenv("ROS_NAMESPACE", raising=False)
 
 
@@ -107,7 +106,7 @@ def run(monkeypatch, capsys):
 
     def run(master, *arguments):
         monkeypatch.setenv("ROS_MASTER_URI", master)
-        monkeypatch.setattr(sys, "argv", ["doctor", "--json", "--language", "en", *arguments])
+        monkeypatch.setattr(sys, "argv", ["doctor", "--json", *arguments])
         status = doctor.main()
         printed, said = capsys.readouterr()
         if not printed:
@@ -123,7 +122,6 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
     master, hanging, monkeypatch
 ):
     assert masters.robots_at(master.uri) == ("/field",)
-    assert masters.launched_nodes(master.uri) == {"/field/visualization", "/other/web"}
     master.nodes.update(hangs=hanging)
     found = masters.node_states(master.uri, ["/a/node", "/a/never"])
     assert tuple(found.values()) == (NodeState.ANSWERS, NodeState.GONE)
@@ -131,7 +129,6 @@ def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
     assert masters.node_states(master.uri, ["/a/hangs"]) == {"/a/hangs": NodeState.HANGS}
     for silent in (closed_uri(), hanging):
         assert masters.robots_at(silent) == ()
-        assert masters.launched_nodes(silent) == frozenset()
 
 
 def test_the_advice_leads_to_the_namespace_of_the_robot(run, master):
@@ -188,8 +185,7 @@ def report_all(heard):
     late = DiagnosticArray(status=[DiagnosticStatus(name="field/height_sensor: Status")])
     late.header.stamp = graph.rospy.Time(925)
     rest = [one for one in EXPECTED_NODES if one != "height_sensor"]
-    heard_now = (*rest, "visualization")
-    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in heard_now]
+    others = [DiagnosticStatus(name=f"/field/{one}: Status", message="ok") for one in rest]
     now = DiagnosticArray(status=[*others, DiagnosticStatus(name="/b/imaging: Status", level=2)])
     now.header.stamp = graph.rospy.Time(1000)
     software = {"configuration_json": "{}", "version": "0.1.0", "revision": "a", "host": "pc"}
@@ -245,7 +241,7 @@ def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monke
     own = graph.Graph("field", master.uri, clock)
     own.wait(3.0)
     assert clock.now_s() == pytest.approx(3.0, abs=0.1)
-    assert own.silent() == [*EXPECTED_NODES, "visualization"]
+    assert own.silent() == [*EXPECTED_NODES]
     report_all(heard)
     heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
     own.wait(60.0)

@@ -49,7 +49,7 @@ def facts(**changes):
     software = dict.fromkeys(EXPECTED_NODES, SAME)
     tested = AnalyzerTest("", "Anritsu", "HIGH")
     known = {"master_alive": True, "control_alive": True, "configured": True, "simulated": False}
-    known.update(surveying=False, nodes=nodes, software=software, analyzer=tested)
+    known.update(nodes=nodes, software=software, analyzer=tested)
     return RobotFacts(**{**known, **changes})
 
 
@@ -206,9 +206,9 @@ def test_findings_are_printed_with_their_remedies():
     }
 
 
-def test_nodes_are_missed_if_they_are_expected_were_launched_or_have_reported():
+def test_nodes_are_missed_if_they_are_expected_or_have_reported():
     clock = StepTime()
-    tracker = HealthTracker(clock, ["visualization", "rviz"])
+    tracker = HealthTracker(clock)
 
     def note(name, offset_s=0.1):
         return tracker.note(NodeHealth(name, OK, verbatim("ok"), {}, offset_s))
@@ -218,10 +218,9 @@ def test_nodes_are_missed_if_they_are_expected_were_launched_or_have_reported():
     assert not note("foreign")
     for offset_s in (3.0, -0.05, 1.0):
         note("height_sensor", offset_s)
-    assert tracker.silent == [EXPECTED_NODES[0], "visualization"]
+    assert tracker.silent == [EXPECTED_NODES[0]]
     found = {one.name: one for one in tracker.report().nodes}
-    assert set(found) == {*EXPECTED_NODES, "visualization", "web", "sensors/gnss"}
-    assert found["visualization"].level is STALE and found["web"].level is OK
+    assert set(found) == {*EXPECTED_NODES, "web", "sensors/gnss"} and found["web"].level is OK
     # Of the offsets the smallest has the least delay in it.
     assert found["height_sensor"].clock_offset_s == pytest.approx(-0.05)
     clock.wait_s(threading.Event(), STALE_S + 0.1)

@@ -113,7 +113,7 @@ UNREAD = [
     ('<rosparam command="load" file="$(find a)/a.yaml"/>', "", "find a"),
     ("<rosparam>[</rosparam>", "", "not YAML"),
     ("", '<include file="$(find other)/gone.launch"/>', "gone"),
-    ("", '<include file="gone.launch" pass_all_args="true"/>', "passes all args"),
+    ("", '<include file="gone.launch" pass_all_args="true"/>', "passes all"),
     ("", f'<group if="$(env A)">{node(params(X), "x")}</group>', "env A"),
     *((f'<param name="dir_pin" value="$(eval {one})"/>', "", "eval") for one in EXPRESSIONS),
 ]
@@ -128,7 +128,7 @@ def test_what_cannot_be_read_is_asked_for_and_no_default_counts(tmp_path, inside
     found = [one for one in checked(folder / "robot", part="robot") if one.key != "unchecked"]
     assert [one.key for one in found if one.key.startswith("x")] == ["x/dir_pin"], found
     for text in (str(one.message) for one in found):
-        assert path.name in text and shown in text and "write the value" in text, text
+        assert path.name in text and shown in text and "write it" in text, text
 
 
 PIN = '<param name="gpr20_x_axis/gpr20_axis/dir_pin" value="32"/>'

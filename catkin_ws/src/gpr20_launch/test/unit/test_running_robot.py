@@ -13,7 +13,6 @@ from case_kit import each_case
 from wait_kit import wait_until
 
 from gpr20_launch.low.launched_nodes import LaunchedNodes
-from gpr20_launch.low.needed_modules import what_to_install
 from gpr20_launch.low.processes import Process, is_working, process_of
 
 
@@ -25,15 +24,14 @@ def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
     def said(**parents):
         nodes = {f"/{name}": number for number, name in enumerate(parents, 11)}
         own = [Process(nodes[f"/{name}"], parent, ()) for name, parent in parents.items() if parent]
-        shared = [Process(5, 70, ()), Process(6, 1, ())]
-        return check_launch.refusal("http://10.20.0.2:11311", nodes, own, shared)
+        return check_launch.refusal("http://10.20.0.2:11311", nodes, own)
 
     text = said(x=70, y=70)
     assert "on http://10.20.0.2:11311: /x (process 11), /y (process 12)" in text
-    assert "kill -INT 70." in text and "ns:=robot2" in text
+    assert text.endswith("kill 70") and "ns:=robot2" in text
     # The launch of some was killed.
-    assert said(x=1, y=69).endswith("kill 11 12 6")
-    assert said(x=1, y=70).endswith("kill 70 11 6")
+    assert said(x=1, y=69).endswith("kill 11 12")
+    assert said(x=1, y=70).endswith("kill 11 70")
     text = said(x=None)
     assert "end it there" in text and "kill" not in text
 
@@ -47,26 +45,19 @@ def test_a_node_is_recognized_by_its_command_line():
     assert not Process(1, 0, ("/sbin/init",)).may_be_node("/vna_processing")
 
 
-PACKAGE = Path(__file__).resolve().parents[2]
-
-
-def test_a_launch_without_a_module_is_refused_with_what_installs_it():
-    assert what_to_install(["sys"]) == ""
-    said = what_to_install(["sys", "no_such_module"])
-    assert f"{sys.executable} (Python 3." in said and "lacks the modules no_such_module." in said
-    assert "scripts/setup.sh" in said and "pip" not in said
-    ended = subprocess.run(
-        # Neither the packages of the system nor those of an environment.
-        [sys.executable, "-S", str(PACKAGE / "nodes/check_launch")],
-        env={"PYTHONPATH": str(PACKAGE / "src")},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert ended.returncode == 1
-    assert "This robot cannot be launched: " in ended.stderr
-    assert "lacks the modules actionlib, " in ended.stderr
-    assert "Traceback" not in ended.stderr
+def test_a_launch_without_a_module_is_refused_with_what_installs_it(tmp_path, monkeypatch, run):
+    program = Path(__file__).resolve().parents[2] / "nodes/check_launch"
+    (tmp_path / "rosgraph.py").write_text("raise ModuleNotFoundError(name='rosgraph')")
+    path = os.pathsep.join([str(tmp_path), *sys.path])
+    command = [sys.executable, str(program), "--help"]
+    ended = subprocess.run(command, env={"PYTHONPATH": path}, stderr=subprocess.PIPE, text=True)
+    said = "This robot cannot be launched: the Python module rosgraph is missing; "
+    assert (ended.returncode, ended.stderr.strip()) == (1, f"{said}run: scripts/setup.sh")
+    check_launch = pytest.importorskip("gpr20_launch.high.check_launch")
+    monkeypatch.setattr(check_launch, "NEEDED", ["sys", "no_such_module"])
+    status, printed, said = run("check_launch", "--part", "robot", "--robot", "gpr20")
+    assert (status, printed) == (1, "")
+    assert "the Python modules no_such_module are missing; run: scripts/setup.sh" in said
 
 
 WORD = "configuration:=/launch_1"

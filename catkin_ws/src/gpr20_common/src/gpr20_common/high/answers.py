@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
-import time
 from dataclasses import fields
 from typing import Any, Callable, Dict, Optional, Type, TypeVar
 
@@ -18,8 +16,6 @@ from gpr20_common.sent_message import received_message
 from gpr20_msgs.msg import Fault
 
 Record = TypeVar("Record")
-# A refusal that is repeated is logged so often [s].
-REPEATED_S = 60.0
 
 
 def message_fields(message: Message) -> Dict[str, Any]:
@@ -72,45 +68,26 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
     The response has `success` and what `message_fields` gives; the handler returns that of a
     success, and raises otherwise.
     """
-    refusals = _Refusals(name)
+    # Whoever repeats a request is refused again: of equal refusals in a row the first is logged.
+    logged: Optional[Message] = None
 
     def answer(request: Any) -> Any:
+        nonlocal logged
         try:
             response = handler(request)
-            refusals.log("")
+            logged = None
             return response
         except Gpr20Error as error:
-            refusals.log(str(error))
             message = error.message
+            if message != logged:
+                logged = message
+                rospy.logwarn("%s refused: %s", name, message)
         except Exception as error:
             # Who waits for a step of a survey cannot do anything with a dropped call.
             message = internal_error(name, error)
         return service_class._response_class(success=False, **message_fields(message))
 
     return rospy.Service(name, service_class, answer)
-
-
-class _Refusals:
-    """The refusals of a service in the log: of equal ones in a row the first, then their count."""
-
-    def __init__(self, name: str) -> None:
-        self._name = name
-        self._lock = threading.Lock()
-        self._text, self._repeated, self._logged_s = "", 0, 0.0
-
-    def log(self, text: str) -> None:
-        """Log a refusal; an empty text is an answer that is none."""
-        with self._lock:
-            now_s = time.monotonic()
-            if text and text == self._text and now_s - self._logged_s < REPEATED_S:
-                self._repeated += 1
-                return
-            former, repeated = self._text, self._repeated
-            self._text, self._repeated, self._logged_s = text, 0, now_s
-        if repeated:
-            rospy.logwarn("%s refused %d more times: %s", self._name, repeated, former)
-        if text:
-            rospy.logwarn("%s refused: %s", self._name, text)
 
 
 def internal_error(name: str, error: Exception) -> Message:

@@ -13,13 +13,7 @@ from typing import Mapping, Tuple
 import rosgraph
 import rospy
 
-from gpr20_common.catalogue import (
-    Catalogue,
-    language_from_code,
-    language_from_environment,
-    languages,
-    read_catalogue,
-)
+from gpr20_common.catalogue import Catalogue, language_from_environment, read_catalogue
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
@@ -50,19 +44,13 @@ def main() -> int:
     """Print what is wrong with the robot; return the exit status."""
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     parser = argparse.ArgumentParser("doctor", description=__doc__, epilog=EXIT_STATUS)
-    parser.add_argument("--language", choices=[one.value for one in languages()])
     add_arguments(parser)
     try:
         given = parser.parse_args(rosgraph.myargv()[1:])
     except SystemExit as ending:
         return REFUSED if ending.code else 0
-    language = (
-        language_from_environment(os.environ)
-        if given.language is None
-        else language_from_code(given.language)
-    )
     try:
-        return run(given, read_catalogue(language))
+        return run(given, read_catalogue(language_from_environment(os.environ)))
     except KeyboardInterrupt:
         return REFUSED
     except BrokenPipeError:

@@ -15,7 +15,7 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_doctor.high.node_reports import analyzer_test_of, descriptions, node_healths
-from gpr20_doctor.low.masters import MasterState, launched_nodes, node_states
+from gpr20_doctor.low.masters import MasterState, node_states
 from gpr20_doctor.mid.node_health import HealthTracker
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
@@ -51,8 +51,7 @@ class Graph:
         os.environ["ROS_PYTHON_LOG_CONFIG_FILE"] = str(NO_LOG)
         quiet = {"disable_rostime": True, "disable_rosout": True, "disable_signals": True}
         rospy.init_node("doctor", anonymous=True, **quiet)
-        names = [one for one in launched_nodes(master) if one.startswith(self._prefix)]
-        self._health = HealthTracker(clock, [one[len(self._prefix) :] for one in names])
+        self._health = HealthTracker(clock)
         # Messages come in threads of their own.
         self._lock = threading.Lock()
         self._known = unheard(master, Evidence(MasterState.ANSWERS, self.namespace))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import enum
 import errno
 import socket
 from concurrent.futures import ThreadPoolExecutor
-from typing import Dict, FrozenSet, Iterable, Set, Tuple
+from typing import Dict, FrozenSet, Iterable, Tuple
 from urllib.parse import urlsplit
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
@@ -87,19 +86,6 @@ def robots_at(uri: str) -> Tuple[str, ...]:
         return tuple(sorted(robots_on_master(name for name, _nodes in services)))
     except NO_ANSWER:
         return ()
-
-
-def launched_nodes(uri: str) -> FrozenSet[str]:
-    """Return the full names of the nodes that the launches of a master keep running."""
-    names: Set[str] = set()
-    with contextlib.suppress(*NO_ANSWER):  # nothing was launched, or the master does not answer
-        launches = limited_server(uri, ANSWER_LIMIT_S).getParam(CALLER, "/roslaunch/uris")
-        for one in value_of(launches).values():
-            with contextlib.suppress(*NO_ANSWER):  # this launch has ended
-                # A counter follows each name.
-                found = value_of(limited_server(one, ANSWER_LIMIT_S).get_node_names())
-                names.update(f"/{name.rpartition('-')[0]}" for name in found)
-    return frozenset(names)
 
 
 def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import enum
 from collections import deque
 from dataclasses import dataclass, field, replace
-from typing import Deque, Dict, Iterable, List, Mapping, Optional, Tuple
+from typing import Deque, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.faults import INTERNAL, PART_SILENT
 from gpr20_common.low.clock import Clock
@@ -26,8 +26,7 @@ def axis_node(axis_id: AxisId) -> str:
 
 # In the order in which they are listed.
 EXPECTED_NODES = (MAIN_CONTROL, ANALYZER, STORAGE, IMAGING, *map(axis_node, AxisId), HEIGHT_SENSOR)
-# Not every robot has them: they are listed, and missed, once they have reported; by the doctor also
-# if they were launched.
+# Not every robot has them: they are listed, and missed, once they have reported.
 OPTIONAL_NODES = (SIMULATOR, WEB, VISUALIZATION)
 # Other sensors beside the radar report below this name, and are listed once they have.
 SENSOR_PREFIX = "sensors/"
@@ -139,17 +138,11 @@ class HealthReport:
 
 
 class HealthTracker:
-    """Remembers the last reports of each node.
+    """Remembers the last reports of each node; the clock measures how old they are."""
 
-    Args:
-        clock: Measures how old a report is.
-        launched: Names of nodes that were launched: they are missed, also if they are optional.
-    """
-
-    def __init__(self, clock: Clock, launched: Iterable[str] = ()) -> None:
+    def __init__(self, clock: Clock) -> None:
         self._clock = clock
         self._begun_s = clock.now_s()
-        self.expected = (*EXPECTED_NODES, *{*OPTIONAL_NODES}.intersection(launched))
         # The last reports of each node, and when the last one came [s].
         self._reports: Dict[str, Tuple[Deque[NodeHealth], float]] = {}
 
@@ -157,7 +150,7 @@ class HealthTracker:
         """Take a report; return whether its node is one of a robot's."""
         name = health.name
         known = name in self._reports or len(self._sensors()) < MAX_SENSORS
-        if name not in (*self.expected, *OPTIONAL_NODES) and not (
+        if name not in (*EXPECTED_NODES, *OPTIONAL_NODES) and not (
             name.startswith(SENSOR_PREFIX) and known
         ):
             return False
@@ -168,15 +161,15 @@ class HealthTracker:
 
     def report(self) -> HealthReport:
         """Return the health of every node now."""
-        more = [one for one in OPTIONAL_NODES if one in self._reports and one not in self.expected]
-        names = (*self.expected, *more, *self._sensors())
+        more = [one for one in OPTIONAL_NODES if one in self._reports]
+        names = (*EXPECTED_NODES, *more, *self._sensors())
         settled = self._clock.now_s() - self._begun_s > STALE_S
         return HealthReport(tuple(self._node(name) for name in names), settled)
 
     @property
     def silent(self) -> List[str]:
         """The nodes that should have reported and never have."""
-        return [name for name in self.expected if name not in self._reports]
+        return [name for name in EXPECTED_NODES if name not in self._reports]
 
     def _sensors(self) -> List[str]:
         return sorted(name for name in self._reports if name.startswith(SENSOR_PREFIX))

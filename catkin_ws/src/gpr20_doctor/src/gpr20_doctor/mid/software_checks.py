@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from pathlib import Path
-from typing import Iterator, Optional
+from typing import Iterable, Iterator, List, Optional
 
 import gpr20_common
 from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
@@ -25,11 +25,10 @@ CHECK_LIMIT_S = 60.0
 # Nothing is wrong, and something is.
 CHECK_STATUSES = (0, 1)
 UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
-# What the nodes of each computer import and a system does not bring (requirements/nodes.in).
-MODULES = (
-    *("apprise", "mcap", "polib", "pydantic", "pyqtgraph", "rosbags", "tornado", "tqdm", "vxi11"),
-    "zstandard",
-)
+# What the nodes of each computer import and a system does not bring (requirements/nodes.in); the
+# robot works without window and page.
+NEEDED = ("lz4", "mcap", "polib", "pydantic", "rosbags", "vxi11", "zstandard")
+MODULES = (*NEEDED, "apprise", "pyqtgraph", "tornado")
 
 
 def check_configuration(machine: Machine) -> Iterator[Finding]:
@@ -81,9 +80,14 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
     yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
 
 
+def missing_modules(wanted: Iterable[str]) -> List[str]:
+    """Return the Python modules that are not installed."""
+    return [one for one in wanted if importlib.util.find_spec(one) is None]
+
+
 def check_packages(machine: Machine) -> Iterator[Finding]:
     """Find Python packages that the parts of the robot import and that are not installed."""
-    missing = [one for one in MODULES if importlib.util.find_spec(one) is None]
+    missing = missing_modules(MODULES)
     if not missing:
         yield Finding.of("packages", Message("Python packages of the robot"))
         return

@@ -19,11 +19,12 @@ import rosgraph
 import rospkg
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
-from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.faults import NOT_SET_UP, OTHER_LAUNCH
 from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
+from gpr20_doctor.mid.software_checks import NEEDED, missing_modules
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
@@ -42,6 +43,10 @@ def main() -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     names = [one.name for one in fields(SimulatorParameters)]
     try:
+        missing = ", ".join(missing_modules(NEEDED))
+        if missing:
+            text = f"the Python modules {missing} are missing; run: scripts/setup.sh"
+            raise LaunchRefusedError(verbatim(text), fault=NOT_SET_UP)
         own = {name: value for name, value in vars(given).items() if name in names}
         simulator = SimulatorParameters(**own)
         reading = Reading(_folder(given), built_axes())
@@ -117,10 +122,8 @@ def _refuse_running(names: Sequence[str], namespace: str) -> None:
         return
     prefix = "/" + namespace.strip("/")
     nodes = _running([rosgraph.names.ns_join(prefix, one) for one in names], master)
-    # They outlive a roslaunch that was killed, too.
-    shared = {**_running(["/rosout"], master), "rosmaster": rosgraph.Master(NAME, master).getPid()}
     if nodes:
-        said = refusal(master, nodes, _processes(nodes), _processes(shared))
+        said = refusal(master, nodes, _processes(nodes))
         raise LaunchRefusedError(verbatim(said), fault=OTHER_LAUNCH)
 
 
@@ -138,26 +141,17 @@ def _processes(nodes: Mapping[str, int]) -> List[Process]:
     return [one for name, one in found.items() if one is not None and one.may_be_node(name)]
 
 
-def refusal(
-    master: str, nodes: Mapping[str, int], here: Sequence[Process], shared: Sequence[Process]
-) -> str:
+def refusal(master: str, nodes: Mapping[str, int], here: Sequence[Process]) -> str:
     """Return which nodes answer, by their process ids, and the command that ends those here."""
     names = ", ".join(f"{name} (process {number})" for name, number in nodes.items())
-    parents = {one.parent: process_of(one.parent) for one in (*here, *shared)}
+    parents = {one.parent: process_of(one.parent) for one in here}
     launches = [number for number, one in parents.items() if one is not None and one.is_roslaunch]
-    launched = sorted({one.parent for one in here} & {*launches})
-    left_over = [one.number for one in here if one.parent not in launches]
+    # What outlived its roslaunch is ended by itself.
+    ends = sorted({one.parent if one.parent in launches else one.number for one in here})
     remedy = "It was started on another computer; end it there."
-    if launched:
-        numbers = " ".join(map(str, launched))
-        remedy = f"To end it, press Ctrl-C in its terminal, or: kill -INT {numbers}."
-    if left_over:
-        left_over += [one.number for one in shared if one.parent not in launches]
-        numbers = " ".join(map(str, [*launched, *left_over]))
-        remedy = (
-            "No launch that runs has started them. To end them, run this; a survey that runs is "
-            f"stopped and can be resumed: kill {numbers}"
-        )
+    if ends:
+        remedy = "To end it, run this; a survey that runs is stopped and can be resumed: kill "
+        remedy += " ".join(map(str, ends))
     return (
         f"a robot is running on {master}: {names}. To launch another one beside it, add a "
         f"namespace, such as ns:=robot2. {remedy}"

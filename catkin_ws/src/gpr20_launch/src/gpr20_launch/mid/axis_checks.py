@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Iterator, Mapping, Tuple
 
 from gpr20_launch.mid.robot_files import AXES_FILE, Problem, Reading, problem
@@ -17,8 +16,6 @@ FASTEST_PER_S = {LINEAR: 500.0, ROTARY: 1080.0}
 SHORTEST_MM, LONGEST_MM = 20.0, 3000.0
 # The cables of the antennas allow a quarter turn each way.
 FARTHEST_TURN_DEG = 100.0
-# A switch that is broken is pushed that far beyond; coordinates begin that far from the endstop.
-LONGEST_MARGIN, LONGEST_BACKOFF = 50.0, 20.0
 FASTEST_START_HZ, FASTEST_CHANGE_PER_S2 = 1000.0, 2.0e4
 # Longer than anybody waits for the homing of an axis.
 LONGEST_HOMING_S = 3600.0
@@ -32,7 +29,6 @@ _TRAVEL = "; measure how far the axis can move"
 _STEP = "; measure the step, as docs/first_real_survey.md describes"
 MEASURE = {"min_coord": _TRAVEL, "max_coord": _TRAVEL, "step_size": _STEP}
 PAUSES = ("min_step", "max_step", "delta_step", "late_limit_s")
-UNITS = {"cm": 10.0, "inches": 25.4, "radians": math.degrees(1.0)}
 
 
 # Key, why it is wrong or doubtful, and what is allowed.
@@ -70,12 +66,6 @@ def _impossible(own: AxisParameters) -> Iterator[Finding]:
         yield key, f"a travel of {travel:g} {unit} cannot be", allowed
     if not least <= own.step_size <= most:
         yield "step_size", "no motor of this robot has such steps", f"{least:g} - {most:g} {unit}"
-    if own.homing_margin > LONGEST_MARGIN:
-        reason = "an endstop that is broken would be passed by that much"
-        yield "homing_margin", reason, f"0 - {LONGEST_MARGIN:g} {unit}"
-    if own.homing_backoff > LONGEST_BACKOFF:
-        reason = "every coordinate would lie that much farther from the endstop"
-        yield "homing_backoff", reason, f"0 - {LONGEST_BACKOFF:g} {unit}"
     speed, homing_s = 0.5 * own.step_size / own.min_step, 2.0 * own.max_step * own.travel_steps
     if speed > fastest:
         reason = f"with step_size {own.step_size:g} the axis would move at {speed:.0f} {unit}/s"
@@ -114,8 +104,8 @@ def _travel(own: AxisParameters, built: Mapping[str, Any]) -> Iterator[Finding]:
     low, high = built["min_coord"], built["max_coord"]
     travel, allowed = own.max_coord - own.min_coord, f"{low:g} - {high:g} {own.unit}"
     if travel < SHORTEST_OF_BUILT * (high - low):
-        reason = "that of the robot's description (URDF) is much longer"
-        yield "max_coord", reason + _unit_hint(travel, high - low), allowed
+        reason = "that of the robot's description (URDF) is much longer; is it in mm?"
+        yield "max_coord", reason, allowed
     for end in ("min_coord", "max_coord"):
         if not low - 1e-3 <= getattr(own, end) <= high + 1e-3:
             yield end, "the robot's description (URDF) ends before", allowed
@@ -123,7 +113,7 @@ def _travel(own: AxisParameters, built: Mapping[str, Any]) -> Iterator[Finding]:
 
 def _turn(own: AxisParameters) -> Iterator[Finding]:
     # A survey with both polarizations turns the antennas to 0 and 90 degrees.
-    reason = "surveys turn the antennas to 0 and 90 degrees" + _unit_hint(own.max_coord, 90.0)
+    reason = "surveys turn the antennas to 0 and 90 degrees"
     if own.min_coord > 0.0:
         yield "min_coord", reason, "<= 0 deg"
     if own.max_coord < 90.0:
@@ -131,8 +121,3 @@ def _turn(own: AxisParameters) -> Iterator[Finding]:
     reached = own.coordinate_of(own.distance_steps(90.0))
     if abs(reached - 90.0) > LARGEST_TURN_ERROR_DEG:
         yield "step_size", f"for 90 deg the antennas would turn to {reached:g}", "90 deg / n"
-
-
-def _unit_hint(value: float, usual: float) -> str:
-    near = [unit for unit, factor in UNITS.items() if 0.9 < value * factor / usual < 1.1]
-    return f"; it seems to be in {near[0]}" if near else ""

@@ -19,11 +19,12 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import verbatim
 from gpr20_launch.faults import LaunchRefusedError
-from gpr20_launch.mid.hints import UNREAD
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_survey.axes.axis_parameters import ROTARY, AxisParameters
 
 MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
+# Begins the value of what could not be found out and a person must write.
+UNREAD = "UNREAD, write it"
 NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Dict, Iterator, List, NamedTuple
 
-from gpr20_launch.mid.hints import hint_for_value
 from gpr20_launch.mid.pin_table import (
     EEPROM,
     FREE,
     GPIO_OF_BOARD,
     I2C,
+    NOT_GPIO,
     RESERVED,
     SPI_BUSES,
     spi_pins,
@@ -43,8 +43,9 @@ def check_pins(reading: Reading) -> Iterator[Problem]:
     for use in uses:
         where = (reading.folder / use.file, use.key, use.value)
         if use.pin not in GPIO_OF_BOARD:
-            hint = hint_for_value(use.key, use.pin) or "there is no such pin"
-            yield problem(*where, f"{hint}; pins have the numbers of the header, BOARD", allowed)
+            known = NOT_GPIO.get(use.pin, "no pin")
+            reason = f"pin {use.pin} is {known}; pins have the numbers of the header, BOARD"
+            yield problem(*where, reason, allowed)
         # A switch to ground works with the resistors of I2C.
         elif use.pin in RESERVED and not (use.pin in I2C and use.key.endswith("/sensor_pin")):
             yield problem(*where, RESERVED[use.pin], allowed, doubtful=use.pin not in EEPROM)

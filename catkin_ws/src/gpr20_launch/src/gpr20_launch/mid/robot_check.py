@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from contextlib import redirect_stdout
 from dataclasses import replace
@@ -43,12 +42,6 @@ from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, Process
 
 ANALYZER_FILE, WIRING_FILE, SENSORS_FILE = "analyzer.yaml", "wiring.yaml", "sensors.yaml"
 STORAGE_FILE = "storage.yaml"
-# What editors, copies and updates of packages leave.
-LEFT_OVER = re.compile(
-    r".*(~|\.(bak|old|orig|save|sav|tmp|rej|sw[a-p]|backup|copy|new|dpkg-\w+|ucf-\w+)[\d~]*)"
-    r"|\.?#.*|\._.*|.*\.ya?ml[._-].+|.*( \(\d+\)|[ -]copy).*",
-    re.IGNORECASE,
-)
 MASTER_PORT = 11311
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
 # Folders of the system, and those that it empties.
@@ -71,7 +64,7 @@ def check_robot(
         message_field: Finds a field of the messages of a type that is installed here, such as
             data of std_msgs/Float64, and raises InvalidValueError if there is none.
     """
-    found = [*reading.problems, *check_pins(reading), *check_axes(reading), *_left_over(reading)]
+    found = [*reading.problems, *check_pins(reading), *check_axes(reading), *_no_folder(reading)]
     if use.part != ROBOT:
         found += _data(reading, use)
     for file, key, value, reason, allowed in _doubts(reading):
@@ -138,9 +131,6 @@ def _doubt(storage: ProcessingParameters) -> str:
             "without its medium, surveys would be stored on the disk of the system, unless "
             f"data_disk: true is in {STORAGE_FILE}"
         )
-    for one in inside:
-        if (one / ".git").exists():
-            return f"it is inside of the repository {one}, which people clean and replace"
     if not folder.exists():
         mount_point = file_system_of(existing_folder(folder)).mount_point
         return (
@@ -170,11 +160,8 @@ def _disk(storage: ProcessingParameters, where: Tuple[str, str], file: str) -> I
 
 def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
     """Find values that are allowed, but hardly meant: where, why, and what is usual."""
-    names = ("vna_acquisition", "storage", "survey", "site", "web", "height_sensor")
-    vna, storage, survey, site, web, height = map(reading.record, names)
-    if site.latitude_deg == site.longitude_deg == 0.0:
-        reason = "0, 0 is in the sea; without a position leave both keys out"
-        yield "site.yaml", "latitude_deg", 0.0, reason, "-90 - 90"
+    names = ("vna_acquisition", "survey", "web", "height_sensor")
+    vna, survey, web, height = map(reading.record, names)
     accepted = vna.accepted_calibrations
     if CalibrationStatus.NONE in accepted or not accepted:
         reason = "surveys would be measured without a calibration, or never"
@@ -183,13 +170,6 @@ def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
     if 0.0 < abs(vna.antenna_delay_ns) < 0.001:
         reason = "it seems to be in seconds; what is found would be too deep"
         yield ANALYZER_FILE, "antenna_delay_ns", vna.antenna_delay_ns, reason, "0, or >= 0.001 ns"
-    if not storage.recorded_topics:
-        reason = "neither motion nor states would be recorded beside the traces"
-        allowed = "leave it out; extra_recorded_topics adds others"
-        yield STORAGE_FILE, "recorded_topics", storage.recorded_topics, reason, allowed
-    if storage.disk_reserve_mb < 50.0:
-        reason = "the disk could be full before the end of a survey"
-        yield STORAGE_FILE, "disk_reserve_mb", storage.disk_reserve_mb, reason, ">= 50 MB"
     if survey.settle_s < 0.05:
         reason = "the antennas would still swing while a trace is measured"
         yield "survey.yaml", "settle_s", survey.settle_s, reason, ">= 0.05 s"
@@ -208,17 +188,12 @@ def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
         yield HEIGHT_FILE, "reference_voltage_v", value, reason, "0.25 - 3.6 V"
 
 
-def _left_over(reading: Reading) -> Iterator[Problem]:
-    folder, fault = reading.folder, CONFIGURATION.as_warning()
+def _no_folder(reading: Reading) -> Iterator[Problem]:
+    folder = reading.folder
     if not folder.exists() and folder != Path(DEFAULT_FOLDER).expanduser():
         text = f"the folder {folder} does not exist: the defaults are used; correct config:=, or "
         text += f"create it with robot_config create {folder}"
-        yield Problem(verbatim(text).with_fault(fault), str(folder))
-    for path in reading.entries:
-        if LEFT_OVER.fullmatch(path.name) and path.suffix not in (".yaml", ".yml"):
-            text = f"{printable(path)} is left over, and is not read: compare it with the file that"
-            text += " is read, keep the right values there, and move it to another folder"
-            yield Problem(verbatim(text).with_fault(fault), str(path))
+        yield Problem(verbatim(text).with_fault(CONFIGURATION.as_warning()), str(folder))
 
 
 def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:

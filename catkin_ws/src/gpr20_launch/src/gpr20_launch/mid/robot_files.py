@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
+from typing import Any, Dict, Iterable, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
@@ -13,7 +13,6 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.codec import mistakes, record_from
 from gpr20_common.terminal_text import printable
 from gpr20_height_sensor.mid.height_driver import HeightParameters
-from gpr20_launch.mid.hints import hint_for_key, hint_for_text, hint_for_value
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import BOARD_PINS, AxisParameters
@@ -139,7 +138,6 @@ class Reading:
         built: The axes of the robot as it is built: the defaults.
         sections: Every section as the nodes get it, with the values that are wrong.
         problems: These values, and files that cannot be read.
-        entries: What is in the folder.
         given: The keys that each file names, such as x/dir_pin of axes.yaml.
         unsure: The sections with a mistake, so that their defaults say nothing of the robot.
     """
@@ -152,14 +150,12 @@ class Reading:
         self.problems: List[Problem] = []
         self.given: Set[Tuple[str, str]] = set()
         self.unsure: Set[str] = set()
-        self.entries: Tuple[Path, ...] = ()
         try:
-            self.entries = tuple(sorted(folder.iterdir()))
+            self._refuse_unknown_files(sorted(folder.iterdir()))
         except FileNotFoundError:
             pass
         except OSError as error:
             self._wrong(folder, os_reason(error))
-        self._refuse_unknown_files()
         for name, sections in FILES.items():
             self._read_sections(folder / name, sections)
         self._read_axes(folder / AXES_FILE)
@@ -174,9 +170,9 @@ class Reading:
         known = {axis: one for axis, one in AXIS_SECTIONS.items() if one not in self.unsure}
         return {axis: self.record(section) for axis, section in known.items()}
 
-    def _refuse_unknown_files(self) -> None:
+    def _refuse_unknown_files(self, entries: Iterable[Path]) -> None:
         known = {AXES_FILE, *FILES}
-        for path in self.entries:
+        for path in entries:
             # Editors and file managers leave hidden files.
             is_yaml = path.suffix.lower() in (".yaml", ".yml") and not path.name.startswith(".")
             if is_yaml and path.name not in known:
@@ -200,9 +196,8 @@ class Reading:
             own, mistaken = values.get(axis), wrong
             own = {} if own is None else own
             if not isinstance(own, dict):
-                hint = hint_for_value(axis, own) or hint_for_text(path)
-                reason = f"{axis} is {own!r}; it must be a group of values"
-                self._wrong(path, reason, axis, own, hint)
+                reason = f"{axis} is {own!r}; it must be a group of values, with a space behind "
+                self._wrong(path, reason + "each colon", axis, own)
                 own, mistaken = {}, True
             mistaken |= self._refuse_unknown_keys(path, own, names, f"{axis}/")
             self._read(path, section, own, {**self.built[axis], **own}, mistaken, axis)
@@ -215,8 +210,7 @@ class Reading:
             values = read_yaml(path)
             if values is None or isinstance(values, dict):
                 return values or {}, False
-            reason = "it must be lines of the form key: value"
-            self._wrong(path, reason, hint=hint_for_text(path))
+            self._wrong(path, "it must be lines of the form key: value")
         except OSError as error:
             # A link that leads nowhere, such as to a medium that is not there, is no default.
             links = any(one.is_symlink() and not one.exists() for one in (path, path.parent))
@@ -224,7 +218,7 @@ class Reading:
                 return {}, False
             self._wrong(path, os_reason(error))
         except YamlFileError as error:
-            self._wrong(path, error.message, hint=hint_for_text(path))
+            self._wrong(path, error.message)
         return {}, True
 
     def _refuse_unknown_keys(
@@ -238,12 +232,12 @@ class Reading:
             if value is None and str(key).isdigit() and type(values.get(before)) is int:
                 # Between braces 0,01 is the number 0 and a key 01.
                 place, number = f"{below}{before}", f"{values.pop(before)},{key}"
-                hint = hint_for_value(before, number)
-                self._wrong(path, f"{place} is {number!r}", place, number, hint)
+                reason = f"{place} is {number!r}; write a point, not a comma"
+                self._wrong(path, reason, place, number)
                 continue
             place = f"{below}{key}" if below else repr(key)
             reason = f"{place} is unknown; allowed: {', '.join(sorted(known))}"
-            self._wrong(path, reason, f"{below}{key}", value, hint_for_key(key, known))
+            self._wrong(path, reason, f"{below}{key}", value)
         self.given.update((path.name, f"{below}{key}") for key in values)
         return bool(unknown)
 
@@ -263,26 +257,25 @@ class Reading:
             self.unsure.add(section)
         below = f"{axis}/" if axis else ""
         for key, error in found.items():
-            hints, allowed = [], str(error.values.get("allowed", ""))
+            related: List[str] = []
             if not key and (wrong or (axis and _has_wrong_pins(every))):
                 continue
             if not key:
                 names = (error.values.get(one) for one in ("name", "place", "key"))
                 named = next((str(one) for one in names if one), "")
-                related = [named, *RELATED.get(named, ())]
-                key = next((one for one in related if one in own), "")
-                hints = [
+                keys = [named, *RELATED.get(named, ())]
+                key = next((one for one in keys if one in own), "")
+                related = [
                     f"{one} is {own[one]!r}" if one in own else f"{one} has its default"
-                    for one in (related if key else ())
+                    for one in (keys if key else ())
                 ]
-            hints.insert(0, hint_for_value(key, own.get(key), allowed))
-            hint = "; ".join(filter(None, hints))
-            self._wrong(path, error, f"{below}{key}" if key else axis, own.get(key), hint)
+            place = f"{below}{key}" if key else axis
+            self._wrong(path, error, place, own.get(key), "; ".join(related))
 
     def _wrong(
-        self, path: Path, reason: object, key: str = "", value: Any = None, hint: str = ""
+        self, path: Path, reason: object, key: str = "", value: Any = None, related: str = ""
     ) -> None:
-        said = Message("{reason}; {hint}", reason=reason, hint=hint) if hint else reason
+        said = Message("{reason}; {hint}", reason=reason, hint=related) if related else reason
         text = Message("{file}: {reason}", file=path, reason=said).reporting_only(CONFIGURATION)
         self.problems.append(Problem(text, str(path), key, "" if value is None else repr(value)))
 

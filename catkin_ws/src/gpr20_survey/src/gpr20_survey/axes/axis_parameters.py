@@ -108,7 +108,7 @@ class AxisParameters:
     type: Literal["LIN", "ROT"]
     sensor_pin: Optional[int] = None
     homing_backoff: float = bounded(0.0, 1.0e5, 1.0)
-    homing_margin: float = bounded(0.0, 1.0e5, 10.0)
+    homing_margin: float = bounded(0.0, 50.0, 10.0)
     endstop_active: Literal["low", "high"] = "low"
     endstop_pull: Literal["up", "down", "none"] = "up"
     invert_direction: bool = False
