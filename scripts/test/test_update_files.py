@@ -14,8 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_update.errors import UpdateError
-from gpr20_update.low.paths import Paths
+from gpr20_update.low.system import Paths, UpdateError
 from gpr20_update.mid import backup
 from gpr20_update.mid.bundle import find_bundle, open_bundle
 
@@ -90,14 +89,9 @@ def test_an_older_version_is_refused(world):
 
 def test_a_bundle_that_this_computer_cannot_take_is_refused(world, stick):
     control = (stick / "Packages").read_text("utf-8")
-    for allowed, wrong, said in (
-        ("Architecture: all", "Architecture: riscv64", "riscv64"),
-        ("Installed-Size: 100", "Installed-Size: 9000000000", "MB free"),
-    ):
-        assert allowed in control
-        index = control.replace(allowed, wrong)
-        update_kit.sign(stick, world.sticks.parent / "key", index=index)
-        refused(world, stick, said)
+    index = control.replace("Installed-Size: 100", "Installed-Size: 9000000000")
+    update_kit.sign(stick, world.sticks.parent / "key", index=index)
+    refused(world, stick, "MB free")
     # An installed package is not in it.
     next(stick.glob("gpr20-robot_*")).unlink()
     update_kit.sign(stick, world.sticks.parent / "key")
@@ -108,7 +102,7 @@ def test_a_bundle_that_this_computer_cannot_take_is_refused(world, stick):
 def test_the_bundle_is_found_by_the_folder_of_the_stick(first, stick, tmp_path):
     assert find_bundle(stick.parent) == stick
     for place in (tmp_path / "nothing", tmp_path):
-        with pytest.raises(UpdateError, match="no folder|no bundle"):
+        with pytest.raises(UpdateError, match="no bundle"):
             find_bundle(place)
     with pytest.raises(UpdateError, match=r"gpr20-1\.0, gpr20-2\.0"):
         find_bundle(first.sticks)
@@ -128,8 +122,7 @@ def test_a_restore_brings_everything_back_but_keys_and_signers(world, tmp_path):
     (world.root / "etc/gpr20/robot/more.yaml").write_text("y: 1\n")
     (world.root / "var/lib/gpr20/.config/gpr20/plan.yaml").unlink()
     changed = world.data()
-    said = world.update("--restore", file)
-    assert "ana, luis" in said
+    world.update("--restore", file)
     assert world.data() == before
     assert world.services_run()
     world.update("--restore", file)
@@ -175,7 +168,7 @@ def test_a_killed_restore_is_finished_at_boot(first, world, tmp_path):
 @given(data=st.data())
 def test_a_damaged_backup_is_refused_whole(first, tmp_path, data):
     file = tmp_path / "backup.tar.gz"
-    backup.write(backup.take(Paths(first.root), "1.0"), file)
+    backup.write(backup.take(Paths(first.root))[0], file)
     whole = file.read_bytes()
     wanted = backup.read(file)
     at = data.draw(st.integers(0, len(whole) - 1))

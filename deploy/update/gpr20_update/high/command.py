@@ -9,26 +9,20 @@ import sys
 from pathlib import Path
 from typing import NoReturn, TextIO
 
-from gpr20_update.errors import UpdateError
 from gpr20_update.high.update import Updater
-from gpr20_update.low.paths import Paths
-from gpr20_update.low.system import only_one, shown
-from gpr20_update.mid.packages import Packages
-from gpr20_update.mid.robot import Robot
+from gpr20_update.low.system import Paths, UpdateError, is_taken
 
 RETURNED, REFUSED = 1, 2
 EXIT_STATUS = (
     "exit status: 0 done, 1 the version before has returned because the doctor found a new FAULT "
     "or the installation failed, 2 refused or failed"
 )
+NO_SURVEY = "somebody has seen that no survey runs or is paused, although the nodes do not say so"
 
 
 def main(root: str = "/") -> NoReturn:
     """Do what the arguments ask for; exit. The program is one file with this function."""
-    sys.exit(_run(Paths(Path(root))))
-
-
-def _run(paths: Paths) -> int:
+    paths = Paths(Path(root))
     parser = argparse.ArgumentParser("gpr20-update", description=__doc__, epilog=EXIT_STATUS)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("stick", nargs="?", type=Path, help="folder of the stick, or of its bundle")
@@ -39,11 +33,7 @@ def _run(paths: Paths) -> int:
     what.add_argument(
         "--continue", action="store_true", dest="resume", help="end what a power cut interrupted"
     )
-    parser.add_argument(
-        "--no-survey",
-        action="store_true",
-        help="somebody has seen that no survey runs or is paused, although the nodes do not say so",
-    )
+    parser.add_argument("--no-survey", action="store_true", help=NO_SURVEY)
     given = parser.parse_args()
     # A terminal that is closed and Ctrl-C do not end an installation halfway.
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
@@ -52,12 +42,14 @@ def _run(paths: Paths) -> int:
         if os.geteuid() != 0:
             raise UpdateError("gpr20-update needs root; run: sudo gpr20-update ...")
         paths.state.mkdir(mode=0o700, exist_ok=True)
-        with only_one(paths.state / "lock"):
-            paths.kept.mkdir(exist_ok=True)
-            return _do(given, Updater(paths, Packages(paths), Robot(paths), _say))
+        paths.kept.mkdir(exist_ok=True)
+        with (paths.state / "lock").open("ab") as lock:
+            if not is_taken(lock):
+                raise UpdateError("another gpr20-update is running; wait for its end")
+            sys.exit(_do(given, Updater(paths, _say)))
     except (UpdateError, OSError) as error:
-        _say(f"gpr20-update: {shown(error)}", sys.stderr)
-        return REFUSED
+        _say(f"gpr20-update: {error}", sys.stderr)
+        sys.exit(REFUSED)
 
 
 def _do(given: argparse.Namespace, updater: Updater) -> int:
@@ -77,8 +69,13 @@ def _do(given: argparse.Namespace, updater: Updater) -> int:
 
 
 def _say(sentence: str, file: TextIO = sys.stdout) -> None:
+    # A text from outside, such as a name on a stick, can neither fake nor control the terminal.
+    shown = "".join(
+        one if one.isprintable() else one.encode("unicode_escape", "surrogatepass").decode("ascii")
+        for one in sentence
+    )
     try:
-        print(sentence, file=file, flush=True)
+        print(shown, file=file, flush=True)
     except OSError:
         # The terminal is gone; the update is not.
         os.dup2(os.open(os.devnull, os.O_WRONLY), file.fileno())
