@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple
+from typing import BinaryIO, Callable, Iterator, Mapping, NamedTuple, Optional, TextIO, Tuple
 
 ROOT = (0, 0)
 _POLL_S = 0.2
@@ -70,11 +70,7 @@ def run(
         text: What it reads.
     """
     # Not pipes, whose end would wait for what it leaves running.
-    output, complaints = (
-        open(os.memfd_create(name), "w+", encoding="utf-8", errors="replace")
-        for name in ("output", "complaints")
-    )
-    with output, complaints:
+    with _memory("output") as output, _memory("complaints") as complaints:
         ended = subprocess.run(
             ["timeout", "--signal=KILL", str(limit_s), *command],
             input=text.encode(),
@@ -88,6 +84,10 @@ def run(
         output.seek(0)
         complaints.seek(0)
         return Ended(ended.returncode, output.read(), complaints.read())
+
+
+def _memory(name: str) -> TextIO:
+    return open(os.memfd_create(name), "w+", encoding="utf-8", errors="replace")
 
 
 def sync(path: Path) -> None:

@@ -8,7 +8,7 @@ import re
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterator, List, Mapping
+from typing import Iterator, List, Mapping
 
 from gpr20_update.low.system import UpdateError, remove, run, sync
 
