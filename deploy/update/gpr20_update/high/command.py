@@ -1,4 +1,4 @@
-"""Update the robot's software from a stick, return to the version before, back up, restore."""
+"""Update the robot's software from a stick, or return to the version before."""
 
 from __future__ import annotations
 
@@ -28,8 +28,6 @@ def main(root: str = "/") -> NoReturn:
     what.add_argument("stick", nargs="?", type=Path, help="folder of the stick, or of its bundle")
     what.add_argument("--back", action="store_true", help="return to the version before")
     what.add_argument("--status", action="store_true", help="what is installed, how it went")
-    what.add_argument("--backup", type=Path, metavar="FILE", help="write the configuration there")
-    what.add_argument("--restore", type=Path, metavar="FILE", help="take it from there")
     what.add_argument(
         "--continue", action="store_true", dest="resume", help="end what a power cut interrupted"
     )
@@ -59,10 +57,6 @@ def _do(given: argparse.Namespace, updater: Updater) -> int:
         updater.back(given.no_survey)
     elif given.resume:
         updater.resume(given.no_survey)
-    elif given.backup:
-        updater.backup(given.backup)
-    elif given.restore:
-        updater.restore(given.restore, given.no_survey)
     else:
         return 0 if updater.update(given.stick, given.no_survey) else RETURNED
     return 0

@@ -1,4 +1,4 @@
-"""The steps of an update, of a return, of a backup and of a restore."""
+"""The steps of an update and of a return."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from gpr20_update.mid.robot import Robot
 
 FORMER = "the version before"
 # Values of Record.step. Before DONE, a power cut returns to the version before.
-INSTALLING, RETURNING, RESTORING, DONE = "installing", "returning", "restoring", "done"
+INSTALLING, RETURNING, DONE = "installing", "returning", "done"
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Record:
         after: The version that is being installed, or that the return comes from.
         packages: Names of the packages that were installed before.
         services: The services that ran before.
-        backup: File of the configuration as it was before; empty: it stays as it is.
+        backup: Copy of the configuration as it was before; empty: it stays as it is.
         outcome: How it ended, for people.
     """
 
@@ -45,8 +45,6 @@ class Record:
     @property
     def what(self) -> str:
         """What is being done, for people."""
-        if self.step == RESTORING:
-            return "restoring a backup"
         if self.step == RETURNING:
             return f"returning to version {self.before}"
         return f"installing version {self.after}"
@@ -146,7 +144,7 @@ class Updater:
         self._say("check that the configuration fits: gpr20-run config check")
 
     def resume(self, no_survey: bool) -> None:
-        """End what a power cut or a kill has interrupted: return, or finish the restore.
+        """Return to the version before after a power cut or a kill in the middle.
 
         Raises:
             UpdateError: It failed, and can be repeated.
@@ -156,10 +154,7 @@ class Updater:
             self._say("nothing was interrupted")
             return
         self._robot.refuse_during_survey(no_survey)
-        if record.step == RESTORING:
-            self._restore(record)
-        else:
-            self._return(record, "it was interrupted")
+        self._return(record, "it was interrupted")
 
     def _return(self, record: Record, why: str) -> None:
         """Make everything as it was before; may be repeated at any point."""
@@ -171,7 +166,7 @@ class Updater:
                 # At once: whatever the rest meets, a whole release and its configuration are used.
                 self._packages.use_slot(record.before)
                 if record.backup:
-                    backup.apply(backup.read(Path(record.backup)), self._paths)
+                    backup.apply(Path(record.backup), self._paths)
                 begun = sorted((self._paths.kept / record.after).glob("*.deb"))
                 self._packages.put_back(self._kept(record.before), record.packages, begun)
             finally:
@@ -185,43 +180,9 @@ class Updater:
         self._say(f"versions whose packages are kept: {', '.join(self._versions()) or 'none'}")
         record = self._read()
         if record is None or record.step == DONE:
-            self._say(f"last update, return or restore: {record.outcome if record else 'none'}")
+            self._say(f"last update or return: {record.outcome if record else 'none'}")
         else:
             self._say(f"UNFINISHED: {record.what}; finish it with gpr20-update --continue")
-
-    def backup(self, path: Path) -> None:
-        """Write a backup into a file that must not exist."""
-        if path.exists():
-            raise UpdateError(f"{path} exists; name another file")
-        files, others = backup.take(self._paths)
-        if others:
-            raise UpdateError(
-                f"a backup holds files, and these are none: {', '.join(others)}. Replace a link by "
-                "the file or folder that it names; move pipes and sockets away"
-            )
-        backup.write(files, path.absolute())
-        self._say(f"{path}: {len(files)} files, without private keys")
-
-    def restore(self, path: Path, no_survey: bool) -> None:
-        """Make configuration and plans those of a backup.
-
-        Raises:
-            UpdateError: It was refused; nothing has changed.
-        """
-        self._refuse_to_begin(no_survey)
-        wanted = backup.read(path)
-        self._prepare(self._packages.slot_version())
-        copy = self._paths.state / "restore.tar.gz"
-        backup.write(wanted, copy)
-        self._restore(Record(RESTORING, services=self._robot.active(), backup=str(copy)))
-        self._say("check that the configuration fits: gpr20-run config check")
-
-    def _restore(self, record: Record) -> None:
-        self._write(record)
-        self._robot.stop()
-        backup.apply(backup.read(Path(record.backup)), self._paths)
-        self._robot.start(record.services)
-        self._end(record, "a backup was restored")
 
     def _read(self) -> Optional[Record]:
         """Return the journal; None: nothing was ever begun."""
@@ -276,10 +237,8 @@ class Updater:
 
     def _prepare(self, version: str) -> Path:
         """Keep the configuration, and this program, which is one file: the update replaces it."""
-        path, others = backup.keep(self._paths, version)
+        path = backup.keep(self._paths, version)
         self._say(f"the configuration of before is kept in {path}")
-        if others:
-            self._say(f"not kept, and not changed, as no files: {', '.join(others)}")
         replace_file(self._paths.program, Path(sys.argv[0]).read_bytes(), 0o700)
         return path
 

@@ -9,14 +9,13 @@ import shutil
 import subprocess
 import time
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterator, Mapping, NamedTuple, Optional, TextIO, Tuple
+from typing import BinaryIO, Callable, Iterator, Mapping, NamedTuple, Optional, TextIO
 
-ROOT = (0, 0)
 _POLL_S = 0.2
 
 
 class UpdateError(Exception):
-    """An update, a backup or a restore cannot be done; the text says why and what to do."""
+    """An update or a return cannot be done; the text says why and what to do."""
 
 
 class Paths:
@@ -99,23 +98,13 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def replace_file(path: Path, data: bytes, mode: int = 0o600, owner: Tuple[int, int] = ROOT) -> None:
-    """Give a file new content in one step, or leave it as it was; return when it is durable.
-
-    Args:
-        path: The file.
-        data: Its content.
-        mode: Its rights.
-        owner: Numbers of its user and group.
-    """
+def replace_file(path: Path, data: bytes, mode: int = 0o600) -> None:
+    """Give a file new content in one step, or leave it as it was; return when it is durable."""
     temporary = path.with_name(f".{path.name}.new")
     with contextlib.suppress(FileNotFoundError):
         temporary.unlink()
-    # No link is followed. A FAT stick refuses to change the owner.
     descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with open(descriptor, "wb") as file:
-        if owner != ROOT:
-            os.fchown(descriptor, *owner)
         file.write(data)
         file.flush()
         os.fsync(descriptor)
