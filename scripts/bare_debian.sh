@@ -58,24 +58,17 @@ for name in http_proxy https_proxy no_proxy; do
     [ -z "${!name:-}" ] || network+=("$name=${!name}")
 done
 
-used_mb() {
-    du -sxm "$1" | cut -f1
-}
-
 # run_all WHO: run the commands; a line of the table for each.
 run_all() {
-    local who="$1" number=0 command before after begin status log
+    local who="$1" number=0 command begin status log
     for command in "${COMMANDS[@]}"; do
         number=$((number + 1))
         log="$folder/$who-$number.log"
-        before="$(used_mb "$folder/$who")"
         begin="$(date +%s)"
         status=0
         run_in_chroot "$who" "$command" "$log" || status=$?
-        after="$(used_mb "$folder/$who")"
-        printf '%-5s %6d s %6d MB %+6d MB  %-10s %s\n' "$who" $(($(date +%s) - begin)) "$after" \
-            $((after - before)) "$([ "$status" -eq 0 ] && echo passed || echo "status $status")" \
-            "$command"
+        printf '%-5s %6d s %6d MB  status %d  %s\n' "$who" $(($(date +%s) - begin)) \
+            "$(du -sxm "$folder/$who" | cut -f1)" "$status" "$command"
         if [ "$status" -ne 0 ]; then
             failed=yes
             tail -n 30 "$log" >&2
@@ -88,7 +81,7 @@ require_chroot
 trap 'rm -rf --one-file-system "$folder/root" "$folder/user"' EXIT
 make_base
 failed=no
-echo "as      time      disk    change  result     command"
+echo "as      time      disk  result    command"
 for who in root user; do
     make_chroot "$who"
     run_all "$who"

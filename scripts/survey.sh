@@ -10,11 +10,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 "$GPR20_ROOT/scripts/setup.sh"
 gpr20_use_workspace
 
-for option in "$@"; do
-    if [ "$option" = -h ] || [ "$option" = --help ]; then
-        exec rosrun gpr20_user_interface run_survey --help
-    fi
-done
+case " $* " in
+    *" -h "* | *" --help "*) exec rosrun gpr20_user_interface run_survey --help ;;
+esac
 
 data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"
 time_scale="${GPR20_TIME_SCALE:-50}"

@@ -16,6 +16,7 @@ from gpr20_update.mid.packages import Packages
 from gpr20_update.mid.robot import Robot
 
 FORMER = "the version before"
+ALONE = "waiting until no other program installs packages"
 # Values of Record.step. Before DONE, a power cut returns to the version before.
 INSTALLING, RETURNING, DONE = "installing", "returning", "done"
 
@@ -101,7 +102,8 @@ class Updater:
         return self._install(record, bundle, faults or ())
 
     def _install(self, record: Record, bundle: Bundle, known: Collection[str]) -> bool:
-        with self._packages.alone(self._wait):
+        self._say(ALONE)
+        with self._packages.alone():
             self._write(record)
         self._say(f"installing version {record.after}; do not switch off")
         try:
@@ -159,7 +161,8 @@ class Updater:
     def _return(self, record: Record, why: str) -> None:
         """Make everything as it was before; may be repeated at any point."""
         self._say(f"returning to version {record.before}" + (f": {why}" if why else ""))
-        with self._packages.alone(self._wait):
+        self._say(ALONE)
+        with self._packages.alone():
             try:
                 self._write(dataclasses.replace(record, step=RETURNING, outcome=why))
                 self._robot.stop()
@@ -231,9 +234,6 @@ class Updater:
                 "which keeps them and installs nothing"
             )
         self._kept(version).check_files()
-
-    def _wait(self) -> None:
-        self._say("waiting: another program installs packages")
 
     def _prepare(self, version: str) -> Path:
         """Keep the configuration, and this program, which is one file: the update replaces it."""

@@ -7,11 +7,8 @@ import fcntl
 import os
 import shutil
 import subprocess
-import time
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterator, Mapping, NamedTuple, Optional, TextIO
-
-_POLL_S = 0.2
+from typing import BinaryIO, Mapping, NamedTuple, Optional, TextIO
 
 
 class UpdateError(Exception):
@@ -119,40 +116,8 @@ def remove(folder: Path) -> None:
         sync(folder.parent)
 
 
-@contextlib.contextmanager
-def lock_of_dpkg(folder: Path, limit_s: float, wait: Callable[[], None]) -> Iterator[None]:
-    """Hold the lock that every program holds which calls dpkg; wait for another one.
-
-    A dpkg whose caller was killed lives on and holds only its own lock.
-
-    Args:
-        folder: Of the locks.
-        limit_s: How long to wait [s].
-        wait: Called once if there is another one.
-
-    Raises:
-        UpdateError: Another one holds them for longer than that.
-    """
-    with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
-        deadline_s, has_waited = time.monotonic() + limit_s, False
-        while not (is_taken(frontend) and is_taken(own)):
-            if time.monotonic() > deadline_s:
-                raise UpdateError(
-                    f"another program has installed packages for {limit_s:.0f} s ({folder} is "
-                    "locked); wait for its end and repeat, with gpr20-update --continue if "
-                    "--status says UNFINISHED"
-                )
-            if not has_waited:
-                wait()
-            has_waited = True
-            time.sleep(_POLL_S)
-        # dpkg takes it itself.
-        fcntl.lockf(own, fcntl.LOCK_UN)
-        yield
-
-
 def is_taken(file: BinaryIO) -> bool:
-    """Take the lock of a file; return whether this process has it now."""
+    """Take the lock of a file, if nobody has it; return whether this process has it now."""
     try:
         fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import os
+import time
 from pathlib import Path
-from typing import Callable, ContextManager, Dict, List, Tuple
+from typing import Dict, Iterator, List, Tuple
 
-from gpr20_update.low.system import Ended, Paths, UpdateError, lock_of_dpkg, replace_file, run, sync
+from gpr20_update.low.system import Ended, Paths, UpdateError, is_taken, replace_file, run, sync
 from gpr20_update.mid.bundle import SOFTWARE, Bundle
 
 QUERY_LIMIT_S = 60.0
 INSTALL_LIMIT_S = 1800.0
 LOCK_LIMIT_S = 120.0
+_POLL_S = 0.2
 INSTALLED = "installed"
 # What dpkg calls a package that is not there, or of which only its configuration is.
 _ABSENT = frozenset({"not-installed", "config-files"})
@@ -83,9 +87,28 @@ class Packages:
         if ended.status != 0:
             raise UpdateError(f"the installation failed: {ended.last_lines}")
 
-    def alone(self, wait: Callable[[], None]) -> ContextManager[None]:
-        """Return what keeps others from installing; `wait` is called if one does."""
-        return lock_of_dpkg(self._paths.dpkg, LOCK_LIMIT_S, wait)
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Hold the lock that every program holds which calls dpkg; wait for another one.
+
+        A dpkg whose caller was killed lives on and holds only its own lock.
+
+        Raises:
+            UpdateError: Another one holds them for too long.
+        """
+        folder, deadline_s = self._paths.dpkg, time.monotonic() + LOCK_LIMIT_S
+        with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
+            while not (is_taken(frontend) and is_taken(own)):
+                if time.monotonic() > deadline_s:
+                    raise UpdateError(
+                        f"another program has installed packages for {LOCK_LIMIT_S:.0f} s ({folder}"
+                        " is locked); wait for its end and repeat, with gpr20-update --continue if "
+                        "--status says UNFINISHED"
+                    )
+                time.sleep(_POLL_S)
+            # dpkg takes it itself.
+            fcntl.lockf(own, fcntl.LOCK_UN)
+            yield
 
     def put_back(self, bundle: Bundle, names: List[str], other: List[Path]) -> None:
         """Install the former version, whatever state an installation has left; may be repeated.
