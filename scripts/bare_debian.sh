@@ -1,11 +1,8 @@
 #!/usr/bin/env bash
-# For maintainers: run the README's commands, the install space and the doctor on a bare Debian 12,
-# as root and as a user with sudo.
-#   scripts/bare_debian.sh                      the commands of COMMANDS below
-#   scripts/bare_debian.sh --tests              all tests as well
-#   scripts/bare_debian.sh --as root|user       only as one of the two
-#   scripts/bare_debian.sh [options] COMMAND... these commands instead, one argument each
-#   scripts/bare_debian.sh --keep               leave the chroots for a look
+# For maintainers: run the README's commands and the install space on a bare Debian 12, as root and
+# as a user with sudo.
+#   scripts/bare_debian.sh              the commands of COMMANDS below
+#   scripts/bare_debian.sh COMMAND...   these commands instead, one argument each
 # A chroot gets a clean clone of HEAD in the home of who runs the commands. Needs root, debootstrap
 # and the network. Everything is in the folder of steps/chroot.sh.
 set -euo pipefail
@@ -20,23 +17,9 @@ COMMANDS=(
     "scripts/survey.sh"
     "scripts/setup.sh --check"
     "scripts/install_space.sh ~/space"
-    "scripts/steps/bare_debian_steps.sh copied_space"
-    "scripts/steps/bare_debian_steps.sh doctor"
+    "source ~/space/setup.bash && cd / && gpr20 verify ~/gpr20_data/2*/"
 )
-
-people=(root user) keep=no tests=no commands=()
-while [ $# -gt 0 ]; do
-    case "$1" in
-        --as) people=("${2:?--as needs root or user}"); shift ;;
-        --keep) keep=yes ;;
-        --tests) tests=yes ;;
-        -*) echo "bare_debian.sh: unknown option '$1'; its first lines list them" >&2; exit 2 ;;
-        *) commands+=("$1") ;;
-    esac
-    shift
-done
-[ ${#commands[@]} -gt 0 ] || commands=("${COMMANDS[@]}")
-[ "$tests" = no ] || commands+=("scripts/test.sh")
+[ $# -eq 0 ] || COMMANDS=("$@")
 
 # make_chroot WHO: one with a clone of HEAD.
 make_chroot() {
@@ -75,24 +58,17 @@ for name in http_proxy https_proxy no_proxy; do
     [ -z "${!name:-}" ] || network+=("$name=${!name}")
 done
 
-used_mb() {
-    du -sxm "$1" | cut -f1
-}
-
 # run_all WHO: run the commands; a line of the table for each.
 run_all() {
-    local who="$1" number=0 command before after begin status log
-    for command in "${commands[@]}"; do
+    local who="$1" number=0 command begin status log
+    for command in "${COMMANDS[@]}"; do
         number=$((number + 1))
         log="$folder/$who-$number.log"
-        before="$(used_mb "$folder/$who")"
         begin="$(date +%s)"
         status=0
         run_in_chroot "$who" "$command" "$log" || status=$?
-        after="$(used_mb "$folder/$who")"
-        printf '%-5s %6d s %6d MB %+6d MB  %-10s %s\n' "$who" $(($(date +%s) - begin)) "$after" \
-            $((after - before)) "$([ "$status" -eq 0 ] && echo passed || echo "status $status")" \
-            "$command"
+        printf '%-5s %6d s %6d MB  status %d  %s\n' "$who" $(($(date +%s) - begin)) \
+            "$(du -sxm "$folder/$who" | cut -f1)" "$status" "$command"
         if [ "$status" -ne 0 ]; then
             failed=yes
             tail -n 30 "$log" >&2
@@ -101,16 +77,12 @@ run_all() {
     done
 }
 
-remove_chroots() {
-    [ "$keep" = yes ] || rm -rf --one-file-system "$folder/root" "$folder/user"
-}
-
 require_chroot
-trap remove_chroots EXIT
+trap 'rm -rf --one-file-system "$folder/root" "$folder/user"' EXIT
 make_base
 failed=no
-echo "as      time      disk    change  result     command"
-for who in "${people[@]}"; do
+echo "as      time      disk  result    command"
+for who in root user; do
     make_chroot "$who"
     run_all "$who"
 done

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # For maintainers: install, upgrade, downgrade, remove and purge the packages in a bare Debian 12
 # that has no network, from two bundles (scripts/bundle.sh), and look at what is left.
-#   sudo scripts/package_trial.sh OLD NEW [PACKAGE...]   by default gpr20-robot gpr20-server
-#                                                        gpr20-analysis, each in a chroot of its own
+#   sudo scripts/package_trial.sh OLD NEW   gpr20-robot, gpr20-server and gpr20-analysis, each in a
+#                                           chroot of its own
 # Status 0 if everything was as expected. The chroots are in the folder of steps/chroot.sh.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -18,14 +18,11 @@ for bundle in "${1-}" "${2-}"; do
     fi
 done
 old="$(realpath "$1")" new="$(realpath "$2")"
-shift 2
-packages=("$@")
-[ ${#packages[@]} -gt 0 ] || packages=(gpr20-robot gpr20-server gpr20-analysis)
 
 require_chroot
 make_base
 failed=no
-for package in "${packages[@]}"; do
+for package in gpr20-robot gpr20-server gpr20-analysis; do
     root="$folder/trial" log="$folder/$package.log" status=0
     make_root trial
     mkdir "$root/old" "$root/new"

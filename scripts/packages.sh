@@ -24,13 +24,10 @@ revision="$(git -C "$GPR20_ROOT" rev-parse --verify --quiet "$commit^{commit}")"
     fail "'$commit' is no commit or tag"
 git checkout --quiet "$revision"
 
-# version_of_release: as the packages of the workspace have it.
-version_of_release() {
-    sed -n "s:.*<version>\(.*\)</version>.*:\1:p" catkin_ws/src/gpr20/package.xml
-}
-
+# As the packages of the workspace have it.
+released="$(sed -n "s:.*<version>\(.*\)</version>.*:\1:p" catkin_ws/src/gpr20/package.xml)"
 version="$(git describe --tags --exact-match 2>/dev/null)" ||
-    version="$(version_of_release)+git$(git show -s --format=%cd --date=format:%Y%m%d%H%M).$(
+    version="$released+git$(git show -s --format=%cd --date=format:%Y%m%d%H%M).$(
         git rev-parse --short HEAD)"
 cat >debian/changelog <<END
 gpr20 ($version) stable; urgency=medium

@@ -8,7 +8,6 @@
 #   scripts/setup.sh --analysis   the analysis with --robot too, for a robot that keeps its data
 #   scripts/setup.sh --scikit-rf   what another VNA needs as well (gpr20_scikit_rf)
 #   scripts/setup.sh --check   install nothing; end with status 1 if something is missing
-#   scripts/setup.sh --dry-run   install nothing; say what would be installed, and which ROS is used
 # It uses the ROS in /opt/ros/noetic if there is one, otherwise Debian's packages. What apt, pip and
 # catkin print is in setup.log.
 set -euo pipefail
@@ -46,36 +45,28 @@ DEBIAN_DEV_PACKAGES=(
 # which they open the page of gpr20_web: Ubuntu 20.04 has neither as a package of apt.
 [ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(chromium chromium-driver rosidl-core)
 
-dev=no robot=no analysis=no scikit_rf=no mode=install
+dev=no robot=no analysis=no scikit_rf=no check=no
 for argument in "$@"; do
     case "$argument" in
         --dev) dev=yes ;;
         --robot) robot=yes ;;
         --analysis) analysis=yes ;;
         --scikit-rf) scikit_rf=yes ;;
-        --check) mode=check ;;
-        --dry-run) mode=dry-run ;;
+        --check) check=yes ;;
         *)
             echo "setup.sh: unknown argument '$argument';" \
-                "allowed: --dev, --robot, --analysis, --scikit-rf, --check and --dry-run" >&2
+                "allowed: --dev, --robot, --analysis, --scikit-rf and --check" >&2
             exit 2
             ;;
     esac
 done
 [ "$dev" = no ] || DEBIAN_PACKAGES+=("${DEBIAN_DEV_PACKAGES[@]}")
 
-# may_change WHAT: whether this run changes something. With --check it says what is missing and
-# ends, with --dry-run it says what would be done.
-may_change() {
-    case "$mode" in
-        install) return 0 ;;
-        dry-run) echo "$1" ;;
-        check)
-            echo "the environment is not set up ($1); run scripts/setup.sh first" >&2
-            exit 1
-            ;;
-    esac
-    return 1
+# before_change WHAT: with --check, say what is missing and end.
+before_change() {
+    [ "$check" = yes ] || return 0
+    echo "the environment is not set up ($1); run scripts/setup.sh first" >&2
+    exit 1
 }
 
 # End with a reason if nothing can be installed or built here.
@@ -93,7 +84,7 @@ check_place() {
     getent hosts localhost >/dev/null ||
         fail "localhost has no address here, which ROS needs; run as root:" \
             "echo 127.0.0.1 localhost >>/etc/hosts"
-    [ "$mode" = install ] || return 0
+    [ "$check" = no ] || return 0
     for folder in "$GPR20_ROOT" "$GPR20_WORKSPACE" "$GPR20_WORKSPACE/src" "$GPR20_VENV" \
         "$GPR20_WORKSPACE/build" "$GPR20_WORKSPACE/devel"; do
         if [ -e "$folder" ] && [ ! -w "$folder" ]; then
@@ -115,7 +106,7 @@ install_debian_packages() {
     local missing
     mapfile -t missing < <(missing_packages "${DEBIAN_PACKAGES[@]}" -- "${ROS_PACKAGES[@]}")
     [ ${#missing[@]} -gt 0 ] || return 0
-    may_change "missing Debian packages: ${missing[*]}" || return 0
+    before_change "missing Debian packages: ${missing[*]}"
     install_packages "${missing[@]}"
 }
 
@@ -126,7 +117,7 @@ install_python_packages() {
     [ "$dev" = no ] || lists+=(test.in lint.in docs.in scikit_rf.in)
     [ "$scikit_rf" = no ] || lists+=(scikit_rf.in)
     [ "$robot" = no ] || lists+=(robot.in)
-    [ -x "$PYTHON" ] || { may_change "missing: $PYTHON" || return 0; }
+    [ -x "$PYTHON" ] || before_change "missing: $PYTHON"
     version="$("$PYTHON" -c 'import sys; print("%d.%d" % sys.version_info[:2])')"
     pins="$GPR20_ROOT/requirements/python$version.txt"
     [ -f "$pins" ] || fail "$pins is missing; add Python $version to scripts/requirements.sh"
@@ -136,13 +127,12 @@ install_python_packages() {
     # part of a package was removed, which pip does not see.
     if [ ! -x "$GPR20_VENV/bin/python" ] || [ -n "$gone" ] ||
         ! grep -qsE "VIRTUAL_ENV=[\"']?$GPR20_VENV[\"']?\$" "$GPR20_VENV/bin/activate"; then
-        if may_change "missing: ${gone:-$GPR20_VENV}"; then
-            need_disk "$GPR20_ROOT" "$PYTHON_MB" "its Python packages"
-            rm -rf "$GPR20_VENV"
-            run_logged "the virtual environment $GPR20_VENV" \
-                "$PYTHON" -m venv --system-site-packages "$GPR20_VENV"
-            update_old_pip
-        fi
+        before_change "missing: ${gone:-$GPR20_VENV}"
+        need_disk "$GPR20_ROOT" "$PYTHON_MB" "its Python packages"
+        rm -rf "$GPR20_VENV"
+        run_logged "the virtual environment $GPR20_VENV" \
+            "$PYTHON" -m venv --system-site-packages "$GPR20_VENV"
+        update_old_pip
         venv_is_new=yes
     fi
     for list in "${lists[@]}"; do
@@ -167,11 +157,11 @@ install_python_packages() {
         done
     fi
     if [ ${#arguments[@]} -eq 0 ]; then
-        [ -e "$GPR20_VENV/installed" ] || [ "$mode" != install ] ||
+        [ -e "$GPR20_VENV/installed" ] || [ "$check" = yes ] ||
             in_environment >"$GPR20_VENV/installed"
         return 0
     fi
-    may_change "missing Python packages of: ${names[*]} (pinned in ${pins##*/})" || return 0
+    before_change "missing Python packages of: ${names[*]} (pinned in ${pins##*/})"
     step "installing Python packages in .venv (typically 1 min)"
     run_logged "the installation of Python packages" \
         "$GPR20_VENV/bin/python" -m pip install --disable-pip-version-check --progress-bar off \
@@ -222,7 +212,7 @@ build_workspace() {
     local stamp="$GPR20_WORKSPACE/build/inputs.sha256" inputs
     inputs="$(build_inputs)"
     if [ -f "$stamp" ] && [ "$inputs" = "$(cat "$stamp")" ]; then return 0; fi
-    may_change "the catkin workspace is not built from these sources" || return 0
+    before_change "the catkin workspace is not built from these sources"
     step "building the catkin workspace (typically 30 s)"
     # The build names its folder and its ROS too.
     if ! grep -qsxF "CMAKE_HOME_DIRECTORY:INTERNAL=$GPR20_WORKSPACE/src" \
@@ -251,7 +241,6 @@ make_workspace() {
 }
 
 check_place
-[ "$mode" != dry-run ] || describe_system
 install_debian_packages
 install_python_packages
 build_workspace

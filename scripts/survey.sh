@@ -10,11 +10,9 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 "$GPR20_ROOT/scripts/setup.sh"
 gpr20_use_workspace
 
-for option in "$@"; do
-    if [ "$option" = -h ] || [ "$option" = --help ]; then
-        exec rosrun gpr20_user_interface run_survey --help
-    fi
-done
+case " $* " in
+    *" -h "* | *" --help "*) exec rosrun gpr20_user_interface run_survey --help ;;
+esac
 
 data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"
 time_scale="${GPR20_TIME_SCALE:-50}"
@@ -37,31 +35,13 @@ shut_down() {
 }
 trap shut_down EXIT
 
-# Whether the master knows the main control's service; rosservice takes a second to ask that.
-has_main_control() {
-    /usr/bin/python3 -c 'import sys, xmlrpc.client
-master = xmlrpc.client.ServerProxy(sys.argv[1])
-sys.exit(master.lookupService("/survey", "/set_survey_parameters")[0] != 1)' \
-        "$ROS_MASTER_URI" 2>/dev/null
-}
-
-# The first start is slow on a small or busy machine: nothing is compiled yet.
-deadline=$((SECONDS + 120))
-until has_main_control || [ "$SECONDS" -ge "$deadline" ]; do
-    if ! kill -0 "$launch" 2>/dev/null; then
-        tail -n 20 "$log" >&2
-        echo "the simulated robot did not start; the whole log of the nodes is $log" >&2
-        exit 1
-    fi
-    sleep 0.1
-done
-
 # Around both targets of the scene, 40 mm from stop to stop.
 area=(--x-start-mm 90 --x-stop-mm 330 --x-points 7 --y-start-mm 80 --y-stop-mm 320 --y-points 7)
 # A survey that exists has its own.
 case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=
-rosrun gpr20_user_interface run_survey "${area[@]}" "$@" || status=$?
+# The first start is slow on a small or busy machine: nothing is compiled yet.
+rosrun gpr20_user_interface run_survey --wait 120 "${area[@]}" "$@" || status=$?
 if [ "$status" -eq 0 ]; then
     # The status is latched, so it comes at once. The folder's name ends with the id's first part.
     id="$(timeout 20 rostopic echo -n 1 /control_status/survey_id |
@@ -79,31 +59,13 @@ fi
 [ -f "$survey/survey.bag" ] || gpr20 export --format bag "$survey" >/dev/null || true
 traces="$(find "$survey/traces" -name '*.json' | wc -l)"
 
-# Write the report beside the survey: in its folder, it would be a file that the manifest lacks.
+# Beside the survey: in its folder, the report would be a file that the manifest lacks.
 # The simulated soil is known; a real one is measured or estimated.
-report="$survey.html"
-write_report() {
-    local permittivity
-    if ! python -c 'import gpr20_analysis.report.sections' 2>"$logs/report.log"; then
-        echo "No report: the packages of the analysis are missing; run scripts/setup.sh."
-        return 1
-    fi
-    echo "writing the report (about 6 s)"
-    permittivity="$(python "$GPR20_ROOT/tools/scene_targets.py" "$scene" --permittivity)"
-    if ! gpr20 report "$survey" --permittivity "$permittivity" --overwrite -o "$report" \
-        >"$logs/report.log" 2>&1; then
-        echo "No report:"
-        tail -n 3 "$logs/report.log"
-        return 1
-    fi
-    # Without an image, for too few stops, there are no candidates either.
-    gpr20 candidates "$survey" --permittivity "$permittivity" --json \
-        >"$logs/candidates.json" 2>/dev/null || return 0
-    found="$(python "$GPR20_ROOT/tools/scene_targets.py" "$scene" <"$logs/candidates.json")"
-}
-found="" has_report=yes
-write_report || has_report=no
-rm -r "$logs"
+report="file://$survey.html"
+permittivity="$(python "$GPR20_ROOT/tools/scene_targets.py" "$scene" --permittivity)"
+echo "writing the report (about 6 s)"
+gpr20 report "$survey" --permittivity "$permittivity" --overwrite -o "$survey.html" \
+    >"$logs/report.log" 2>&1 || report="none: $(tail -n 3 "$logs/report.log")"
 
 cat <<END
 
@@ -119,15 +81,14 @@ or with ROS's own player, beside a window for it:
   rosbag play --prefix=/replay $survey/survey.bag
 Check it:
   $GPR20_ROOT/scripts/verify.sh $survey
-END
-if [ "$has_report" = yes ]; then
-    cat <<END
 
-The report of this SIMULATED survey, with the image of the ground:
+The report of this SIMULATED survey, with the image of the ground; open it in a browser:
   $report
-Open it in a browser: file://$report
 END
+# Without an image, for too few stops, there are no candidates.
+if gpr20 candidates "$survey" --permittivity "$permittivity" --json \
+    >"$logs/candidates.json" 2>/dev/null; then
+    printf '\nTargets of the simulated ground:\n'
+    python "$GPR20_ROOT/tools/scene_targets.py" "$scene" <"$logs/candidates.json"
 fi
-if [ -n "$found" ]; then
-    printf '\nTargets of the simulated ground:\n%s\n' "$found"
-fi
+rm -r "$logs"

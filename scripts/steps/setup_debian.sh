@@ -69,18 +69,6 @@ root_rights() {
     fi
 }
 
-# Say which ROS is used and who would install packages.
-describe_system() {
-    local ros
-    ros="$(ros_setup_file)"
-    if [ -n "$ros" ]; then
-        echo "ROS: $ROS_PREFIX; the build sources $ros"
-    else
-        echo "ROS: the packages of Debian"
-    fi
-    echo "packages are installed as: $(root_rights)"
-}
-
 # install_packages PACKAGE...: by apt, when nobody else installs something.
 install_packages() {
     local rights

@@ -51,6 +51,23 @@ def test_what_fails_returns_the_version_before(world, reason):
         assert reason in said and reason in world.update("--status")
 
 
+def test_with_the_version_before_returns_all_of_its_configuration(world):
+    robot = world.root / "etc/gpr20/robot"
+    (robot / "link").symlink_to("/srv/robot")
+    data = world.data()
+    # The new version changes, adds and removes files before its doctor finds a fault.
+    program = world.root / "programs/gpr20-run"
+    harm = f"echo 'x: 3' >{robot}/axes.yaml; touch {robot}/more.yaml; rm -f {robot}/link"
+    text = program.read_text().replace(
+        "doctor)", f"doctor) [ $(cat $ROOT/opt/gpr20/current/release) = 1.0 ] || {{ {harm}; }};"
+    )
+    program.write_text(text)
+    world.doctor("2.0", "axes")
+    world.update(world.bundle("2.0"), status=1)
+    assert (world.version(), world.data()) == ("1.0", data)
+    assert os.readlink(robot / "link") == "/srv/robot"
+
+
 def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
     world.update(world.bundle("2.0"))
     (world.root / "etc/gpr20/robot/axes.yaml").write_text("x: 2\n")
@@ -137,11 +154,10 @@ def test_what_another_program_installs_ends_before_anything_returns(world, name)
 
 
 @pytest.mark.parametrize("code", [4, 5, None])
-def test_a_survey_refuses_update_return_and_restore(world, code):
+def test_a_survey_refuses_update_and_return(world, code):
     (world.root / "code").write_text("no answer" if code is None else f"{code}\n---\n")
-    world.update("--backup", world.root / "b.tar.gz")
-    for asked in ([world.bundle("2.0")], ["--back"], ["--restore", world.root / "b.tar.gz"]):
-        assert "survey" in world.update(*asked, status=2)
+    for asked in (world.bundle("2.0"), "--back"):
+        assert "survey" in world.update(asked, status=2)
     assert world.version() == "1.0"
 
 

@@ -30,7 +30,7 @@ CONTINUE = ("/usr/bin/python3", "-I", "/var/lib/gpr20-update/gpr20-update", "--c
 UPDATE = ("gpr20-update", "/sticks/gpr20-2.0")
 # The doctor and the nodes are played: the doctor finds nothing.
 GPR20_RUN = b'#!/bin/sh\n[ "$1" != doctor ] || echo \'{"findings": []}\'\n'
-BEFORE, UNFINISHED = "copying", ("installing", "judging", "returning")
+BEFORE, UNFINISHED = "copying", ("installing", "returning")
 QUERY = ("dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}\\n")
 # An update must leave it as it is.
 DATA = {

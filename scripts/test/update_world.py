@@ -194,7 +194,6 @@ def make_world(sticks, root):
     write_programs(root)
     world = World(root, sticks.sticks, sticks.program)
     world.dpkg("--install", *sorted(world.bundle("1.0").glob("*.deb")))
-    (root / "etc/group").write_text("gpr20:x:990:ana,luis\n")
     files = {
         "etc/gpr20/environment": "GPR20_LAUNCH_ARGUMENTS=ns:=robot1\n",
         "etc/gpr20/robot/axes.yaml": "x: 1\n",

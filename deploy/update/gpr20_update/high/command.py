@@ -1,4 +1,4 @@
-"""Update the robot's software from a stick, return to the version before, back up, restore."""
+"""Update the robot's software from a stick, or return to the version before."""
 
 from __future__ import annotations
 
@@ -9,41 +9,29 @@ import sys
 from pathlib import Path
 from typing import NoReturn, TextIO
 
-from gpr20_update.errors import UpdateError
 from gpr20_update.high.update import Updater
-from gpr20_update.low.paths import Paths
-from gpr20_update.low.system import only_one, shown
-from gpr20_update.mid.packages import Packages
-from gpr20_update.mid.robot import Robot
+from gpr20_update.low.system import Paths, UpdateError, is_taken
 
 RETURNED, REFUSED = 1, 2
 EXIT_STATUS = (
     "exit status: 0 done, 1 the version before has returned because the doctor found a new FAULT "
     "or the installation failed, 2 refused or failed"
 )
+NO_SURVEY = "somebody has seen that no survey runs or is paused, although the nodes do not say so"
 
 
 def main(root: str = "/") -> NoReturn:
     """Do what the arguments ask for; exit. The program is one file with this function."""
-    sys.exit(_run(Paths(Path(root))))
-
-
-def _run(paths: Paths) -> int:
+    paths = Paths(Path(root))
     parser = argparse.ArgumentParser("gpr20-update", description=__doc__, epilog=EXIT_STATUS)
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("stick", nargs="?", type=Path, help="folder of the stick, or of its bundle")
     what.add_argument("--back", action="store_true", help="return to the version before")
     what.add_argument("--status", action="store_true", help="what is installed, how it went")
-    what.add_argument("--backup", type=Path, metavar="FILE", help="write the configuration there")
-    what.add_argument("--restore", type=Path, metavar="FILE", help="take it from there")
     what.add_argument(
         "--continue", action="store_true", dest="resume", help="end what a power cut interrupted"
     )
-    parser.add_argument(
-        "--no-survey",
-        action="store_true",
-        help="somebody has seen that no survey runs or is paused, although the nodes do not say so",
-    )
+    parser.add_argument("--no-survey", action="store_true", help=NO_SURVEY)
     given = parser.parse_args()
     # A terminal that is closed and Ctrl-C do not end an installation halfway.
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
@@ -52,12 +40,14 @@ def _run(paths: Paths) -> int:
         if os.geteuid() != 0:
             raise UpdateError("gpr20-update needs root; run: sudo gpr20-update ...")
         paths.state.mkdir(mode=0o700, exist_ok=True)
-        with only_one(paths.state / "lock"):
-            paths.kept.mkdir(exist_ok=True)
-            return _do(given, Updater(paths, Packages(paths), Robot(paths), _say))
+        paths.kept.mkdir(exist_ok=True)
+        with (paths.state / "lock").open("ab") as lock:
+            if not is_taken(lock):
+                raise UpdateError("another gpr20-update is running; wait for its end")
+            sys.exit(_do(given, Updater(paths, _say)))
     except (UpdateError, OSError) as error:
-        _say(f"gpr20-update: {shown(error)}", sys.stderr)
-        return REFUSED
+        _say(f"gpr20-update: {error}", sys.stderr)
+        sys.exit(REFUSED)
 
 
 def _do(given: argparse.Namespace, updater: Updater) -> int:
@@ -67,18 +57,19 @@ def _do(given: argparse.Namespace, updater: Updater) -> int:
         updater.back(given.no_survey)
     elif given.resume:
         updater.resume(given.no_survey)
-    elif given.backup:
-        updater.backup(given.backup)
-    elif given.restore:
-        updater.restore(given.restore, given.no_survey)
     else:
         return 0 if updater.update(given.stick, given.no_survey) else RETURNED
     return 0
 
 
 def _say(sentence: str, file: TextIO = sys.stdout) -> None:
+    # A text from outside, such as a name on a stick, can neither fake nor control the terminal.
+    shown = "".join(
+        one if one.isprintable() else one.encode("unicode_escape", "surrogatepass").decode("ascii")
+        for one in sentence
+    )
     try:
-        print(sentence, file=file, flush=True)
+        print(shown, file=file, flush=True)
     except OSError:
         # The terminal is gone; the update is not.
         os.dup2(os.open(os.devnull, os.O_WRONLY), file.fileno())

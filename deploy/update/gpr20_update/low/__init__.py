@@ -1,1 +1,1 @@
-"""Files, programs and processes of the system."""
+"""Files, programs and locks of the system."""

@@ -1,4 +1,4 @@
-"""Programs, durable files and locks of the system."""
+"""What an update needs of the system: its places, programs, durable files and locks."""
 
 from __future__ import annotations
 
@@ -6,30 +6,42 @@ import contextlib
 import fcntl
 import os
 import shutil
-import signal
 import subprocess
-import time
-from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterable, Iterator, Mapping, Optional, Tuple
-
-from gpr20_update.errors import UpdateError
-
-BLOCK_BYTES = 1 << 20
-NOT_ENDED = -1
-ROOT = (0, 0)
-_POLL_S = 0.2
+from typing import BinaryIO, Mapping, NamedTuple, Optional, TextIO
 
 
-@dataclass(frozen=True)
-class Ended:
-    """How a program ended.
+class UpdateError(Exception):
+    """An update or a return cannot be done; the text says why and what to do."""
 
-    Attributes:
-        status: Its exit status; NOT_ENDED: it did not end in time and was killed.
-        output: What it printed.
-        complaints: What it printed on standard error.
+
+class Paths:
+    """The files of one computer.
+
+    Args:
+        root: Its / ; a folder in the tests.
     """
+
+    def __init__(self, root: Path = Path("/")) -> None:
+        self.root = root
+        self.state = root / "var/lib/gpr20-update"
+        self.kept = self.state / "packages"
+        """The bundles that are kept, each in a folder named by its version."""
+        self.backups = self.state / "backups"
+        self.journal = self.state / "journal.json"
+        """gpr20-update.service looks for it too."""
+        self.program = self.state / "gpr20-update"
+        """The copy of this program that finishes what it has begun."""
+        self.settings = root / "etc/gpr20/environment"
+        self.signers = root / "etc/gpr20/release_signers"
+        self.slots = root / "opt/gpr20/slots"
+        self.current = root / "opt/gpr20/current"
+        self.processes = root / "proc"
+        self.dpkg = root / "var/lib/dpkg"
+
+
+class Ended(NamedTuple):
+    """How a program ended: its exit status, what it printed, and on standard error."""
 
     status: int
     output: str
@@ -39,52 +51,39 @@ class Ended:
     def last_lines(self) -> str:
         """The end of what it printed, for people."""
         lines = [one.strip() for one in f"{self.output}\n{self.complaints}".splitlines()]
-        return shown("; ".join([one for one in lines if one][-4:]))
+        return "; ".join([one for one in lines if one][-4:])
 
 
 def run(
-    *command: str, limit_s: float, more: Optional[Mapping[str, str]] = None, text: bytes = b""
+    *command: str, limit_s: float, more: Optional[Mapping[str, str]] = None, text: str = ""
 ) -> Ended:
     """Run a program to its end, in a session of its own: a terminal that is closed cannot end it.
 
     Args:
         *command: The program and its arguments.
-        limit_s: How long it may take [s].
+        limit_s: How long it may take [s]; it is then killed with what it has started.
         more: Further variables of its environment.
         text: What it reads.
-
-    Raises:
-        UpdateError: It cannot be started.
     """
-    environment = {**os.environ, "LC_ALL": "C.UTF-8", **(more or {})}
-    try:
-        process = subprocess.Popen(
-            command,
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            env=environment,
+    # Not pipes, whose end would wait for what it leaves running.
+    with _memory("output") as output, _memory("complaints") as complaints:
+        ended = subprocess.run(
+            ["timeout", "--signal=KILL", str(limit_s), *command],
+            input=text.encode(),
+            stdout=output,
+            stderr=complaints,
+            env={**os.environ, "LC_ALL": "C.UTF-8", **(more or {})},
             start_new_session=True,
             cwd="/",
+            check=False,
         )
-    except OSError as error:
-        raise UpdateError(f"{command[0]} cannot be run: {error.strerror}") from error
-    try:
-        output, complaints = process.communicate(text, timeout=limit_s)
-        status = process.returncode
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        output, complaints = process.communicate()
-        status = NOT_ENDED
-    return Ended(status, output.decode("utf-8", "replace"), complaints.decode("utf-8", "replace"))
+        output.seek(0)
+        complaints.seek(0)
+        return Ended(ended.returncode, output.read(), complaints.read())
 
 
-def shown(text: object) -> str:
-    """Return a text from outside as one line that can neither fake nor control the terminal."""
-    return "".join(
-        one if one.isprintable() else one.encode("unicode_escape", "surrogatepass").decode("ascii")
-        for one in str(text)
-    )
+def _memory(name: str) -> TextIO:
+    return open(os.memfd_create(name), "w+", encoding="utf-8", errors="replace")
 
 
 def sync(path: Path) -> None:
@@ -96,38 +95,16 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def replace_file(
-    path: Path, blocks: Iterable[bytes], mode: int = 0o600, owner: Tuple[int, int] = ROOT
-) -> None:
-    """Give a file new content in one step, or leave it as it was; return when it is durable.
-
-    Args:
-        path: The file.
-        blocks: Its content.
-        mode: Its rights.
-        owner: Numbers of its user and group.
-    """
+def replace_file(path: Path, data: bytes, mode: int = 0o600) -> None:
+    """Give a file new content in one step, or leave it as it was; return when it is durable."""
     temporary = path.with_name(f".{path.name}.new")
     with contextlib.suppress(FileNotFoundError):
         temporary.unlink()
-    # No link is followed. A FAT stick refuses to change rights and owner.
     descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
     with open(descriptor, "wb") as file:
-        if owner != ROOT:
-            os.fchown(descriptor, *owner)
-        file.writelines(blocks)
+        file.write(data)
         file.flush()
         os.fsync(descriptor)
-    os.replace(str(temporary), str(path))
-    sync(path.parent)
-
-
-def replace_link(path: Path, target: str) -> None:
-    """Let a symbolic link name something else in one step; return when that is durable."""
-    temporary = path.with_name(f"{path.name}.new")
-    with contextlib.suppress(FileNotFoundError):
-        temporary.unlink()
-    temporary.symlink_to(target)
     os.replace(str(temporary), str(path))
     sync(path.parent)
 
@@ -139,92 +116,10 @@ def remove(folder: Path) -> None:
         sync(folder.parent)
 
 
-@contextlib.contextmanager
-def only_one(path: Path) -> Iterator[None]:
-    """Hold a lock that one process can hold.
-
-    Raises:
-        UpdateError: Another process holds it.
-    """
-    with path.open("ab") as file:
-        if not _is_taken(file):
-            raise UpdateError("another gpr20-update is running; wait for its end")
-        yield
-
-
-@contextlib.contextmanager
-def lock_of_dpkg(folder: Path, limit_s: float, wait: Callable[[], None]) -> Iterator[None]:
-    """Hold the lock that every program holds which calls dpkg; wait for another one.
-
-    A dpkg whose caller was killed lives on and holds only its own lock.
-
-    Args:
-        folder: Of the locks.
-        limit_s: How long to wait [s].
-        wait: Called once if there is another one.
-
-    Raises:
-        UpdateError: Another one holds them for longer than that.
-    """
-    with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
-        deadline_s, has_waited = time.monotonic() + limit_s, False
-        while not (_is_taken(frontend) and _is_taken(own)):
-            if time.monotonic() > deadline_s:
-                raise UpdateError(
-                    f"another program has installed packages for {limit_s:.0f} s ({folder} is "
-                    "locked); wait for its end and repeat, with gpr20-update --continue if "
-                    "--status says UNFINISHED"
-                )
-            if not has_waited:
-                wait()
-            has_waited = True
-            time.sleep(_POLL_S)
-        # dpkg takes it itself.
-        fcntl.lockf(own, fcntl.LOCK_UN)
-        yield
-
-
-def _is_taken(file: BinaryIO) -> bool:
+def is_taken(file: BinaryIO) -> bool:
+    """Take the lock of a file, if nobody has it; return whether this process has it now."""
     try:
         fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
         return False
     return True
-
-
-def written_survey(processes: Path) -> Optional[Path]:
-    """Return the folder of a survey that a process of this computer writes, if any.
-
-    Every writer holds the lock of the survey's folder until the survey has ended, a paused one
-    too. Whatever the data folder is, and whether or not the robot's nodes answer, it is found
-    here. Only root sees the files of every process.
-    """
-    for entry in processes.glob("[0-9]*/fd/*"):
-        # Processes end and close their files meanwhile.
-        with contextlib.suppress(OSError):
-            if entry.is_dir() and (entry / "survey.json").is_file() and _is_locked(entry):
-                return Path(os.readlink(str(entry)))
-    return None
-
-
-def _is_locked(folder: Path) -> bool:
-    descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    finally:
-        os.close(descriptor)
-    return False
-
-
-def launched_by_hand(processes: Path) -> Optional[int]:
-    """Return the number of a process that runs a robot without its services, if any."""
-    for process in processes.glob("[0-9]*"):
-        with contextlib.suppress(OSError):
-            words = (process / "cmdline").read_bytes().split(b"\0")
-            if any(one.endswith(b"/roslaunch") for one in words[:2]):
-                group = (process / "cgroup").read_text(encoding="utf-8", errors="replace")
-                if "/gpr20-" not in group:
-                    return int(process.name)
-    return None

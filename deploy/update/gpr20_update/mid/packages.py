@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
+import os
+import time
 from pathlib import Path
-from typing import Callable, ContextManager, Dict, List, Tuple
+from typing import Dict, Iterator, List, Tuple
 
-from gpr20_update.errors import UpdateError
-from gpr20_update.low.paths import Paths
-from gpr20_update.low.system import Ended, lock_of_dpkg, replace_file, replace_link, run, shown
+from gpr20_update.low.system import Ended, Paths, UpdateError, is_taken, replace_file, run, sync
 from gpr20_update.mid.bundle import SOFTWARE, Bundle
 
 QUERY_LIMIT_S = 60.0
 INSTALL_LIMIT_S = 1800.0
 LOCK_LIMIT_S = 120.0
+_POLL_S = 0.2
 INSTALLED = "installed"
 # What dpkg calls a package that is not there, or of which only its configuration is.
 _ABSENT = frozenset({"not-installed", "config-files"})
@@ -31,31 +34,13 @@ class Packages:
     def __init__(self, paths: Paths) -> None:
         self._paths = paths
 
-    def check_architecture(self, bundle: Bundle) -> None:
-        """Refuse a bundle for computers of another kind.
-
-        Raises:
-            UpdateError: It is for another one.
-        """
-        own = _must(run("dpkg", "--print-architecture", limit_s=QUERY_LIMIT_S)).output.strip()
-        wanted = bundle.packages[SOFTWARE]["Architecture"]
-        if wanted not in (own, "all"):
-            raise UpdateError(
-                f"the bundle {shown(bundle.folder)} is for computers with {wanted}, this one has "
-                f"{own}; use the bundle for {own}"
-            )
-
-    def states(self) -> Dict[str, Tuple[str, str]]:
-        """Return state and version of each package of this project, by name."""
-        return {name: one for name, one in self._all().items() if name.startswith("gpr20-")}
-
     def installed(self) -> Dict[str, str]:
         """Return the version of each package of this project, by name.
 
         Raises:
             UpdateError: None is installed, or one is between two states or versions.
         """
-        found = self.states()
+        found = {name: one for name, one in self._all().items() if name.startswith("gpr20-")}
         if SOFTWARE not in found:
             raise UpdateError(f"{SOFTWARE} is not installed; install it first (docs/install.md)")
         if len(set(found.values())) != 1 or found[SOFTWARE][0] != INSTALLED:
@@ -88,8 +73,8 @@ class Packages:
             ended = self._apt(bundle, "--simulate", "install", *names)
         if ended.status != 0:
             raise UpdateError(
-                f"version {bundle.version} cannot be installed on this system: "
-                f"{ended.last_lines}. Use the bundle for this version of Debian or Ubuntu"
+                f"version {bundle.version} cannot be installed on this system: {ended.last_lines}. "
+                "Use the bundle for this kind of computer and this version of Debian or Ubuntu"
             )
 
     def install(self, bundle: Bundle, names: List[str]) -> None:
@@ -102,9 +87,28 @@ class Packages:
         if ended.status != 0:
             raise UpdateError(f"the installation failed: {ended.last_lines}")
 
-    def alone(self, wait: Callable[[], None]) -> ContextManager[None]:
-        """Return what keeps others from installing; `wait` is called if one does."""
-        return lock_of_dpkg(self._paths.dpkg, LOCK_LIMIT_S, wait)
+    @contextlib.contextmanager
+    def alone(self) -> Iterator[None]:
+        """Hold the lock that every program holds which calls dpkg; wait for another one.
+
+        A dpkg whose caller was killed lives on and holds only its own lock.
+
+        Raises:
+            UpdateError: Another one holds them for too long.
+        """
+        folder, deadline_s = self._paths.dpkg, time.monotonic() + LOCK_LIMIT_S
+        with (folder / "lock-frontend").open("ab") as frontend, (folder / "lock").open("ab") as own:
+            while not (is_taken(frontend) and is_taken(own)):
+                if time.monotonic() > deadline_s:
+                    raise UpdateError(
+                        f"another program has installed packages for {LOCK_LIMIT_S:.0f} s ({folder}"
+                        " is locked); wait for its end and repeat, with gpr20-update --continue if "
+                        "--status says UNFINISHED"
+                    )
+                time.sleep(_POLL_S)
+            # dpkg takes it itself.
+            fcntl.lockf(own, fcntl.LOCK_UN)
+            yield
 
     def put_back(self, bundle: Bundle, names: List[str], other: List[Path]) -> None:
         """Install the former version, whatever state an installation has left; may be repeated.
@@ -138,11 +142,19 @@ class Packages:
             )
 
     def use_slot(self, version: str) -> None:
-        """Let services and commands use a release that is in a slot at once, if it is."""
+        """Let services and commands use a release that is in a slot at once, if it is.
+
+        dpkg alone would leave a mix: after 8 of 30 power cuts (docs/evidence/bare_debian.md).
+        """
         for slot in sorted(self._paths.slots.glob("?")) if self.slot_version() != version else ():
             file = slot / "release"
             if file.is_file() and file.read_text(encoding="utf-8").strip() == version:
-                replace_link(self._paths.current, f"slots/{slot.name}")
+                new = self._paths.current.with_name("current.new")
+                if new.is_symlink():
+                    new.unlink()
+                new.symlink_to(f"slots/{slot.name}")
+                os.replace(str(new), str(self._paths.current))
+                sync(new.parent)
                 return
 
     def slot_version(self) -> str:
@@ -155,17 +167,17 @@ class Packages:
     def _all(self) -> Dict[str, Tuple[str, str]]:
         """Return state and version of each package that is there, by name."""
         asked = ("dpkg-query", "-W", "-f", "${Package} ${db:Status-Status} ${Version}\\n")
-        lines = [
-            one.split(" ") for one in _must(run(*asked, limit_s=QUERY_LIMIT_S)).output.split("\n")
-        ]
-        return {
-            one[0]: (one[1], one[2]) for one in lines if len(one) == 3 and one[1] not in _ABSENT
-        }
+        ended = run(*asked, limit_s=QUERY_LIMIT_S)
+        if ended.status != 0:
+            raise UpdateError(f"dpkg does not answer: {ended.last_lines}")
+        # One that is not installed has no version.
+        lines = [one.split(" ") for one in ended.output.splitlines()]
+        return {name: (state, version) for name, state, version in lines if state not in _ABSENT}
 
     def _apt(self, bundle: Bundle, *words: str) -> Ended:
         """Run apt-get with the bundle as the only source; its sums were compared before."""
         sources = self._paths.state / "sources.list"
-        replace_file(sources, [f"deb [trusted=yes] file:{bundle.folder} ./\n".encode()])
+        replace_file(sources, f"deb [trusted=yes] file:{bundle.folder} ./\n".encode())
         options = {
             "Dir::Etc::sourcelist": sources,
             "Dir::Etc::sourceparts": "/dev/null",
@@ -186,9 +198,3 @@ class Packages:
 def _dpkg(*arguments: str) -> Ended:
     locked = {**_QUIET, "DPKG_FRONTEND_LOCKED": "1"}
     return run("dpkg", *_KEEP, *arguments, limit_s=INSTALL_LIMIT_S, more=locked)
-
-
-def _must(ended: Ended) -> Ended:
-    if ended.status != 0:
-        raise UpdateError(f"dpkg does not answer: {shown(ended.last_lines)}")
-    return ended

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
+import fcntl
 import json
+import os
 import re
-from typing import Dict, List, Optional, Tuple
+from pathlib import Path
+from typing import Collection, Dict, List, Optional, Sequence
 
-from gpr20_update.errors import UpdateError
-from gpr20_update.low.paths import Paths
-from gpr20_update.low.system import launched_by_hand, run, shown, written_survey
+from gpr20_update.low.system import Paths, UpdateError, run
 
 USER = "gpr20"
 HOME = "/var/lib/gpr20"
@@ -47,13 +49,12 @@ class Robot:
         Raises:
             UpdateError: A survey runs, or may run.
         """
-        folder = written_survey(self._paths.processes)
+        folder = _written_survey(self._paths.processes)
         if folder is not None:
             raise UpdateError(
-                f"a survey runs or is paused: {shown(folder)} is being written; finish or stop it "
-                "first"
+                f"a survey runs or is paused: {folder} is being written; finish or stop it first"
             )
-        process = launched_by_hand(self._paths.processes)
+        process = _launched_by_hand(self._paths.processes)
         if process is not None:
             raise UpdateError(
                 f"process {process} runs a robot that was launched by hand; end it first"
@@ -70,15 +71,13 @@ class Robot:
             raise UpdateError("a survey runs or is paused; finish or stop it first")
 
     def _control_code(self) -> Optional[int]:
-        namespace = _NAMESPACE.search(self._settings())
+        settings = self._paths.settings
+        text = settings.read_text("utf-8", "replace") if settings.is_file() else ""
+        namespace = _NAMESPACE.search(text)
         more = {"ROS_NAMESPACE": namespace.group(1)} if namespace else {}
         asked = ("ros", "rostopic", "echo", "-n", "1", "control_status/code")
         answer = self._run_part(*asked, limit_s=STATE_LIMIT_S, **more).split()
         return int(answer[0]) if answer and answer[0].isdigit() else None
-
-    def _settings(self) -> str:
-        path = self._paths.settings
-        return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
 
     def active(self) -> List[str]:
         """Return the services that run, or that systemd starts again and again."""
@@ -101,7 +100,7 @@ class Robot:
         if units and run("systemctl", "stop", *units, limit_s=STOP_LIMIT_S).status != 0:
             raise UpdateError(f"{', '.join(units)} cannot be stopped; restart this computer")
 
-    def start(self, services: Tuple[str, ...]) -> None:
+    def start(self, services: Sequence[str]) -> None:
         """Let systemd start services; it does so after this program if that runs at boot."""
         if not services:
             return
@@ -119,11 +118,11 @@ class Robot:
             keys = [f"{one['check']} {one['fault_code']}" for one in bad]
             # One that was there before must not hide another of the same check and code.
             numbers = [keys[:last].count(key) for last, key in enumerate(keys)]
-            return {f"{key} {n}": shown(one["text"]) for key, n, one in zip(keys, numbers, bad)}
+            return {f"{key} {n}": str(one["text"]) for key, n, one in zip(keys, numbers, bad)}
         except (ValueError, KeyError, TypeError):
             return None
 
-    def new_faults(self, known: Tuple[str, ...]) -> List[str]:
+    def new_faults(self, known: Collection[str]) -> List[str]:
         """Return what is wrong that was not before, as sentences; empty: nothing.
 
         Args:
@@ -142,3 +141,41 @@ class Robot:
         """Run a part of the robot as its user; return what it printed."""
         command = ("runuser", "-u", USER, "--", "gpr20-run", *arguments)
         return run(*command, limit_s=limit_s, more={"HOME": HOME, **more}).output
+
+
+def _written_survey(processes: Path) -> Optional[str]:
+    """Return the folder of a survey that a process of this computer writes, if any.
+
+    Every writer holds the lock of the survey's folder until the survey has ended, a paused one
+    too. Whatever the data folder is, and whether or not the robot's nodes answer, it is found
+    here. Only root sees the files of every process.
+    """
+    for entry in processes.glob("[0-9]*/fd/*"):
+        # Processes end and close their files meanwhile.
+        with contextlib.suppress(OSError):
+            if entry.is_dir() and (entry / "survey.json").is_file() and _is_locked(entry):
+                return os.readlink(str(entry))
+    return None
+
+
+def _is_locked(folder: Path) -> bool:
+    descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(descriptor)
+    return False
+
+
+def _launched_by_hand(processes: Path) -> Optional[int]:
+    """Return the number of a process that runs a robot without its services, if any."""
+    for process in processes.glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            words = (process / "cmdline").read_bytes().split(b"\0")
+            if any(one.endswith(b"/roslaunch") for one in words[:2]):
+                group = (process / "cgroup").read_text(encoding="utf-8", errors="replace")
+                if "/gpr20-" not in group:
+                    return int(process.name)
+    return None
