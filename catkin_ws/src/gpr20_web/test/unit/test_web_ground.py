@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from map_kit import focused
+from map_kit import focused, marked
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import BEN, FOLDER, PERIOD_S, SURVEY, Server
 
