@@ -103,7 +103,7 @@ def test_a_touch_is_where_the_finger_is(application, columns, rows, zoom, data):
     area = picture.area
     x = data.draw(st.integers(int(area.left()) + 1, int(area.right()) - 1))
     y = data.draw(st.integers(int(area.top()) + 1, int(area.bottom()) - 1))
-    QTest.mouseClick(picture.viewport(), Qt.LeftButton, pos=QPoint(x, y))
+    QTest.mouseClick(picture, Qt.LeftButton, pos=QPoint(x, y))
     ((x_mm, y_mm),) = picture.touched
     back = picture.to_screen(x_mm, y_mm)
     assert (round(back.x()), round(back.y())) == (x, y)

@@ -19,7 +19,6 @@ from PyQt5.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
     QAbstractScrollArea,
-    QGraphicsView,
     QLabel,
     QLineEdit,
     QPlainTextEdit,
@@ -44,6 +43,7 @@ from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")
@@ -62,7 +62,7 @@ SMALLEST_TEXT_PX = 16
 # What a rounding at each end of a column adds up to.
 ROUNDING_PX = 2
 CONTENT = (
-    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, QGraphicsView),
+    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, Plot),
     *(QAbstractItemView, QScrollArea),
 )
 # For a change each size once, mostly with the longer language; the others for a release.
