@@ -247,7 +247,7 @@ class Plot(QWidget):
         up = event.angleDelta().y() > 0
         self.zoom_by(WHEEL_ZOOM if up else 1.0 / WHEEL_ZOOM, event.posF())
 
-    def event(self, event: QEvent) -> bool:  # noqa: N802 (Qt's name)
+    def event(self, event: QEvent) -> bool:
         """Qt: two fingers move."""
         if event.type() == QEvent.Type.Gesture and isinstance(event, QGestureEvent):
             pinch = event.gesture(Qt.GestureType.PinchGesture)
