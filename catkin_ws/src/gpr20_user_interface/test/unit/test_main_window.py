@@ -82,10 +82,10 @@ def test_the_band_says_ready_where_start_would_start(window, band):
     for tab in TabName:
         window.show_tab(tab)
         for code, text, title in (
-            *((SurveyState.IDLE, "11", "READY"), (SurveyState.CONFIGURED, "11", "READY")),
-            *((SurveyState.IDLE, "-", "IDLE"), (SurveyState.FINISHED, "11", "FINISHED")),
+            *((SurveyState.IDLE, "10", "READY"), (SurveyState.CONFIGURED, "10", "READY")),
+            *((SurveyState.IDLE, "-", "IDLE"), (SurveyState.FINISHED, "10", "FINISHED")),
         ):
-            window.control.form.set_text("x_points", text)
+            window.control.form.set_text("x_spacing_mm", text)
             window.control.show_plan()
             show(window, snapshot(code))
             assert band.title.whole == title, (tab, code, text)
