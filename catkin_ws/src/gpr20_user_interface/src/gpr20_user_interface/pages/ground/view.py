@@ -110,7 +110,8 @@ class GroundView(QWidget):
         self.above, self.section = GroundPicture(), SectionPlot()
         self._active: Plot = self.above
         self.empty, self._stack = EmptyState(), QStackedWidget()
-        self.text, self.note, self.band = PulledText(), new_label("ground_note"), SurveyBand()
+        self.text, self.band = PulledText("ground_text"), SurveyBand()
+        self.note = new_label("ground_note")
         self.bar = ColourBar()
         self.enlarge_key = new_button(lambda: self.enlarge(self._active))
         self.shallower = new_button(lambda: self._do(partial(model.step_depth, -1)), "▲")
@@ -274,7 +275,6 @@ class GroundView(QWidget):
 
     def _lay_out(self) -> None:
         self.note.setTextFormat(Qt.TextFormat.PlainText)
-        self.text.setObjectName("ground_text")
         self.note.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         keys = (self.back, self.next, self.set_marker, self.finer, self.layers)
         for key in keys:

@@ -74,7 +74,7 @@ class AnnotationSheet(Overlay):
         for button in (self.save, self.close_button):
             set_look(button, "corner", True)
         self._lay_out()
-        self.retranslate()
+        self.show_now()
 
     def read(self, survey: str) -> None:
         """Open with what the storage has of a survey, by its id or the name of its folder."""
@@ -85,11 +85,11 @@ class AnnotationSheet(Overlay):
         """Open with the annotation of a survey, by id or folder; empty: of the next one."""
         self.survey, self._before = survey, annotation
         self.texts = annotation_texts(annotation)
-        self.retranslate()
+        self.show_now()
         self.open()
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
+    def show_now(self) -> None:
+        """Write what is entered."""
         survey = self.tr("Survey {survey}").format(survey=self.survey)
         self.title.show_text(survey if self.survey else self.tr("Next survey"))
         for name, tile in self.tiles.items():
@@ -138,7 +138,7 @@ class AnnotationSheet(Overlay):
 
         def deliver(text: str) -> None:
             self.texts[name] = text
-            self.retranslate()
+            self.show_now()
 
         hint = shown_text(spec.allowed(DOCUMENTED_TRAVEL))
         self.pad.ask(deliver, shown_text(spec.title), hint, self.texts[name], judge, spec.kind.keys)

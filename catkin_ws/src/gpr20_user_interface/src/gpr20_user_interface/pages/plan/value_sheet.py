@@ -65,7 +65,7 @@ class ValueSheet(Overlay):
         self.keys.written.connect(self.write)
         self.keys.commanded.connect(self._on_command)
         self._lay_out()
-        self.retranslate()
+        self.show_now()
 
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
@@ -104,8 +104,8 @@ class ValueSheet(Overlay):
         else:
             super().keyPressEvent(event)
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
+    def show_now(self) -> None:
+        """Write what is entered."""
         self.title.setText(shown_text(self._tile.value))
         self._show()
 
@@ -115,7 +115,7 @@ class ValueSheet(Overlay):
 
     def _choose(self, number: int) -> None:
         self._active, self._fresh, self._touched = number, True, False
-        self.retranslate()
+        self.show_now()
 
     def _show(self) -> None:
         """Show texts, keys, presets, and what is wrong or allowed."""
