@@ -30,7 +30,7 @@ from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, next_name
 from gpr20_operator.plan.stored import PlanMemory, RememberedPlan
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (
     WindowMemory,
@@ -243,17 +243,16 @@ def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
         assert damaged.problem.fault_code == faults.SETTINGS_LOST.as_warning().code
 
 
-def test_a_survey_is_named_after_its_site_and_numbered():
+def test_the_name_is_counted_up_and_notes_and_position_are_for_one_survey():
     for name, after in (
         *(("", ""), ("El Carmen 3", "El Carmen 4"), ("P-009", "P-010"), ("99", "100")),
         *(("road", "road 2"), ("a" * 200, "a" * 198 + " 2"), ("a" * 199 + "9", "a" * 198 + "10")),
     ):
         assert next_name(name) == after
     following = NextAnnotation()
-    following.take_defaults(Annotation(site="El Carmen"))
-    for given, named in ((None, "El Carmen 1"), ("lane 7", "lane 7"), ("", "")):
-        if given is not None:
-            following.take(Annotation(site="El Carmen", name=given))
-        assert following.value.name == named
-        following.note_started()
-        assert following.value.name == next_name(named)
+    following.value = Annotation(
+        "Ana", name="lane 7", notes="wet", position=Wgs84Position(4.6, -74)
+    )
+    following.take_defaults(Annotation("Eva", "El Carmen"))
+    following.note_started()
+    assert following.value == Annotation("Ana", "El Carmen", name="lane 8")
