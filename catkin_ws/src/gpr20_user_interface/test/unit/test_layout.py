@@ -81,7 +81,9 @@ SCREENS = [
 def window(request, application, tmp_path):
     """A window of each size, with as much to say as possible."""
     size, language, theme = request.param
-    window = opened_window(application, language, folder=tmp_path)
+    window = opened_window(application, Language.ENGLISH, folder=tmp_path)
+    # As in the settings: nothing may stay in the language before.
+    window.languages.use(language)
     window.resize(*size)
     QTest.qWait(1)
     window.use_look(replace(window.look, theme=theme))
@@ -234,9 +236,9 @@ def every_problem(window):
 
 
 def texts_on(window):
-    """Return what all widgets show, but for the details, which are technical, and the sticks."""
+    """Return what is seen, but for the details, which are technical, and the sticks."""
     for one in window.findChildren(QWidget):
-        if one.objectName() not in ("details", "choice"):
+        if one.isVisible() and one.objectName() not in ("details", "choice"):
             names = (
                 ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
             )
