@@ -82,14 +82,14 @@ def window(request, application, tmp_path):
     """A window of each size, with as much to say as possible."""
     size, language, theme = request.param
     window = opened_window(application, Language.ENGLISH, folder=tmp_path)
-    # As in the settings: nothing may stay in the language before.
-    window.languages.use(language)
     window.resize(*size)
     QTest.qWait(1)
     window.use_look(replace(window.look, theme=theme))
     window.survey.preview = LARGEST
     window.control.form.set_texts(texts_of(default_parameters()))
     show(window, busiest())
+    # As in the settings: nothing may stay in the language before.
+    window.languages.use(language)
     # The changes of language, size and theme are events.
     QTest.qWait(1)
     yield window
