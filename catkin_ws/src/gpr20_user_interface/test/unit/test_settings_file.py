@@ -29,6 +29,7 @@ from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, next_name
+from gpr20_operator.plan.fields import Tile
 from gpr20_operator.plan.stored import PlanMemory, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
@@ -112,15 +113,22 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(opened, tmp_path
     window.traces.live.begin(make_grid())
     window.show_tab(TabName.ROBOT)
     show(window, snapshot(SurveyState.IDLE))
-    sheet = window.settings
+    sheet, asking = window.settings, window.start_sheet
+    asking.ask_resume()
+    asked = asking.title.text()
+    asking.hide()
     click(window.rail.settings)
     assert sheet.isVisible() and sheet.languages[Language.ENGLISH].isChecked()
-    click(sheet.languages[Language.SPANISH])
     click(sheet.themes[Theme.NIGHT])
     click(sheet.dim_choices[10])
+    click(sheet.languages[Language.SPANISH])
     QTest.qWait(1)  # the change of language is an event
     assert sheet.title.text() == "Ajustes" and window.look.theme is Theme.NIGHT
     assert window.top_bar.stop.text() == "DETENER"
+    assert window.control.tiles[Tile.SOIL].title.whole == "Suelo"
+    asking.ask_resume()
+    assert asking.title.text() not in ("", asked)
+    asking.hide()
     assert "cables alejados" in window.robot.overview.hint.text()
     window.show_tab(TabName.GROUND)
     assert "Sin eco no significa sin mina." in window.ground.view.note.text()
