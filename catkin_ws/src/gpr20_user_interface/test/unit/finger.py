@@ -73,18 +73,18 @@ def pixel_of(plot, across, second):
 
 
 def touch(plot, across, second):
-    QTest.mouseClick(plot.viewport(), Qt.LeftButton, pos=pixel_of(plot, across, second))
+    QTest.mouseClick(plot, Qt.LeftButton, pos=pixel_of(plot, across, second))
 
 
 def drag(plot, start, end, steps=3):
     first, last = (QPointF(pixel_of(plot, *one)) for one in (start, end))
-    QTest.mousePress(plot.viewport(), Qt.LeftButton, pos=first.toPoint())
+    QTest.mousePress(plot, Qt.LeftButton, pos=first.toPoint())
     for number in range(1, steps + 1):
         at = first + (last - first) * number / steps
         # QTest moves the mouse without a button.
         held = (Qt.NoButton, Qt.LeftButton, Qt.NoModifier)
-        QApplication.sendEvent(plot.viewport(), QMouseEvent(QEvent.MouseMove, at, *held))
-    QTest.mouseRelease(plot.viewport(), Qt.LeftButton, pos=last.toPoint())
+        QApplication.sendEvent(plot, QMouseEvent(QEvent.MouseMove, at, *held))
+    QTest.mouseRelease(plot, Qt.LeftButton, pos=last.toPoint())
 
 
 def colours(plot, across, second, reach=0):

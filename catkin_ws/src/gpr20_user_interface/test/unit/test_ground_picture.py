@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import MARKER
 from PyQt5.QtCore import QPoint, QPointF, Qt
+from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from view_kit import make_grid
 
@@ -19,10 +20,12 @@ from gpr20_operator.ground.coverage import (
     MapModel,
     StopState,
 )
+from gpr20_operator.ground.levels import LevelScale
 from gpr20_operator.ground.marks import GroundMark
-from gpr20_operator.ground.patterns import TILES
+from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
+from gpr20_operator.ground.sources import Axis, Picture
 from gpr20_user_interface.look.look import Look, Mark
-from gpr20_user_interface.widgets.ground_picture import GroundPicture
+from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
 
 
 def colour(mark):
@@ -86,6 +89,28 @@ def test_each_stop_is_drawn_where_it_is_measured(application, left, down):
         assert inks[state] <= colours(picture, *place, reach=5), (row, column, state)
 
 
+@given(st.integers(0, 2), st.integers(0, 3), st.booleans())
+def test_an_echo_is_drawn_where_it_was_measured(application, row, column, is_section):
+    """A picture that is turned over would send people to the wrong place."""
+    shades = np.full((3, 4), 0.1)
+    shades[row, column] = 1.0
+    axis = Axis.DEPTH_MM if is_section else Axis.Y_MM
+    shown = Picture(shades, (0.0, 400.0), (30.0, 330.0), axis, LevelScale(1.0, 0.0, 10.0), True)
+    plot = SectionPlot() if is_section else GroundPicture()
+    plot.resize(400, 300)
+    if is_section:
+        plot.show_section(shown, np.zeros(4, bool))
+    else:
+        plot.show_picture(shown)
+    strong = QColor(*shade_colours()[LAST_SHADE].tolist()).name()
+    for one, other in np.ndindex(3, 4):
+        found = colours(plot, 100.0 * other + 50.0, 100.0 * one + 80.0, reach=6)
+        assert (strong in found) == ((one, other) == (row, column)), (one, other)
+    # Depth grows downwards, Y upwards.
+    low, high = plot.to_screen(0.0, 30.0), plot.to_screen(0.0, 330.0)
+    assert (low.y() < high.y()) == is_section
+
+
 def test_what_is_loading_is_not_shown_as_done(picture, grid):
     loading = np.zeros(grid.shape, bool)
     loading[0, 1] = True
@@ -103,7 +128,7 @@ def test_a_touch_is_where_the_finger_is(application, columns, rows, zoom, data):
     area = picture.area
     x = data.draw(st.integers(int(area.left()) + 1, int(area.right()) - 1))
     y = data.draw(st.integers(int(area.top()) + 1, int(area.bottom()) - 1))
-    QTest.mouseClick(picture.viewport(), Qt.LeftButton, pos=QPoint(x, y))
+    QTest.mouseClick(picture, Qt.LeftButton, pos=QPoint(x, y))
     ((x_mm, y_mm),) = picture.touched
     back = picture.to_screen(x_mm, y_mm)
     assert (round(back.x()), round(back.y())) == (x, y)

@@ -19,7 +19,6 @@ from PyQt5.QtWidgets import (
     QAbstractButton,
     QAbstractItemView,
     QAbstractScrollArea,
-    QGraphicsView,
     QLabel,
     QLineEdit,
     QPlainTextEdit,
@@ -44,6 +43,7 @@ from gpr20_user_interface.widgets.cards import NoticeView
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")
@@ -62,7 +62,7 @@ SMALLEST_TEXT_PX = 16
 # What a rounding at each end of a column adds up to.
 ROUNDING_PX = 2
 CONTENT = (
-    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, QGraphicsView),
+    *(QLabel, QAbstractButton, QLineEdit, QPlainTextEdit, QTextEdit, QProgressBar, Plot),
     *(QAbstractItemView, QScrollArea),
 )
 # For a change each size once, mostly with the longer language; the others for a release.
@@ -81,13 +81,15 @@ SCREENS = [
 def window(request, application, tmp_path):
     """A window of each size, with as much to say as possible."""
     size, language, theme = request.param
-    window = opened_window(application, language, folder=tmp_path)
+    window = opened_window(application, Language.ENGLISH, folder=tmp_path)
     window.resize(*size)
     QTest.qWait(1)
     window.use_look(replace(window.look, theme=theme))
     window.survey.preview = LARGEST
     window.control.form.set_texts(texts_of(default_parameters()))
     show(window, busiest())
+    # As in the settings: nothing may stay in the language before.
+    window.languages.use(language)
     # The changes of language, size and theme are events.
     QTest.qWait(1)
     yield window
@@ -234,9 +236,9 @@ def every_problem(window):
 
 
 def texts_on(window):
-    """Return what all widgets show, but for the details, which are technical, and the sticks."""
+    """Return what is seen, but for the details, which are technical, and the sticks."""
     for one in window.findChildren(QWidget):
-        if one.objectName() not in ("details", "choice"):
+        if one.isVisible() and one.objectName() not in ("details", "choice"):
             names = (
                 ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
             )

@@ -3,7 +3,6 @@
 import os
 import random
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,8 +29,9 @@ from gpr20_operator.errors import SettingsError
 from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, next_name
+from gpr20_operator.plan.fields import Tile
 from gpr20_operator.plan.stored import PlanMemory, RememberedPlan
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (
     WindowMemory,
@@ -113,15 +113,22 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(opened, tmp_path
     window.traces.live.begin(make_grid())
     window.show_tab(TabName.ROBOT)
     show(window, snapshot(SurveyState.IDLE))
-    sheet = window.settings
+    sheet, asking = window.settings, window.start_sheet
+    asking.ask_resume()
+    asked = asking.title.text()
+    asking.hide()
     click(window.rail.settings)
     assert sheet.isVisible() and sheet.languages[Language.ENGLISH].isChecked()
-    click(sheet.languages[Language.SPANISH])
     click(sheet.themes[Theme.NIGHT])
     click(sheet.dim_choices[10])
+    click(sheet.languages[Language.SPANISH])
     QTest.qWait(1)  # the change of language is an event
     assert sheet.title.text() == "Ajustes" and window.look.theme is Theme.NIGHT
     assert window.top_bar.stop.text() == "DETENER"
+    assert window.control.tiles[Tile.SOIL].title.whole == "Suelo"
+    asking.ask_resume()
+    assert asking.title.text() not in ("", asked)
+    asking.hide()
     assert "cables alejados" in window.robot.overview.hint.text()
     window.show_tab(TabName.GROUND)
     assert "Sin eco no significa sin mina." in window.ground.view.note.text()
@@ -244,17 +251,16 @@ def test_a_damaged_plan_gives_the_defaults_and_says_so(path):
         assert damaged.problem.fault_code == faults.SETTINGS_LOST.as_warning().code
 
 
-def test_names_are_numbered_from_survey_to_survey():
+def test_the_name_is_counted_up_and_notes_and_position_are_for_one_survey():
     for name, after in (
         *(("", ""), ("El Carmen 3", "El Carmen 4"), ("P-009", "P-010"), ("99", "100")),
         *(("road", "road 2"), ("a" * 200, "a" * 198 + " 2"), ("a" * 199 + "9", "a" * 198 + "10")),
     ):
         assert next_name(name) == after
     following = NextAnnotation()
-    following.take_defaults(Annotation(site="El Carmen"))
-    for given, named in ((None, ""), ("lane 7", "lane 7"), ("", "")):
-        if given is not None:
-            following.value = replace(following.value, name=given)
-        assert following.value.name == named
-        following.note_started()
-        assert following.value.name == next_name(named)
+    following.value = Annotation(
+        "Ana", name="lane 7", notes="wet", position=Wgs84Position(4.6, -74)
+    )
+    following.take_defaults(Annotation("Eva", "El Carmen"))
+    following.note_started()
+    assert following.value == Annotation("Ana", "El Carmen", name="lane 8")

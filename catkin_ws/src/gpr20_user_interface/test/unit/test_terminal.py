@@ -187,8 +187,7 @@ def test_a_refusal_is_said_with_its_reason_and_nothing_is_accepted_by_itself():
     refused = Answer(Request.RESUME, False, verbatim("the VNA is B, not A"), other_analyzer="B C")
     client = Client(state("PAUSED"), refused)
     assert (client.status, client.requests) == (ExitStatus.REFUSED, ["survey"])
-    for words in ("the VNA is B, not A", "--accept-analyzer 'B C'"):
-        assert words in client.last_words
+    assert "the VNA is B, not A" in client.last_words
 
 
 def test_silence_is_waited_for_within_its_limit_and_said():

@@ -58,7 +58,7 @@ def _run(
 
     def ask() -> None:
         if options.resume is not None:
-            client.resume_survey(options.resume, options.accept_analyzer, options.accept_zeros)
+            client.resume_survey(options.resume)
         else:
             client.start_survey(
                 options.parameters, options.annotation, permittivity=options.permittivity

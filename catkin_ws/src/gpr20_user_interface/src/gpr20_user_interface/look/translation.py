@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Optional
 
-from PyQt5.QtCore import QCoreApplication, QEvent, QTranslator
-from PyQt5.QtWidgets import QWidget
+from PyQt5.QtCore import QCoreApplication, QTranslator
 
 from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.message import Message, numeral
@@ -26,28 +25,6 @@ def sentence_text(message: Message) -> str:
     """Return a message as a sentence of its own: most are written for the middle of one."""
     text = shown_text(message)
     return text[:1].upper() + text[1:]
-
-
-class TranslatedWidget(QWidget):
-    """A widget that writes its texts again when the language changes.
-
-    Its own texts are `self.tr("...")`, those that come from elsewhere `shown_text(message)`.
-    """
-
-    def retranslate(self) -> None:
-        """Write every text that does not come with the next refresh."""
-        raise NotImplementedError(f"{type(self).__name__} does not translate itself")
-
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look, where the style sheet cannot set them."""
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self.retranslate()
-        elif event.type() == QEvent.Type.StyleChange:
-            self.restyle()
-        super().changeEvent(event)
 
 
 class Languages:

@@ -6,7 +6,6 @@ import enum
 import math
 import queue
 import re
-import shlex
 import shutil
 from typing import Callable, List, Optional, TextIO
 
@@ -28,7 +27,6 @@ from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.snapshot import Snapshot, remaining
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_operator.words import duration
-from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 TICK_S = 0.2
@@ -131,7 +129,7 @@ class SurveyFollower:
         self._wait_s, self._now_s = wait_s, clock.now_s
         self._model = SurveyModel(clock)
         self.status: Optional[ExitStatus] = None
-        self.message, self.survey_id, self._other_analyzer = verbatim(""), "", ""
+        self.message, self.survey_id = verbatim(""), ""
         self._asked = self._answered = False
         self._looked_s = self._own_s = self._now_s()
         self._silent_s, self._stopping_s = 0.0, math.inf
@@ -209,7 +207,6 @@ class SurveyFollower:
             message = Message("The survey was not started: {reason}", reason=answer.message)
             self._end(ExitStatus.STOPPED, message)
         else:
-            self._other_analyzer = answer.other_analyzer
             self._end(ExitStatus.REFUSED, answer.message)
 
     def _take_stop(self, event: StopRequested) -> None:
@@ -281,19 +278,6 @@ class SurveyFollower:
         lines = [_HEADLINES[status], message]
         if status in (ExitStatus.REFUSED, ExitStatus.FAILED, ExitStatus.PAUSED):
             lines.append(first_step(message))
-        if self._other_analyzer:
-            lines.append(
-                Message(
-                    "To continue with this VNA, resume with `--accept-analyzer {identity}`.",
-                    identity=shlex.quote(self._other_analyzer),
-                )
-            )
-        if message.fault_code == OTHER_ZEROS.code:
-            lines.append(
-                Message(
-                    "To continue as it is, resume with `--accept-zeros`; its traces are marked."
-                )
-            )
         if self.survey_id and status is not ExitStatus.REFUSED:
             lines.append(Message("Survey id: {survey}", survey=self.survey_id))
             if message.can_continue and status is not ExitStatus.FINISHED:

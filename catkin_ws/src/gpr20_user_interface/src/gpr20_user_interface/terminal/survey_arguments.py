@@ -37,7 +37,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
 
     Returns:
         `parameters`, `annotation`, `permittivity` (0: not known), `wait`; `resume`, the survey to
-        resume by id or folder (empty: the paused one; None: none), and what is accepted with it.
+        resume by id or folder (empty: the paused one; None: none).
 
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
@@ -59,23 +59,6 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
         help=tr("resume the paused survey, or the one with this id or folder, and follow it"),
     )
     parser.add_argument(
-        "--accept-analyzer",
-        default="",
-        metavar="IDENTITY",
-        help=tr(
-            "with --resume: continue with another network analyzer than that of the survey; its "
-            "identity is in the message of the refusal"
-        ),
-    )
-    parser.add_argument(
-        "--accept-zeros",
-        action="store_true",
-        help=tr(
-            "with --resume: continue although nothing proves that the zeros of the axes are those "
-            "of the survey; its traces since then are marked"
-        ),
-    )
-    parser.add_argument(
         "--wait",
         type=_reader(number_from_text, catalogue),
         default=WAIT_S,
@@ -83,27 +66,25 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
         help=tr("seconds to wait for the main control (default {default:g})", default=WAIT_S),
     )
     given = parser.parse_args(arguments)
-    named = [option_of(one) for one in FIELDS if getattr(given, one.name) is not None]
-    if named and given.resume is not None:
-        options = ", ".join(named)
-        parser.error(
-            tr("{options} cannot be given with --resume: that survey has its own", options=options)
-        )
+    named = ", ".join(option_of(one) for one in FIELDS if one.name in given)
     if given.resume is not None:
+        if named:
+            parser.error(
+                tr(
+                    "{options} cannot be given with --resume: that survey has its own",
+                    options=named,
+                )
+            )
         # Folders may be given with their path; the main control knows where they are.
         given.resume = given.resume.rstrip("/").rsplit("/", 1)[-1]
 
     def values(specs: Sequence[FieldSpec]) -> Any:
-        found = {one.name: getattr(given, one.name) for one in specs}
-        return {
-            one.name: one.kind.read(one.default) if found[one.name] is None else found[one.name]
-            for one in specs
-        }
+        return {one.name: getattr(given, one.name, one.kind.read(one.default)) for one in specs}
 
     given.parameters = SurveyParameters(**values(PARAMETERS))
     given.annotation = Annotation(**values(PEOPLE))
     # The window begins with a soil, which a person sees there; a command assumes none.
-    given.permittivity = given.permittivity or 0.0
+    given.permittivity = getattr(given, SOIL.name, 0.0)
     return given
 
 
@@ -120,6 +101,7 @@ def _add_field(parser: argparse.ArgumentParser, spec: FieldSpec, catalogue: Cata
     parser.add_argument(
         option_of(spec),
         dest=spec.name,
+        default=argparse.SUPPRESS,
         type=_reader(spec.kind.read, catalogue),
         metavar=spec.kind.metavar,
         # Percent signs are the formats of argparse.

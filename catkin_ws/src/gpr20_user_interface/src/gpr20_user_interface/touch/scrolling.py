@@ -7,7 +7,6 @@ from PyQt5.QtGui import QMouseEvent
 from PyQt5.QtWidgets import (
     QAbstractItemView,
     QAbstractScrollArea,
-    QGraphicsView,
     QListView,
     QScroller,
     QScrollerProperties,
@@ -40,9 +39,9 @@ def scroll_by_finger(area: QAbstractScrollArea) -> None:
 
 
 def scroll_everything(window: QWidget) -> None:
-    """Let a finger pull every list and text of a window, except for pictures."""
+    """Let a finger pull every list and text of a window."""
     for area in window.findChildren(QAbstractScrollArea):
-        if isinstance(area, QAbstractScrollArea) and not isinstance(area, QGraphicsView):
+        if isinstance(area, QAbstractScrollArea):
             scroll_by_finger(area)
 
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Callable, Optional
 
-from PyQt5.QtCore import Qt, pyqtSignal
-from PyQt5.QtWidgets import QTextEdit, QWidget
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.robot.notices import Notice
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
+from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say
 
@@ -25,7 +26,7 @@ class NoticeView(Overlay):
         self.notice: Optional[Notice] = None
         self._on_accepted: Optional[Callable[[], None]] = None
         self.title = new_label("title", wraps=True)
-        self.reason, self.details = text_area("reason"), text_area("details")
+        self.reason, self.details = PulledText("reason"), PulledText("details")
         self.first_title = new_label("first_title", text=Message("Do this first"))
         self.first, self.then = new_label("first", wraps=True), new_label(wraps=True)
         self.accept_button = new_button(self._on_accept, Message("CONTINUE WITH THIS VNA"))
@@ -53,23 +54,16 @@ class NoticeView(Overlay):
         self._show_details(False)
         self.accept_button.setVisible(on_accepted is not None)
         say(self.close_button, Message("NOT NOW") if on_accepted else Message("CLOSE"))
-        self.details.setPlainText("\n".join(notice.details))
+        self.details.setText("\n".join(notice.details))
         self.first_title.setVisible(notice.first is not None)
         self.resume.setVisible(notice.resumable)
         self.details_button.setVisible(bool(notice.details))
-        self.retranslate()
-        self.open()
-
-    def retranslate(self) -> None:
-        """Write the texts of the notice in the language of the application."""
-        notice = self.notice
-        if notice is None:
-            return
         self.title.setText(shown_text(notice.title))
-        self.reason.setPlainText(sentence_text(notice.text))
+        self.reason.setText(sentence_text(notice.text))
         for label, message in ((self.first, notice.first), (self.then, notice.then)):
             label.setVisible(message is not None)
             label.setText("" if message is None else shown_text(message))
+        self.open()
 
     def _on_resume(self) -> None:
         self.hide()
@@ -85,12 +79,3 @@ class NoticeView(Overlay):
         self.details.setVisible(shown)
         self.reason.setVisible(not shown)
         say(self.details_button, Message("HIDE DETAILS") if shown else Message("DETAILS"))
-
-
-def text_area(name: str = "") -> QTextEdit:
-    """Return a text that scrolls: a failure may be long."""
-    area = QTextEdit()
-    area.setObjectName(name)
-    area.setReadOnly(True)
-    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    return area

@@ -94,9 +94,8 @@ class GroundPicture(Plot):
         if shown != self._shown and grid is not None:
             self._failed = model.failed(MAX_RINGS)
             self._states.show_cells(model.cells(loading), _rect(grid.area))
-            self.resetCachedContent()
         self._shown = shown
-        self.scene().update()
+        self.update()
 
     def set_hiding(self, found: Optional[HidingMap]) -> None:
         """Hatch where a mine could hide, the more densely the shallower; None: nowhere."""
@@ -104,13 +103,13 @@ class GroundPicture(Plot):
             self._hiding = found
             cells, area = (None, Area(0, 0, 0, 0)) if found is None else hiding_cells(found)
             self._hatched.show_cells(cells, _rect(area))
-            self.scene().update()
+            self.update()
 
     def set_carriage(self, place_mm: Optional[Tuple[float, float]]) -> None:
         """Note where the antennas are [mm]; None: not known."""
         if place_mm != self._carriage_mm:
             self._carriage_mm = place_mm
-            self.scene().update()
+            self.update()
 
     def _touch(self, place: QPointF) -> None:
         """Choose marks that lie close together one after the other, and then the place."""
@@ -193,18 +192,17 @@ class SectionPlot(Plot):
             cells = np.where(loading, Cell.LOADING, Cell.BLANK).astype(np.uint8)
             cells = np.repeat(cells[None], max(1, len(loading) // 2), axis=0)
         self._loading.show_cells(cells, extent or QRectF())
-        self.resetCachedContent()
         self.show_picture(picture)
 
     def _paint_below(self, painter: QPainter, look: Look) -> None:
         if self.extent is not None:
             ink = QColor(look.colour(Mark.NOT_MEASURED))
-            painter.fillRect(self.viewport().rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
+            painter.fillRect(self.rect(), QBrush(ink, Qt.BrushStyle.Dense6Pattern))
             self._loading.paint(painter, look, self)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         if self.axis is Axis.DEPTH_MM:
-            y, width = self.to_screen(0.0, 0.0).y(), self.viewport().width()
+            y, width = self.to_screen(0.0, 0.0).y(), self.width()
             stroke(painter, look, Mark.SURFACE, QPolygonF([QPointF(0, y), QPointF(width, y)]))
 
 

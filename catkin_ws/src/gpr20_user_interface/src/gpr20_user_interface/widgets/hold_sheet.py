@@ -8,6 +8,7 @@ from typing import Callable, Optional
 from PyQt5.QtCore import Qt
 from PyQt5.QtWidgets import QSizePolicy, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.plan.hold_question import (
     HoldQuestion,
@@ -31,6 +32,7 @@ from gpr20_user_interface.widgets.widgets import (
     new_button,
     new_label,
     row,
+    say,
     set_look,
 )
 
@@ -70,22 +72,17 @@ class HoldSheet(Overlay):
             question: What will happen.
             act: Called once the button has been held.
         """
-        self._act = act
+        # In the language of now, also where the same was asked before.
+        self._act, self.question = act, None
         self.show_question(question)
         self.open()
 
     def show_question(self, question: HoldQuestion) -> None:
         """Say the same with other words; what is held stays held."""
-        if question != self.question:
-            self.question = question
-            self.retranslate()
-
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        question = self.question
-        if question is None:
+        if question == self.question:
             return
-        self.cancel.setText(self.tr("CLOSE") if question.hold is None else self.tr("Cancel"))
+        self.question = question
+        say(self.cancel, Message("CLOSE") if question.hold is None else Message("Cancel"))
         self.title.setText(shown_text(question.title))
         for label, text in (
             (self.warning, question.warning),

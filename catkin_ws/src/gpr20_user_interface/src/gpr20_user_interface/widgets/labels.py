@@ -6,11 +6,10 @@ from typing import List, Optional
 
 from PyQt5.QtCore import QSize, Qt
 from PyQt5.QtGui import QPainter, QPaintEvent, QTextLayout, QTextOption
-from PyQt5.QtWidgets import QFrame, QLabel, QScrollArea, QSizePolicy
+from PyQt5.QtWidgets import QLabel, QSizePolicy, QTextEdit
 
 from gpr20_common.message import Message
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 
 class LinesLabel(QLabel):
@@ -90,33 +89,23 @@ class ElidedLabel(LinesLabel):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
 
 
-class PulledText(QScrollArea):
+class PulledText(QTextEdit):
     """A text of several lines that a finger pulls up where there is no room for all of it."""
 
-    def __init__(self) -> None:
+    def __init__(self, name: str = "") -> None:
         super().__init__()
-        self._label = QLabel()
-        self._label.setWordWrap(True)
-        self._label.setTextFormat(Qt.TextFormat.PlainText)
-        self._label.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self.setFrameShape(QFrame.Shape.NoFrame)
-        self.setWidgetResizable(True)
-        self.setWidget(self._label)
-        scroll_by_finger(self)
+        self.setObjectName(name)
+        self.setReadOnly(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
 
     def text(self) -> str:
         """Return the text."""
-        return str(self._label.text())
+        return str(self.toPlainText())
 
     def setText(self, text: str) -> None:  # noqa: N802 (as QLabel names it)
         """Show a text from its beginning; the same one stays where it was pulled."""
-        if text != self._label.text():
-            self._label.setText(text)
-            self.verticalScrollBar().setValue(0)
-
-    def minimumSizeHint(self) -> QSize:  # noqa: N802
-        """Qt: it may be as small as it must, since it can be pulled."""
-        return QSize(0, self.fontMetrics().lineSpacing())
+        if text != self.text():
+            self.setPlainText(text)
 
 
 class SurveyBand(ElidedLabel):

@@ -48,16 +48,11 @@ class Overlay(QFrame):
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Qt: something about the widget has changed."""
-        if event.type() == QEvent.Type.LanguageChange:
-            self.retranslate()
-        elif event.type() == QEvent.Type.StyleChange:
+        if event.type() == QEvent.Type.StyleChange:
             if self.isVisible():
                 self._cover()
             self.restyle()
         super().changeEvent(event)
-
-    def retranslate(self) -> None:
-        """Write the texts that stay while it is open in the language of the application."""
 
     def restyle(self) -> None:
         """Take the sizes and colours of the look, where the style sheet cannot set them."""

@@ -16,3 +16,6 @@ class Page:
 
     def draw(self) -> None:
         """Draw what is new; 5 times a second."""
+
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size, where it was not written by `say`."""

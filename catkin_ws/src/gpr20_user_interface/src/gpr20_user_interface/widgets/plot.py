@@ -5,19 +5,19 @@ from __future__ import annotations
 from typing import List, Optional, Sequence, Tuple
 
 import numpy as np
-import pyqtgraph
 from PyQt5.QtCore import QEvent, QLineF, QPointF, QRectF, Qt, pyqtSignal
 from PyQt5.QtGui import (
     QColor,
     QImage,
     QMouseEvent,
     QPainter,
+    QPaintEvent,
     QPolygonF,
     QResizeEvent,
     QTransform,
     QWheelEvent,
 )
-from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy
+from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy, QWidget
 
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.patterns import shade_colours, shade_numbers
@@ -63,18 +63,7 @@ def image_of(numbers: np.ndarray, colours: np.ndarray) -> QImage:
     return image.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
 
 
-class ShadeItem(pyqtgraph.ImageItem):
-    """An image in the one format that Qt enlarges fast."""
-
-    def render(self) -> None:
-        """Make the image that is drawn, after a change."""
-        super().render()
-        made: Optional[QImage] = getattr(self, "qimage", None)
-        if made is not None:
-            self.qimage = made.convertToFormat(QImage.Format.Format_ARGB32_Premultiplied)
-
-
-class Plot(pyqtgraph.GraphicsView):
+class Plot(QWidget):
     """Draws a Picture, with what lies below and above it; both axes have numbers inside.
 
     Args:
@@ -105,20 +94,14 @@ class Plot(pyqtgraph.GraphicsView):
         scrubs: bool = False,
         interactive: bool = True,
     ) -> None:
-        super().__init__(background=None)
+        super().__init__()
         self._to_scale, self._downwards, self._scrubs = to_scale, downwards, scrubs
-        self._box = pyqtgraph.ViewBox(enableMenu=False, invertY=downwards, defaultPadding=0.0)
-        self._image = ShadeItem(axisOrder="row-major")
-        self._image.setLookupTable(shade_colours())
-        self._box.addItem(self._image, ignoreBounds=True)
-        self.setCentralItem(self._box)
-        self.setViewportUpdateMode(self.ViewportUpdateMode.FullViewportUpdate)
-        self.setMouseTracking(False)
-        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        # The picture, the lowest value of both axes first, and where it lies on them.
+        self._image, self._image_area = QImage(), QRectF()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setMinimumSize(1, 1)
         if interactive:
-            self.viewport().grabGesture(Qt.GestureType.PinchGesture)
+            self.grabGesture(Qt.GestureType.PinchGesture)
         else:
             self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.extent: Optional[QRectF] = None
@@ -135,12 +118,13 @@ class Plot(pyqtgraph.GraphicsView):
     def show_picture(self, picture: Optional[Picture]) -> None:
         """Draw a picture; None: nothing."""
         self.numbers = None
-        if picture is None or not picture.measured:
-            self._image.clear()
-            return
-        self.numbers = shade_numbers(picture.shades)
-        self._image.setImage(self.numbers, autoLevels=False)
-        self._image.setRect(extent_of(picture))
+        if picture is not None and picture.measured:
+            self.numbers = shade_numbers(picture.shades)
+            image = image_of(self.numbers, shade_colours())
+            # The rows of an image go downwards.
+            self._image = image if self._downwards else image.mirrored()
+            self._image_area = extent_of(picture)
+        self.update()
 
     def set_extent(self, extent: Optional[QRectF]) -> None:
         """Show all of another part of the axes; the same one stays zoomed as it is."""
@@ -151,17 +135,17 @@ class Plot(pyqtgraph.GraphicsView):
     def set_marks(self, marks: Sequence[GroundMark]) -> None:
         """Mark places; later ones are painted over earlier ones."""
         self.marks = tuple(marks)
-        self.scene().update()
+        self.update()
 
     def set_crosshair(self, across: Optional[float], second: Optional[float]) -> None:
         """Mark a place on each axis; None: nowhere."""
         self.crosshair = (across, second)
-        self.scene().update()
+        self.update()
 
     def set_notice(self, notice: str) -> None:
         """Write over the picture; empty: nothing."""
         self.notice = notice
-        self.scene().update()
+        self.update()
 
     def show_all(self) -> None:
         """Show everything again after moving and zooming."""
@@ -184,7 +168,7 @@ class Plot(pyqtgraph.GraphicsView):
     def area(self) -> QRectF:
         """The picture on the screen, without what lies beside it."""
         whole = QRectF() if self.extent is None else self._map.mapRect(self.extent)
-        return whole & QRectF(self.viewport().rect())
+        return whole & QRectF(self.rect())
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
@@ -206,7 +190,7 @@ class Plot(pyqtgraph.GraphicsView):
 
     def _place(self) -> None:
         """Show what zoom and centre say, within the extent."""
-        extent, room = self.extent or UNIT, self.viewport()
+        extent, room = self.extent or UNIT, self
         x_px = self._zoom * max(room.width(), 1) / max(extent.width(), 1e-9)
         y_px = self._zoom * max(room.height(), 1) / max(extent.height(), 1e-9)
         if self._to_scale:
@@ -219,17 +203,11 @@ class Plot(pyqtgraph.GraphicsView):
         left_px, top_px = room.width() / 2.0 - x * x_px, room.height() / 2.0 - y * down_px
         self._map = QTransform(x_px, 0.0, 0.0, down_px, left_px, top_px)
         self._back = self._map.inverted()[0]
-        shown = QRectF(x - half_x, y - half_y, 2 * half_x, 2 * half_y)
-        self._box.setRange(shown, padding=0.0)
-        self.resetCachedContent()
-        self.scene().update()
+        self.update()
 
-    def resizeEvent(self, event: Optional[QResizeEvent]) -> None:  # noqa: N802 (Qt's name)
+    def resizeEvent(self, _event: QResizeEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: it has another size."""
-        super().resizeEvent(event)
-        # pyqtgraph calls this itself while it makes the view, and Qt after it was closed.
-        if event is not None and not self.closed:
-            self._place()
+        self._place()
 
     def mousePressEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: a finger comes."""
@@ -261,7 +239,7 @@ class Plot(pyqtgraph.GraphicsView):
     def mouseReleaseEvent(self, event: QMouseEvent) -> None:  # noqa: N802 (Qt's name)
         """Qt: the finger leaves; outside of the plot it was taken away by the touch filter."""
         pressed, self._pressed, self._finger = self._pressed, None, None
-        if pressed is not None and self.viewport().rect().contains(event.pos()):
+        if pressed is not None and self.rect().contains(event.pos()):
             self._touch(pressed)
 
     def wheelEvent(self, event: QWheelEvent) -> None:  # noqa: N802 (Qt's name)
@@ -269,19 +247,19 @@ class Plot(pyqtgraph.GraphicsView):
         up = event.angleDelta().y() > 0
         self.zoom_by(WHEEL_ZOOM if up else 1.0 / WHEEL_ZOOM, event.posF())
 
-    def viewportEvent(self, event: QEvent) -> bool:  # noqa: N802 (Qt's name)
+    def event(self, event: QEvent) -> bool:
         """Qt: two fingers move."""
         if event.type() == QEvent.Type.Gesture and isinstance(event, QGestureEvent):
             pinch = event.gesture(Qt.GestureType.PinchGesture)
             if isinstance(pinch, QPinchGesture):
                 self._pressed = self._finger = None
                 last, now = pinch.lastCenterPoint().toPoint(), pinch.centerPoint().toPoint()
-                now_px = QPointF(self.viewport().mapFromGlobal(now))
-                self._pull(QPointF(self.viewport().mapFromGlobal(last)), now_px)
+                now_px = QPointF(self.mapFromGlobal(now))
+                self._pull(QPointF(self.mapFromGlobal(last)), now_px)
                 self.zoom_by(pinch.scaleFactor(), now_px)
                 event.accept(pinch)
                 return True
-        return bool(super().viewportEvent(event))
+        return bool(super().event(event))
 
     def _touch(self, place: QPointF) -> None:
         self.touched.emit(*self.to_data(place))
@@ -296,21 +274,13 @@ class Plot(pyqtgraph.GraphicsView):
         found.sort(key=lambda pair: (pair[0], len(pair[1].text), pair[1].text))
         return [one for px, one in found if px <= look_of(self).px(REACH_PX)]
 
-    def drawBackground(self, painter: QPainter, _rect: QRectF) -> None:  # noqa: N802 (Qt's name)
-        """Qt: draw what lies below the picture."""
-        look = look_of(self)
-        painter.save()
-        painter.resetTransform()
-        painter.fillRect(self.viewport().rect(), QColor(look.colour(Mark.PAPER)))
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
+        """Qt: draw everything."""
+        painter, look = QPainter(self), look_of(self)
+        painter.fillRect(self.rect(), QColor(look.colour(Mark.PAPER)))
         self._paint_below(painter, look)
-        painter.restore()
-
-    def drawForeground(self, painter: QPainter, _rect: QRectF) -> None:  # noqa: N802 (Qt's name)
-        """Qt: draw what lies above the picture."""
-        look = look_of(self)
-        painter.save()
-        painter.resetTransform()
-        painter.setFont(self.font())
+        if self.numbers is not None:
+            painter.drawImage(self.pixels_of(self._image_area), self._image)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         if self.extent is not None:
             self._paint_above(painter, look)
@@ -319,8 +289,7 @@ class Plot(pyqtgraph.GraphicsView):
                 paint_mark(painter, look, one, self.to_screen(one.across_mm, one.second_mm))
             paint_axes(painter, look, self.area, self.labels, self._ticks(look))
         if self.notice:
-            paint_notice(painter, look, QRectF(self.viewport().rect()), self.notice)
-        painter.restore()
+            paint_notice(painter, look, QRectF(self.rect()), self.notice)
 
     def _paint_below(self, painter: QPainter, look: Look) -> None:
         """Draw below the picture, in pixels."""
@@ -330,7 +299,7 @@ class Plot(pyqtgraph.GraphicsView):
 
     def _paint_crosshair(self, painter: QPainter, look: Look) -> None:
         across, second = self.crosshair
-        here, room = self.to_screen(across or 0.0, second or 0.0), self.viewport()
+        here, room = self.to_screen(across or 0.0, second or 0.0), self
         free_px = look.px(FREE_PX) if across is not None and second is not None else 0
         x, y, lines = here.x(), here.y(), []
         if across is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Optional, TypeVar, Union
+from typing import Callable, Optional, Sequence, TypeVar, Union
 
 from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtWidgets import (
@@ -20,20 +20,9 @@ from PyQt5.QtWidgets import (
 )
 
 from gpr20_common.message import Message
-from gpr20_user_interface.look.look import GAP_PX, Look, look_of
+from gpr20_user_interface.look.look import GAP_PX, Look
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.scrolling import scroll_by_finger
-
-
-def fill(layout: QBoxLayout, *parts: object) -> None:
-    """Add widgets and layouts in their order; a pair is one of them and its stretch."""
-    for part in parts:
-        what, stretch = part if isinstance(part, tuple) else (part, 0)
-        if isinstance(what, QLayout):
-            layout.addLayout(what, stretch)
-        else:
-            layout.addWidget(what, stretch)
-
 
 AnyLayout = TypeVar("AnyLayout", bound=QLayout)
 # Property of a layout: its margin and its gap in pixels of the design.
@@ -50,22 +39,48 @@ def spaced(layout: AnyLayout, margin: int = 0, gap: int = GAP_PX) -> AnyLayout:
 
 
 def row(*parts: object, margin: int = 0, gap: int = GAP_PX) -> QHBoxLayout:
-    """Return parts beside each other; `fill` says what a part is."""
-    layout = spaced(QHBoxLayout(), margin, gap)
-    fill(layout, *parts)
-    return layout
+    """Return widgets and layouts beside each other; a pair is one of them and its stretch."""
+    return _filled(QHBoxLayout(), parts, margin, gap)
 
 
 def column(*parts: object, margin: int = 0, gap: int = GAP_PX) -> QVBoxLayout:
-    """Return parts below each other; `fill` says what a part is."""
-    layout = spaced(QVBoxLayout(), margin, gap)
-    fill(layout, *parts)
-    return layout
+    """Return widgets and layouts below each other; a pair is one of them and its stretch."""
+    return _filled(QVBoxLayout(), parts, margin, gap)
+
+
+def _filled(layout: AnyLayout, parts: Sequence[object], margin: int, gap: int) -> AnyLayout:
+    assert isinstance(layout, QBoxLayout)
+    for part in parts:
+        what, stretch = part if isinstance(part, tuple) else (part, 0)
+        if isinstance(what, QLayout):
+            layout.addLayout(what, stretch)
+        else:
+            layout.addWidget(what, stretch)
+    return spaced(layout, margin, gap)
+
+
+def holding(layout: QLayout, name: str = "") -> QWidget:
+    """Return a widget with a layout, and its name in the style sheet."""
+    widget = QWidget()
+    widget.setObjectName(name)
+    widget.setLayout(layout)
+    return widget
 
 
 def grid(margin: int = 0, gap: int = GAP_PX) -> QGridLayout:
     """Return an empty grid."""
     return spaced(QGridLayout(), margin, gap)
+
+
+def tiled(widgets: Sequence[QWidget], columns: int) -> QGridLayout:
+    """Return a grid of cells of one size, filled row by row."""
+    layout = grid()
+    for number, widget in enumerate(widgets):
+        place = divmod(number, columns)
+        layout.addWidget(widget, *place)
+        layout.setRowStretch(place[0], 1)
+        layout.setColumnStretch(place[1], 1)
+    return layout
 
 
 def fit_layouts(window: QWidget, look: Look) -> None:
@@ -106,14 +121,6 @@ def new_label(name: str = "", wraps: bool = False, text: Optional[Message] = Non
     if text is not None:
         say(label, text)
     return label
-
-
-def space(widget: QWidget, outer: QLayout, *inner: QLayout) -> None:
-    """Set the gap of the look around the outermost layout, and between the parts of all."""
-    gap_px = look_of(widget).px(GAP_PX)
-    outer.setContentsMargins(gap_px, gap_px, gap_px, gap_px)
-    for layout in (outer, *inner):
-        layout.setSpacing(gap_px)
 
 
 def new_button(act: Callable[[], None], text: Union[str, Message] = "") -> QPushButton:

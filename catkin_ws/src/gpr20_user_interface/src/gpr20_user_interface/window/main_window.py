@@ -217,6 +217,7 @@ class MainWindow(QWidget):
         super().changeEvent(event)
         if event.type() == QEvent.Type.LanguageChange:
             say_again(self)
+            self._show_again()
             self.refresh()
 
     def _show_look(self) -> None:
@@ -224,6 +225,11 @@ class MainWindow(QWidget):
         fit_layouts(self, self.look)
         self.rail.use_look(self.look)
         self.top_bar.use_look(self.look)
+        self._show_again()
+
+    def _show_again(self) -> None:
+        for binding in self._bindings:
+            binding.show_again()
 
     def _use_parameters(self, parameters: SurveyParameters) -> None:
         """Put the parameters of a plan into CONTROL, and bring it to the front."""

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, Dict, List, Tuple
+from typing import Callable, Dict, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QSize, pyqtSignal
 from PyQt5.QtGui import QPixmap
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QPushButton, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QLabel, QPushButton, QSizePolicy, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import StopState
@@ -17,13 +17,17 @@ from gpr20_operator.ground.patterns import TILES, pattern_colours
 from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.texts import STATE_NAMES
 from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.plot import image_of
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import column, new_button, row, say
 
-COLUMNS = 20
 SWATCH_PX = 24
+NAMES = {
+    Layer.COVERAGE: Message("Coverage"),
+    Layer.ECHOES: Message("Echoes"),
+    Layer.FOCUSED: Message("Focused\nimage"),
+    Layer.HIDING: Message("Hiding\nplaces"),
+}
 
 
 class LayersSheet(Overlay):
@@ -44,30 +48,24 @@ class LayersSheet(Overlay):
         self.background = self._key(self._toggle_background)
         self.follow = self._key(lambda: model.follow(not model.follows))
         self.done = self._key(self.hide)
+        say(self.next_problem, Message("Next\ngap"))
+        say(self.done, Message("CLOSE"))
         self.next_problem.clicked.connect(self.hide)
-        for key in self.layers.values():
+        for layer, key in self.layers.items():
             key.setCheckable(True)
-        self._grid = QGridLayout(self)
+            say(key, NAMES[layer])
         self._lay_out()
-        self.retranslate()
+        self._show()
 
     def open(self) -> None:
         """Show what is chosen now, over the page."""
         self._show()
         super().open()
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.next_problem.setText(self.tr("Next\ngap"))
-        self.done.setText(self.tr("CLOSE"))
-        self._show()
-
     def restyle(self) -> None:
-        """Take the sizes and colours of the look."""
+        """Paint the swatches in the colours of the look."""
         look = look_of(self)
-        gap, size = look.px(GAP_PX), look.px(SWATCH_PX)
-        self._grid.setSpacing(gap)
-        self._grid.setContentsMargins(gap, gap, gap, gap)
+        size = look.px(SWATCH_PX)
         for state, (swatch, _count) in self.legend.items():
             image = image_of(np.tile(TILES[state], (2, 2)), pattern_colours(look.theme))
             swatch.setPixmap(QPixmap.fromImage(image.copy(0, 0, size, size)))
@@ -75,31 +73,23 @@ class LayersSheet(Overlay):
 
     def _show(self) -> None:
         model, settings, grid = self._model, self._model.settings, self._model.survey.radar.grid
-        names = {
-            Layer.COVERAGE: self.tr("Coverage"),
-            Layer.ECHOES: self.tr("Echoes"),
-            Layer.FOCUSED: self.tr("Focused\nimage"),
-            Layer.HIDING: self.tr("Hiding\nplaces"),
-        }
         for layer, key in self.layers.items():
-            key.setText(names[layer])
             key.setChecked(layer is settings.layer)
         # Nobody asked yet where a mine could hide: that takes minutes.
         self.layers[Layer.HIDING].setEnabled(model.additions.hiding is not None)
         counts = model.survey.map.counts()
         for state, (_swatch, label) in self.legend.items():
             number = "—" if counts is None else str(counts[state])
-            label.setText(f"{shown_text(STATE_NAMES[state])}: {number}")
+            say(label, Message("{name}: {number}", name=STATE_NAMES[state], number=number))
         self.next_problem.setEnabled(model.survey.map.next_problem(None) is not None)
         rotation_deg = 0.0 if grid is None else grid.rotations_deg[settings.polarization]
-        antenna = Message("Antenna\n{rotation:g}°", rotation=rotation_deg)
-        self.polarization.setText(shown_text(antenna))
-        along_x, along_y = self.tr("Section\nalong X"), self.tr("Section\nalong Y")
-        self.along.setText(along_x if settings.along is Axis.X_MM else along_y)
-        removed, included = self.tr("Background\nremoved"), self.tr("Background\nincluded")
-        self.background.setText(removed if settings.remove_background else included)
-        follows, stays = self.tr("Crosshair\nlast trace"), self.tr("Crosshair\nstays")
-        self.follow.setText(follows if model.follows else stays)
+        say(self.polarization, Message("Antenna\n{rotation:g}°", rotation=rotation_deg))
+        along_x, along_y = Message("Section\nalong X"), Message("Section\nalong Y")
+        say(self.along, along_x if settings.along is Axis.X_MM else along_y)
+        removed, included = Message("Background\nremoved"), Message("Background\nincluded")
+        say(self.background, removed if settings.remove_background else included)
+        follows, stays = Message("Crosshair\nlast trace"), Message("Crosshair\nstays")
+        say(self.follow, follows if model.follows else stays)
 
     def _key(self, act: Callable[[], None]) -> QPushButton:
         key = new_button(lambda: self._do(act))
@@ -116,23 +106,12 @@ class LayersSheet(Overlay):
         self._model.change(remove_background=not self._model.settings.remove_background)
 
     def _lay_out(self) -> None:
-        legend = QWidget()
-        line = QHBoxLayout(legend)
-        line.setContentsMargins(0, 0, 0, 0)
-        for swatch, count in self.legend.values():
-            line.addWidget(swatch)
-            line.addWidget(count, 1)
-        rows: List[List[QWidget]] = [
-            list(self.layers.values()),
-            [legend, self.next_problem],
-            [self.along, self.polarization, self.background, self.follow, self.done],
-        ]
-        spans = {1: [16, 4]}
-        for row, widgets in enumerate(rows):
-            # CLOSE ends below the middle, where other sheets have what is held.
-            self._grid.setRowStretch(row, 2 if widgets[-1] is self.done else 3)
-            wide = spans.get(row, [COLUMNS // len(widgets)] * len(widgets))
-            for number, widget in enumerate(widgets):
-                self._grid.addWidget(widget, row, sum(wide[:number]), 1, wide[number])
-        for column in range(COLUMNS):
-            self._grid.setColumnStretch(column, 1)
+        swatches = (part for one, name in self.legend.values() for part in (one, (name, 1)))
+        keys = self.along, self.polarization, self.background, self.follow, self.done
+        # CLOSE ends below the middle, where other sheets have what is held.
+        rows = (
+            (row(*((one, 1) for one in self.layers.values())), 3),
+            (row((row(*swatches), 4), (self.next_problem, 1)), 3),
+            (row(*((one, 1) for one in keys)), 2),
+        )
+        self.setLayout(column(*rows, margin=GAP_PX))

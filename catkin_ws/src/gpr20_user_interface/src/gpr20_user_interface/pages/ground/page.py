@@ -130,6 +130,10 @@ class GroundPage(QObject, Page):
         self._additions.refresh()
         self.view.is_running = snapshot.running
 
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size."""
+        self.view.show_again()
+
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
         self._traces.refresh()

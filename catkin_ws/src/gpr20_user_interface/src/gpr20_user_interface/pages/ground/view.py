@@ -8,16 +8,7 @@ from typing import Callable, Optional, Tuple
 import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt, QTimer, pyqtSignal
 from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QPen, QResizeEvent, QShowEvent
-from PyQt5.QtWidgets import (
-    QBoxLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QStackedWidget,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground import texts
@@ -27,21 +18,24 @@ from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.patterns import LAST_SHADE, shade_colours
 from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_survey.plan.markers import Marker
-from gpr20_user_interface.look.look import TOUCH_PX, Mark, look_of
-from gpr20_user_interface.look.translation import (
-    TranslatedWidget,
-    sentence_text,
-    shown_number,
-    shown_text,
-)
+from gpr20_user_interface.look.look import Mark, look_of
+from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
 from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
 from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.plot import UNIT, Plot, image_of
-from gpr20_user_interface.widgets.widgets import fill, new_button
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    holding,
+    new_button,
+    new_label,
+    row,
+    say,
+    set_look,
+)
 
-GAP_PX, PADDING_PX = 2, 8
-BAR_PX, COVERED_PX, SIDE_PX, LINE_PX = 56, 68, 52, 20
+# The pictures have the room that others leave between what is pressed.
+GAP_PX = 2
 # While a finger drags, drawing more often costs a core and shows no more.
 DRAG_MS = 60
 # The view from above has at least and at most this part of the room.
@@ -86,7 +80,7 @@ class ColourBar(QWidget):
                 last_px = y
 
 
-class GroundView(TranslatedWidget):
+class GroundView(QWidget):
     """Draws what a GroundModel shows; `refresh` follows it.
 
     Attributes:
@@ -116,13 +110,17 @@ class GroundView(TranslatedWidget):
         self.above, self.section = GroundPicture(), SectionPlot()
         self._active: Plot = self.above
         self.empty, self._stack = EmptyState(), QStackedWidget()
-        self.text, self.note, self.band = PulledText(), QLabel(), SurveyBand()
+        self.text, self.band = PulledText("ground_text"), SurveyBand()
+        self.note = new_label("ground_note")
         self.bar = ColourBar()
         self.enlarge_key = new_button(lambda: self.enlarge(self._active))
         self.shallower = new_button(lambda: self._do(partial(model.step_depth, -1)), "▲")
         self.deeper = new_button(lambda: self._do(partial(model.step_depth, +1)), "▼")
         self.back, self.layers = QPushButton(), QPushButton()
         self.set_marker, self.finer = QPushButton(), QPushButton()
+        say(self.layers, Message("Layers"))
+        say(self.back, Message("Back\nto live"))
+        say(self.finer, Message("Measure\nfiner"))
         self.next = new_button(lambda: self._do(model.choose_next))
         self._slow = QTimer(self)
         self._slow.setInterval(DRAG_MS)
@@ -130,8 +128,6 @@ class GroundView(TranslatedWidget):
         self._slow.timeout.connect(self.refresh)
         self._lay_out()
         self._connect()
-        self.retranslate()
-        self.restyle()
 
     def show_band(self, band: Optional[Message]) -> None:
         """Say which survey is shown; None: the live one."""
@@ -175,30 +171,10 @@ class GroundView(TranslatedWidget):
         super().resizeEvent(event)
         self._share_room()
 
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        gap, padding = look.px(GAP_PX), look.px(PADDING_PX)
-        for key in (self.enlarge_key, self.shallower, self.deeper):
-            key.setFixedWidth(look.px(SIDE_PX))
-            key.setMinimumHeight(look.px(TOUCH_PX))
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size."""
         # A screen that is too small to operate has a sentence there.
-        self._bottom.setFixedHeight(look.px(BAR_PX if look.touchable else COVERED_PX))
-        for label in (self.note, self.band):
-            label.setFixedHeight(look.px(LINE_PX))
-        self.note.setContentsMargins(padding, 0, padding, 0)
-        # What is written is not below the bar that scrolls it.
-        self.text.widget().setContentsMargins(padding, 0, padding, 0)
-        for layout in (self._pictures, self._column, self._line, self._whole):
-            layout.setSpacing(gap)
-        self._bar_layout.setSpacing(2 * gap)
-        self._drawn = ()
-
-    def retranslate(self) -> None:
-        """Write every text that does not come with the next refresh."""
-        self.layers.setText(self.tr("Layers"))
-        self.back.setText(self.tr("Back\nto live"))
-        self.finer.setText(self.tr("Measure\nfiner"))
+        set_look(self._bottom, "covered", not look_of(self).touchable)
         self._drawn = ()
         self.refresh()
 
@@ -255,9 +231,9 @@ class GroundView(TranslatedWidget):
         for key in (self.shallower, self.deeper):
             key.setEnabled(model.deepest_m is not None)
         visits, removes = bool(additions.candidates), isinstance(model.mark, Marker)
-        self.next.setText(self.tr("Next\ncandidate") if visits else self.tr("Next\ngap"))
+        say(self.next, Message("Next\ncandidate") if visits else Message("Next\ngap"))
         self.next.setEnabled(visits or ground.next_problem(None) is not None)
-        self.set_marker.setText(self.tr("Remove\nmarker") if removes else self.tr("Set\nmarker"))
+        say(self.set_marker, Message("Remove\nmarker") if removes else Message("Set\nmarker"))
         self.set_marker.setEnabled(additions.can_mark and has_point)
         has_plan = ground.grid is not None and ground.grid.plan is not None
         self.finer.setEnabled(has_plan and has_point and not self.is_running)
@@ -299,34 +275,27 @@ class GroundView(TranslatedWidget):
 
     def _lay_out(self) -> None:
         self.note.setTextFormat(Qt.TextFormat.PlainText)
-        self.note.setObjectName("ground_note")
-        self.text.setObjectName("ground_text")
         self.note.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         keys = (self.back, self.next, self.set_marker, self.finer, self.layers)
         for key in keys:
             key.setObjectName("ground_key")
             key.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         for key in (self.enlarge_key, self.shallower, self.deeper):
-            key.setObjectName("ground_choice")
+            key.setObjectName("ground_side")
         for key in (self.shallower, self.deeper):
             key.setAutoRepeat(True)
         self.back.hide()
-        self._room, body, self._bottom = QWidget(), QWidget(), QWidget()
-        self._pictures, self._bar_layout = QHBoxLayout(self._room), QHBoxLayout(self._bottom)
-        self._line, self._column, self._whole = QHBoxLayout(), QVBoxLayout(), QVBoxLayout(body)
-        top, page = QHBoxLayout(), QVBoxLayout(self)
-        for layout in (self._pictures, self._bar_layout, self._line, self._whole, page):
-            layout.setContentsMargins(0, 0, 0, 0)
-        fill(self._pictures, self.above, self.section)
-        fill(self._column, self.enlarge_key, (self.bar, 1), self.shallower, self.deeper)
-        fill(self._line, (self.band, 1), self.note)
-        self._line.addStretch(0)
-        fill(self._bar_layout, (self.text, 1), *keys)
-        fill(top, (self._room, 1), self._column)
-        fill(self._whole, (top, 1), self._line, self._bottom)
+        self._pictures = row(self.above, self.section, gap=GAP_PX)
+        self._room = holding(self._pictures)
+        beside = (self.enlarge_key, (self.bar, 1), self.shallower, self.deeper)
+        top = row((self._room, 1), column(*beside, gap=GAP_PX), gap=GAP_PX)
+        line = row((self.band, 1), self.note, gap=GAP_PX)
+        line.addStretch()
+        self._bottom = holding(row((self.text, 1), *keys, gap=2 * GAP_PX), "ground_bottom")
         self._stack.addWidget(self.empty)
-        self._stack.addWidget(body)
-        page.addWidget(self._stack)
+        whole = column((top, 1), holding(line, "ground_line"), self._bottom, gap=GAP_PX)
+        self._stack.addWidget(holding(whole))
+        self.setLayout(row(self._stack))
 
 
 def divided(shape: float, width_px: int, height_px: int) -> Tuple[bool, float]:

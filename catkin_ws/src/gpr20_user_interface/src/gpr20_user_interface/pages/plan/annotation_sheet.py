@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Dict
 
 from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QHBoxLayout, QVBoxLayout, QWidget
+from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -19,16 +19,15 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
-from gpr20_user_interface.look.look import TOUCH_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.tile import TileButton
-from gpr20_user_interface.widgets.widgets import fill, new_button, space
+from gpr20_user_interface.widgets.widgets import column, grid, new_button, row, set_look
 
-BUTTON_PX = 130
 # Row, column, and how many columns.
 PLACES = {
     "name": (0, 0, 1),
@@ -70,10 +69,12 @@ class AnnotationSheet(Overlay):
         self.tiles: Dict[str, TileButton] = {one.name: TileButton(lines=0) for one in PEOPLE}
         for name, tile in self.tiles.items():
             tile.clicked.connect(lambda _checked, name=name: self._ask(name))
-        self.save = new_button(self._on_save)
-        self.close_button = new_button(self.hide)
+        self.save = new_button(self._on_save, Message("SAVE"))
+        self.close_button = new_button(self.hide, Message("CLOSE"))
+        for button in (self.save, self.close_button):
+            set_look(button, "corner", True)
         self._lay_out()
-        self.retranslate()
+        self.show_now()
 
     def read(self, survey: str) -> None:
         """Open with what the storage has of a survey, by its id or the name of its folder."""
@@ -84,27 +85,18 @@ class AnnotationSheet(Overlay):
         """Open with the annotation of a survey, by id or folder; empty: of the next one."""
         self.survey, self._before = survey, annotation
         self.texts = annotation_texts(annotation)
-        self.retranslate()
+        self.show_now()
         self.open()
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
+    def show_now(self) -> None:
+        """Write what is entered."""
         survey = self.tr("Survey {survey}").format(survey=self.survey)
         self.title.show_text(survey if self.survey else self.tr("Next survey"))
         for name, tile in self.tiles.items():
             empty = SPECS[name].empty if not self.survey else None
             shown = self.texts[name] or ("" if empty is None else shown_text(empty))
             tile.show_texts(shown_text(SPECS[name].title), sentence=shown or "—")
-        self.save.setText(self.tr("SAVE"))
         self.save.setEnabled(self.texts != annotation_texts(self._before))
-        self.close_button.setText(self.tr("CLOSE"))
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        space(self, self._rows, self._top, self._grid)
-        for button in (self.save, self.close_button):
-            button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
     def _take(self, stored: StoredSurvey) -> None:
         try:
@@ -146,18 +138,16 @@ class AnnotationSheet(Overlay):
 
         def deliver(text: str) -> None:
             self.texts[name] = text
-            self.retranslate()
+            self.show_now()
 
         hint = shown_text(spec.allowed(DOCUMENTED_TRAVEL))
         self.pad.ask(deliver, shown_text(spec.title), hint, self.texts[name], judge, spec.kind.keys)
 
     def _lay_out(self) -> None:
-        self._top, self._rows = QHBoxLayout(), QVBoxLayout(self)
-        fill(self._top, (self.title, 1), self.close_button, self.save)
-        self._grid = QGridLayout()
-        for name, (row, column, columns) in PLACES.items():
-            self._grid.addWidget(self.tiles[name], row, column, 1, columns)
-        for column in range(2):
-            self._grid.setColumnStretch(column, 1)
-        self._grid.setRowStretch(2, 1)
-        fill(self._rows, self._top, (self._grid, 1))
+        tiles = grid()
+        for name, (line, place, columns) in PLACES.items():
+            tiles.addWidget(self.tiles[name], line, place, 1, columns)
+            tiles.setColumnStretch(place, 1)
+        tiles.setRowStretch(2, 1)
+        top = row((self.title, 1), self.close_button, self.save)
+        self.setLayout(column(top, (tiles, 1), margin=GAP_PX))

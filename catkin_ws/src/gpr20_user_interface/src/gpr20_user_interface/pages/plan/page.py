@@ -7,7 +7,7 @@ from functools import singledispatchmethod
 from typing import Dict, Optional
 
 from PyQt5.QtCore import QPointF, QRectF, pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QWidget
+from PyQt5.QtWidgets import QWidget
 
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
@@ -31,19 +31,20 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.translation import TranslatedWidget, shown_number, shown_text
+from gpr20_user_interface.look.look import GAP_PX
+from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
 from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.tile import AreaTile, TileButton
-from gpr20_user_interface.widgets.widgets import space
+from gpr20_user_interface.widgets.widgets import grid
 
 COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.
 RETRY_REFRESHES = 40
 
 
-class PlanPage(TranslatedWidget, Page):
+class PlanPage(QWidget, Page):
     """Shows the plan; a touch on a tile opens its sheet, and START says why it is locked.
 
     Attributes:
@@ -83,7 +84,7 @@ class PlanPage(TranslatedWidget, Page):
         self.annotation = AnnotationSheet(window, storage)
         self._lay_out()
         self._connect()
-        self.retranslate()
+        self.show_again()
 
     @property
     def parameters(self) -> Optional[SurveyParameters]:
@@ -188,14 +189,10 @@ class PlanPage(TranslatedWidget, Page):
         else:
             self.annotation.show_annotation("", self.next_annotation.value)
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size."""
         self._show_tiles()
         self._show_commands()
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        space(self, self._grid)
 
     def _show_tiles(self) -> None:
         known = self._previewed = self._survey.preview
@@ -274,7 +271,8 @@ class PlanPage(TranslatedWidget, Page):
         self.annotation.failed.connect(lambda reason: self.refused.emit(Refused.NOTES, reason))
 
     def _lay_out(self) -> None:
-        self._grid = QGridLayout(self)
+        self._grid = grid(margin=GAP_PX)
+        self.setLayout(self._grid)
         self._grid.addWidget(self.area, 0, 0, ROWS - 1, 1)
         others = [button for tile, button in self.tiles.items() if tile is not Tile.AREA]
         for number, button in enumerate(others):

@@ -6,27 +6,30 @@ from typing import List
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
-from PyQt5.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QPushButton,
-    QSizePolicy,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QPushButton, QSizePolicy, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, FieldSpec, Tile
 from gpr20_operator.plan.form import PlanForm, quarter_wavelength_mm
 from gpr20_operator.plan.presets import Preset
-from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.tile import TileButton
-from gpr20_user_interface.widgets.widgets import fill, in_two_lines, new_button, set_look, space
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    holding,
+    in_two_lines,
+    new_button,
+    new_label,
+    row,
+    set_look,
+    tiled,
+)
 
-FIELDS_PX, PRESETS_PX, KEYS_PX, BUTTON_PX, FIELD_PX = 252, 232, 284, 134, 84
+# As in the style sheet.
+PRESETS_PX = 232
 MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
 PRESET_FRAME_PX = 10
@@ -50,18 +53,19 @@ class ValueSheet(Overlay):
         self._fresh, self._touched = True, False
         self._before = dict(form.texts)
         self._offered: List[Preset] = []
-        self.title, self.hint = QLabel(), QLabel()
-        self.title.setObjectName("title")
-        self.hint.setWordWrap(True)
-        self.undo, self.done = new_button(self._on_undo), new_button(self.finish)
+        self.title, self.hint = new_label("title"), new_label(wraps=True)
+        self.undo = new_button(self._on_undo, Message("UNDO"))
+        self.done = new_button(self.finish, Message("DONE"))
         self.done.setObjectName("primary")
+        for button in (self.undo, self.done):
+            set_look(button, "corner", True)
         self.fields = [self._field(number) for number in range(MOST_FIELDS)]
         self.presets = [self._preset(number) for number in range(PRESET_COLUMNS * PRESET_ROWS)]
         self.keys = KeyBlock()
         self.keys.written.connect(self.write)
         self.keys.commanded.connect(self._on_command)
         self._lay_out()
-        self.retranslate()
+        self.show_now()
 
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
@@ -100,23 +104,10 @@ class ValueSheet(Overlay):
         else:
             super().keyPressEvent(event)
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
+    def show_now(self) -> None:
+        """Write what is entered."""
         self.title.setText(shown_text(self._tile.value))
-        self.undo.setText(self.tr("UNDO"))
-        self.done.setText(self.tr("DONE"))
         self._show()
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        space(self, self._rows, self._top, self._body, self._left, self._grid)
-        self._fields.setFixedWidth(look.px(FIELDS_PX))
-        self._presets.setFixedWidth(look.px(PRESETS_PX))
-        for field in self.fields:
-            field.setMaximumHeight(look.px(FIELD_PX))
-        for button in (self.undo, self.done):
-            button.setFixedSize(look.px(BUTTON_PX), look.px(TOUCH_PX))
 
     @property
     def _name(self) -> str:
@@ -124,7 +115,7 @@ class ValueSheet(Overlay):
 
     def _choose(self, number: int) -> None:
         self._active, self._fresh, self._touched = number, True, False
-        self.retranslate()
+        self.show_now()
 
     def _show(self) -> None:
         """Show texts, keys, presets, and what is wrong or allowed."""
@@ -195,19 +186,9 @@ class ValueSheet(Overlay):
         return button
 
     def _lay_out(self) -> None:
-        self._top, self._body, self._rows = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
-        fill(self._top, self.title, (self.hint, 1), self.undo, self.done)
-        self._fields, self._presets = QWidget(), QWidget()
-        self._left = QVBoxLayout(self._fields)
-        fill(self._left, *((field, 10) for field in self.fields))
-        self._left.addStretch(1)
-        self._grid = QGridLayout(self._presets)
-        for number, button in enumerate(self.presets):
-            row, column = divmod(number, PRESET_COLUMNS)
-            self._grid.addWidget(button, row, column)
-            self._grid.setRowStretch(row, 1)
-            self._grid.setColumnStretch(column, 1)
-        for layout in (self._left, self._grid):
-            layout.setContentsMargins(0, 0, 0, 0)
-        fill(self._body, self._fields, self._presets, (self.keys, 1))
-        fill(self._rows, self._top, (self._body, 1))
+        fields = column(*((field, 10) for field in self.fields))
+        fields.addStretch(1)
+        presets = holding(tiled(self.presets, PRESET_COLUMNS), "value_presets")
+        body = row(holding(fields, "value_fields"), presets, (self.keys, 1))
+        top = row(self.title, (self.hint, 1), self.undo, self.done)
+        self.setLayout(column(top, (body, 1), margin=GAP_PX))

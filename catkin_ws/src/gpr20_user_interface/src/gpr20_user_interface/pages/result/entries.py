@@ -20,7 +20,7 @@ from gpr20_user_interface.look.translation import sentence_text, shown_number, s
 from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet
 from gpr20_user_interface.touch.hold_button import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import new_button, say
 
 NONE = "—"
 PERMITTIVITIES = Message(
@@ -52,8 +52,10 @@ class PlaceSheet(ResultSheet):
         self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
         self.store = HoldButton()
         self.store.held.connect(self._on_store)
-        self.finer = new_button(lambda: self._leave(self.finer_wanted))
-        self.view = new_button(lambda: self._leave(self.show_wanted))
+        say(self.store, Message("Hold to\nstore"))
+        finer, view = Message("Measure\nfiner"), Message("Show in\nGround")
+        self.finer = new_button(lambda: self._leave(self.finer_wanted), finer)
+        self.view = new_button(lambda: self._leave(self.show_wanted), view)
         self.add_text()
         self.add_row(*self.whats.values())
         self.add_row(self.deep, self.who, self.store)
@@ -70,12 +72,9 @@ class PlaceSheet(ResultSheet):
 
     def show_now(self) -> None:
         """Show the place, and what is entered."""
-        self.finer.setText(self.tr("Measure\nfiner"))
-        self.view.setText(self.tr("Show in\nGround"))
         depth = shown_text(entered_number(self._depth)) or NONE
         self.deep.setText(f"{self.tr('Depth')}\n{depth} mm")
         self.who.setText(f"{self.tr('Who')}\n{self._who[:LONGEST_NAME] or NONE}")
-        self.store.setText(self.tr("Hold to\nstore"))
         for what, key in self.whats.items():
             text = self.tr("Found:\n{what}").format(what=shown_text(texts.FINDS[what]))
             self.show_choice(key, text, what is self._what)
@@ -142,6 +141,8 @@ class SoilSheet(ResultSheet):
         self.unknown, self.other = self._key(None), new_button(self._on_other)
         self.use = HoldButton()
         self.use.held.connect(self._on_use)
+        say(self.use, Message("Hold to use it"))
+        say(self.title, Message("Soil of this survey"))
         self.add_row(*self.soils.values())
         self.add_row(self.unknown, self.other)
         self.add_text()
@@ -154,7 +155,6 @@ class SoilSheet(ResultSheet):
 
     def show_now(self) -> None:
         """Show what is chosen."""
-        self.title.setText(self.tr("Soil of this survey"))
         for soil, key in self.soils.items():
             value = soil.value.permittivity
             self.show_choice(
@@ -164,7 +164,6 @@ class SoilSheet(ResultSheet):
         other, known = self._value, [one.value.permittivity for one in Soils]
         number = "" if other is None or other in known else f"\n{shown_number(other)}"
         self.other.setText(self.tr("Other value") + number)
-        self.use.setText(self.tr("Hold to use it"))
         self.use.setEnabled(self._value != self.result.permittivity)
         self.text.setText(
             self.tr(

@@ -8,17 +8,9 @@ from __future__ import annotations
 from typing import Callable, List
 
 from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QLayout,
-    QProgressBar,
-    QStackedWidget,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.jobs import result_texts as texts
@@ -26,8 +18,8 @@ from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, Sur
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_user_interface.look.look import GAP_PX, look_of
-from gpr20_user_interface.look.translation import Languages, TranslatedWidget, shown_text
+from gpr20_user_interface.look.look import GAP_PX
+from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.pages.result.entries import PlaceSheet, SoilSheet
 from gpr20_user_interface.pages.result.sheets import (
     DoubtsSheet,
@@ -40,16 +32,22 @@ from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import SurveyBand
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.tile import TileButton
-from gpr20_user_interface.widgets.widgets import fill, new_button, set_look
+from gpr20_user_interface.widgets.widgets import (
+    column,
+    holding,
+    new_button,
+    new_label,
+    row,
+    say,
+    set_look,
+    tiled,
+)
 
-PANEL_PX = 320
-# Few places do not fill the list: what belongs together stays together.
-MOST_ROW_PX = 72
 # Shares of the longer side: numbers stand beside the image, not on it.
 RIM_BESIDE, RIM_ABOVE = 0.12, 0.07
 
 
-class ResultPage(TranslatedWidget, Page):
+class ResultPage(QWidget, Page):
     """Shows the result of the survey that has ended, or of a stored one that was opened.
 
     Args:
@@ -88,11 +86,9 @@ class ResultPage(TranslatedWidget, Page):
         self.place_sheet.show_wanted.connect(self._on_show)
         self._drawn: object = None
         self._drawn_image: object = None
-        self.title, self.no_clearance, self.nothing = QLabel(), QLabel(), QLabel()
-        for label in (self.title, self.no_clearance, self.nothing):
-            label.setObjectName("first_title")
-            label.setWordWrap(True)
-        self.no_clearance.setObjectName("small_alarm")
+        self.title = new_label("first_title", wraps=True)
+        self.no_clearance = new_label("small_alarm", wraps=True, text=NO_CLEARANCE)
+        self.nothing = new_label("first_title", wraps=True, text=texts.NOT_SAFE)
         self.band = SurveyBand()
         self.doubts = new_button(self.doubts_sheet.open_now)
         self.doubts.setObjectName("doubts")
@@ -102,15 +98,16 @@ class ResultPage(TranslatedWidget, Page):
         self.card = EmptyState()
         self.progress = QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
-        self.stick = new_button(self.stick_sheet.ask)
+        self.stick = new_button(self.stick_sheet.ask, Message("Report\nto stick"))
         self.stick.setObjectName("primary")
-        self.hiding = new_button(self.hiding_sheet.open_now)
+        hiding = Message("Where could\na mine hide?")
+        self.hiding = new_button(self.hiding_sheet.open_now, hiding)
         self.soil = new_button(self.soil_sheet.ask)
         self.more = new_button(self._on_more)
-        self.plan = new_button(self.plan_wanted.emit)
+        self.plan = new_button(self.plan_wanted.emit, Message("Plan the\nnext survey"))
         self.keys = (self.stick, self.hiding, self.soil, self.plan)
         self._lay_out()
-        self.retranslate()
+        self._show()
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Search while the page is seen; during a survey only what is known is shown."""
@@ -137,35 +134,17 @@ class ResultPage(TranslatedWidget, Page):
         for sheet in self.sheets:
             sheet.refresh()
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.no_clearance.setText(shown_text(NO_CLEARANCE))
-        self.nothing.setText(shown_text(texts.NOT_SAFE))
-        self.stick.setText(self.tr("Report\nto stick"))
-        self.hiding.setText(self.tr("Where could\na mine hide?"))
-        self.plan.setText(self.tr("Plan the\nnext survey"))
-        self._drawn = None
-        self._show()
-
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look."""
-        look = look_of(self)
-        gap_px = look.px(GAP_PX)
-        self._panel.setFixedWidth(look.px(PANEL_PX))
-        self._page.setContentsMargins(gap_px // 2, gap_px // 4, gap_px // 2, gap_px // 4)
-        for layout in (self._page, self._left, self._beside, self._keys):
-            layout.setSpacing(gap_px // 2)
-        self._list.setSpacing(look.px(1))
-        for row in self.rows:
-            row.setMaximumHeight(look.px(MOST_ROW_PX))
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size."""
         self._drawn_image = self._drawn = None
+        self._show()
 
     def _show(self) -> None:
         result, record, image = self.result, self.result.record, self.result.image
         self.band.show_band(texts.band(result))
         doubts = len(texts.doubts(result))
         self.doubts.setVisible(doubts > 0)
-        self.doubts.setText(self.tr("Doubts: {count}").format(count=doubts))
+        say(self.doubts, Message("Doubts: {count}", count=doubts))
         can_ask = record is not None and not result.survey_runs
         self.stick.setEnabled(can_ask)
         self.hiding.setEnabled(image is not None and can_ask)
@@ -173,13 +152,13 @@ class ResultPage(TranslatedWidget, Page):
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
         more = len(result.places) - len(result.shown)
         self.more.setVisible(more > 0)
-        self.more.setText(self.tr("{count}\nmore").format(count=more))
+        say(self.more, Message("{count}\nmore", count=more))
         # Nothing of another survey, nor of the search before.
-        for row, place in zip(self.rows, (*result.shown, *[None] * PLACES_SHOWN)):
-            row.setVisible(place is not None)
-            row.setEnabled(not result.survey_runs)
+        for tile, place in zip(self.rows, (*result.shown, *[None] * PLACES_SHOWN)):
+            tile.setVisible(place is not None)
+            tile.setEnabled(not result.survey_runs)
             if place is not None:
-                self._show_row(row, place)
+                self._show_row(tile, place)
         self._stack.setCurrentIndex(int(image is not None))
         self._right.setCurrentIndex(int(image is not None and not result.places))
         if image is None:
@@ -187,12 +166,12 @@ class ResultPage(TranslatedWidget, Page):
         else:
             self._show_image(image)
 
-    def _show_row(self, row: TileButton, place: Candidate) -> None:
+    def _show_row(self, tile: TileButton, place: Candidate) -> None:
         found = self.result.find_at(place)
         where = f"{place.number}: {shown_text(texts.place_line(place))}"
         line = texts.why_line(place) if found is None else texts.found_line(found)
         level = "locked" if place.is_doubtful else ""
-        row.show_texts(where, shown_text(line), level=level)
+        tile.show_texts(where, shown_text(line), level=level)
 
     def _show_state(self) -> None:
         result, record = self.result, self.result.record
@@ -243,45 +222,31 @@ class ResultPage(TranslatedWidget, Page):
         self.picture.labels = "", shown_text(texts.FROM_MARK)
 
     def _row(self, number: int) -> TileButton:
-        row = TileButton(lines=1)
-        row.title.setObjectName("first_title")
-        row.lines[0].setObjectName("small")
-        row.clicked.connect(lambda: self.place_sheet.ask(self.result.shown[number]))
-        return row
+        tile = TileButton(lines=1)
+        tile.title.setObjectName("first_title")
+        tile.lines[0].setObjectName("small")
+        tile.clicked.connect(lambda: self.place_sheet.ask(self.result.shown[number]))
+        return tile
 
     def _on_more(self) -> None:
         self.result.turn_page()
         self.show_now()
 
     def _lay_out(self) -> None:
-        card = QVBoxLayout()
-        fill(card, (self.card, 1), self.progress)
-        self._list = QVBoxLayout()
-        self._list.setContentsMargins(0, 0, 0, 0)
-        fill(self._list, *((row, 1) for row in self.rows))
-        self._list.addStretch()
+        gap = GAP_PX // 2
+        places = column(*((one, 1) for one in self.rows), gap=1)
+        places.addStretch()
         self._right, self._stack = QStackedWidget(), QStackedWidget()
-        self._right.addWidget(_holding(self._list))
+        self._right.addWidget(holding(places, "places"))
         self._right.addWidget(self.nothing)
-        # Five rows beside the image; each is as high as a finger needs.
-        self._right.setStyleSheet("QPushButton#tile { min-height: 1px; }")
-        self._stack.addWidget(_holding(card))
+        self._stack.addWidget(holding(column((self.card, 1), self.progress, margin=gap)))
         self._stack.addWidget(self.picture)
         for key in (*self.keys, self.more, self.doubts):
             set_look(key, "compact", True)
-        self._keys = QGridLayout()
-        for number, key in enumerate(self.keys):
-            self._keys.addWidget(key, *divmod(number, 2))
-        self._left, self._beside = QVBoxLayout(), QVBoxLayout()
-        self._beside.setContentsMargins(0, 0, 0, 0)
-        fill(self._left, self.band, self.doubts, (self._stack, 1), self.no_clearance)
-        top = QHBoxLayout()
-        fill(top, (self.title, 1), self.more)
-        fill(self._beside, top, (self._right, 1), self._keys)
-        self._page = QHBoxLayout(self)
-        self._panel = _holding(self._beside)
-        fill(self._page, (_holding(self._left), 1), self._panel)
-        self._left.setContentsMargins(0, 0, 0, 0)
+        left = column(self.band, self.doubts, (self._stack, 1), self.no_clearance, gap=gap)
+        top = row((self.title, 1), self.more)
+        beside = column(top, (self._right, 1), tiled(self.keys, 2), gap=gap)
+        self.setLayout(row((left, 1), holding(beside, "result_panel"), margin=gap // 2, gap=gap))
 
     def _on_finer(self, place: Candidate) -> None:
         if self.result.record is not None:
@@ -291,9 +256,3 @@ class ResultPage(TranslatedWidget, Page):
         if self.result.record is not None:
             survey = self.result.record.survey_id, self.result.survey
             self.show_wanted.emit(*survey, place.x_mm, place.y_mm, place.depth_mm)
-
-
-def _holding(layout: QLayout) -> QWidget:
-    held = QWidget()
-    held.setLayout(layout)
-    return held

@@ -2,16 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Callable, List, Tuple
+from typing import Callable, Tuple
 
-from PyQt5.QtWidgets import (
-    QHBoxLayout,
-    QLabel,
-    QProgressBar,
-    QPushButton,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QProgressBar, QPushButton, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
@@ -22,11 +15,11 @@ from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS
 from gpr20_survey.results.volume import ExportPart, Volume
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_button
+from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say
 
 LONGEST_NAME = 12
 MOST_STICKS = 3
@@ -52,19 +45,14 @@ class ResultSheet(Overlay):
         super().__init__(window)
         self.result = result
         self._drawn: object = None
-        self.title, self.text, self.progress = QLabel(), PulledText(), QProgressBar()
-        self.title.setObjectName("title")
+        self.title, self.text, self.progress = new_label("title"), PulledText(), QProgressBar()
         self.progress.setRange(0, 0)  # it is not known how long it takes
         self.progress.hide()
-        self.close_button = new_button(self.hide)
-        self.no_clearance = QLabel()
-        self.no_clearance.setObjectName("alarm")
-        self.no_clearance.setWordWrap(True)
-        self._rows: List[QHBoxLayout] = []
+        self.close_button = new_button(self.hide, Message("CLOSE"))
+        self.no_clearance = new_label("alarm", wraps=True, text=NO_CLEARANCE)
         self.band = SurveyBand()
-        self._page = QVBoxLayout(self)
-        self._page.addWidget(self.band)
-        self._page.addWidget(self.title)
+        self._page = column(self.band, self.title, margin=GAP_PX)
+        self.setLayout(self._page)
 
     def refresh(self) -> None:
         """Show what has changed, while it is open."""
@@ -82,26 +70,9 @@ class ResultSheet(Overlay):
         self.show_now()
         self.open()
 
-    def retranslate(self) -> None:
-        """Write the texts in the language of the application."""
-        self.close_button.setText(self.tr("CLOSE"))
-        self.no_clearance.setText(shown_text(NO_CLEARANCE))
-        self.show_now()
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        gap_px = look_of(self).px(GAP_PX)
-        self._page.setContentsMargins(2 * gap_px, gap_px, 2 * gap_px, gap_px)
-        for layout in (self._page, *self._rows):
-            layout.setSpacing(gap_px)
-
     def add_row(self, *widgets: QWidget) -> None:
         """Add a row of keys."""
-        row = QHBoxLayout()
-        for widget in widgets:
-            row.addWidget(widget, 1)
-        self._rows.append(row)
-        self._page.addLayout(row)
+        self._page.addLayout(row(*((one, 1) for one in widgets)))
 
     def add_text(self) -> None:
         """Add the text, and the bar below it."""
@@ -112,7 +83,7 @@ class ResultSheet(Overlay):
         """Add the last keys, and what the list is not."""
         self.add_row(*keys, self.close_button)
         self._page.addWidget(self.no_clearance)
-        self.retranslate()
+        self.show_now()
 
     def choice(self, act: Callable[[], None]) -> QPushButton:
         """Return a key that is chosen or not."""
@@ -143,7 +114,7 @@ class DoubtsSheet(ResultSheet):
     def show_now(self) -> None:
         """Show all of it."""
         found = texts.doubts(self.result)
-        self.title.setText(self.tr("What is doubted"))
+        say(self.title, Message("What is doubted"))
         self.text.setText("\n\n".join(map(with_remedy, found)))
         if not found:
             self.hide()
@@ -155,7 +126,7 @@ class HidingSheet(ResultSheet):
     def __init__(self, window: QWidget, result: SurveyResult) -> None:
         super().__init__(window, result)
         self.targets = {one: self._key(one) for one in Targets}
-        self.cancel = new_button(lambda: self.result.hiding.end())
+        self.cancel = new_button(lambda: self.result.hiding.end(), Message("CANCEL"))
         self.add_row(*self.targets.values())
         self.add_text()
         self.add_end(self.cancel)
@@ -163,8 +134,7 @@ class HidingSheet(ResultSheet):
     def show_now(self) -> None:
         """Show the targets, and the answer for the last one."""
         job = self.result.hiding
-        self.title.setText(self.tr("Where could a mine hide?"))
-        self.cancel.setText(self.tr("CANCEL"))
+        say(self.title, Message("Where could a mine hide?"))
         self.cancel.setVisible(job.running)
         for target, key in self.targets.items():
             size = f"{MM_PER_M * target.value.diameter_m:g} mm"
@@ -199,7 +169,8 @@ class StickSheet(ResultSheet):
         self._parts: Tuple[ExportPart, ...] = REPORT
         self.report, self.all_data = self._part(REPORT), self._part(ALL_DATA)
         self.sticks = [self._stick(number) for number in range(MOST_STICKS)]
-        self.cancel = new_button(lambda: self.result.export.job.cancel(CANCELLING))
+        stop = lambda: self.result.export.job.cancel(CANCELLING)  # noqa: E731
+        self.cancel = new_button(stop, Message("CANCEL"))
         self.add_row(self.report, self.all_data)
         self.add_row(*self.sticks)
         self.add_text()
@@ -221,7 +192,6 @@ class StickSheet(ResultSheet):
         """Show what is written where."""
         export = self.result.export
         running = export.job.running
-        self.cancel.setText(self.tr("CANCEL"))
         self.cancel.setVisible(running)
         self.show_choice(self.report, self.tr("Report"), self._parts is REPORT)
         self.show_choice(self.all_data, self.tr("All data"), self._parts is ALL_DATA)

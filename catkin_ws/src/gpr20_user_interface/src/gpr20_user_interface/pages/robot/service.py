@@ -7,7 +7,7 @@ from functools import partial
 from typing import Dict, List
 
 from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QStackedWidget, QTextEdit, QWidget
+from PyQt5.QtWidgets import QGridLayout, QLabel, QPushButton, QStackedWidget, QWidget
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.job import Job
@@ -20,7 +20,7 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.cards import text_area
+from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,
@@ -63,9 +63,8 @@ class ServiceScreen(QWidget):
         self.places = {axis: new_label("figure") for axis in AxisId}
         self.lamps = {axis: QLabel() for axis in (AxisId.X, AxisId.Y)}
         self.measure, self.analyzer, self.daily = QPushButton(), QPushButton(), QPushButton()
-        self.answers: Dict[QPushButton, QTextEdit] = {
-            button: text_area() for button in (self.measure, self.analyzer, self.daily)
-        }
+        tests = self.measure, self.analyzer, self.daily
+        self.answers: Dict[QPushButton, PulledText] = {one: PulledText() for one in tests}
         self.outcome = new_label(wraps=True)
         self.switch_button = new_button(self._on_switch)
         leave_button = new_button(self.left.emit)
@@ -107,10 +106,7 @@ class ServiceScreen(QWidget):
         }
         for one, said in lines.items():
             one.setEnabled(free)
-            text = "\n".join(map(shown_text, said))
-            # A text that is written again scrolls to its begin.
-            if self.answers[one].toPlainText() != text:
-                self.answers[one].setPlainText(text)
+            self.answers[one].setText("\n".join(map(shown_text, said)))
         self.outcome.setText("" if model.outcome is None else shown_text(model.outcome))
         set_look(self.outcome, "level", "wrong" if model.failed else "")
 

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from typing import List, Optional
+from typing import Any, List, Optional
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QResizeEvent, QShowEvent
-from PyQt5.QtWidgets import (
-    QGridLayout,
-    QHBoxLayout,
-    QLabel,
-    QStackedWidget,
-    QVBoxLayout,
-    QWidget,
-)
+from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
 
+from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import PastSurveys, title_of
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
@@ -26,7 +20,7 @@ from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
-from gpr20_user_interface.look.translation import TranslatedWidget, sentence_text, shown_text
+from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.pages.surveys.survey_list import (
     PICTURE_PX,
     ROW_PX,
@@ -39,16 +33,15 @@ from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import fill, new_button
+from gpr20_user_interface.widgets.widgets import column, holding, new_button, row, tiled
 
-PANEL_PX = 248
 MAP_PX = 112
 SIGN_PX = 28
 # Of a search; its button has no room for more.
 LONGEST_SHOWN = 20
 
 
-class SurveysPage(TranslatedWidget, Page):
+class SurveysPage(QWidget, Page):
     """The list of stored surveys.
 
     Args:
@@ -90,12 +83,12 @@ class SurveysPage(TranslatedWidget, Page):
         self.list.verticalScrollBar().valueChanged.connect(lambda _: self._read_older())
         self.empty = EmptyState()
         self.title, self.map, self.details = ElidedLabel(), QLabel(), PulledText()
-        self.result = new_button(lambda: self.result_requested.emit(self._folder))
-        self.open = new_button(lambda: self.open_requested.emit(self._folder))
-        self.resume = new_button(lambda: self.resume_requested.emit(self._folder))
-        self.notes = new_button(lambda: self.notes_requested.emit(self._folder))
+        self.result = self._key(self.result_requested, Message("Result"))
+        self.open = self._key(self.open_requested, Message("Ground"))
+        self.resume = self._key(self.resume_requested, Message("Resume"))
+        self.notes = self._key(self.notes_requested, Message("Notes"))
         self._lay_out()
-        self.retranslate()
+        self._show_list()
 
     def on_event(self, _event: object) -> None:
         """Show what the storage reports."""
@@ -240,24 +233,16 @@ class SurveysPage(TranslatedWidget, Page):
         lines = (answer, when, *survey_lines(self._surveys, survey))
         return [sentence_text(one) for one in lines if one is not None]
 
-    def retranslate(self) -> None:
-        """Write every text that does not come with the next refresh."""
-        self.result.setText(self.tr("Result"))
-        self.open.setText(self.tr("Ground"))
-        self.resume.setText(self.tr("Resume"))
-        self.notes.setText(self.tr("Notes"))
-        self._show_list()
+    def _key(self, requested: Any, text: Message) -> QPushButton:
+        return new_button(lambda: requested.emit(self._folder), text)
 
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look."""
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size."""
         self.model.look = look = look_of(self)
         ink = look.text(TextColours.ARROW).ink
         self.search.setIcon(icon("search", ink, look.px(SIGN_PX)))
         self.search.setIconSize(QSize(look.px(SIGN_PX), look.px(SIGN_PX)))
         self.list.setIconSize(QSize(look.px(PICTURE_PX), look.px(PICTURE_PX)))
-        self.panel.setFixedWidth(look.px(PANEL_PX))
-        for layout in self._layouts:
-            layout.setSpacing(look.px(GAP_PX))
         self.list.doItemsLayout()
         self._show_list()
 
@@ -269,16 +254,7 @@ class SurveysPage(TranslatedWidget, Page):
         self.shown = QStackedWidget()
         self.shown.addWidget(self.list)
         self.shown.addWidget(self.empty)
-        top, left, keys = QHBoxLayout(), QVBoxLayout(), QGridLayout()
-        fill(top, (self.search, 1), self.clear)
-        fill(left, top, (self.shown, 1))
-        for number, button in enumerate((self.result, self.open, self.resume, self.notes)):
-            keys.addWidget(button, *divmod(number, 2))
-        self.panel = QWidget()
-        right = QVBoxLayout(self.panel)
-        right.setContentsMargins(0, 0, 0, 0)
-        fill(right, self.title, self.map, (self.details, 1), keys)
-        page = QHBoxLayout(self)
-        page.setContentsMargins(GAP_PX, GAP_PX, GAP_PX, GAP_PX)
-        fill(page, (left, 1), self.panel)
-        self._layouts = (page, top, left, right, keys)
+        left = column(row((self.search, 1), self.clear), (self.shown, 1))
+        keys = tiled((self.result, self.open, self.resume, self.notes), 2)
+        right = holding(column(self.title, self.map, (self.details, 1), keys), "archive_panel")
+        self.setLayout(row((left, 1), right, margin=GAP_PX))
