@@ -20,6 +20,7 @@ STATE_NAMES: Dict[StopState, Message] = {
     StopState.MISSING: Message("Missing"),
     StopState.FAILED: Message("Failed"),
 }
+HATCHED = Message("Hatched: a mine could hide here.")
 NO_CLEARANCE = Message("No echo does not mean no mine.")
 NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored one.")
 # While one begins: its plan comes with its first trace.
@@ -148,7 +149,7 @@ def remark(model: GroundModel) -> Message:
             "Dashes: loading {loaded}/{stored}.", loaded=loading.loaded, stored=loading.stored
         )
     if settings.layer is Layer.HIDING and model.additions.hiding is not None:
-        return Message("Hatched: a mine could hide here.")
+        return HATCHED
     if radar.given_up:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
     if model.shows_focused and model.image is not None:

@@ -13,6 +13,7 @@ from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 from gpr20_common.message import Message
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.sources import FocusedSource
+from gpr20_operator.ground.texts import HATCHED
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
@@ -219,7 +220,8 @@ class ResultPage(QWidget, Page):
         )
         self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
         # At the top: at the bottom it would take the room of the numbers.
-        self.picture.labels = "", shown_text(texts.FROM_MARK)
+        hatched = result.hiding.result is not None
+        self.picture.labels = "", shown_text(HATCHED if hatched else texts.FROM_MARK)
 
     def _row(self, number: int) -> TileButton:
         tile = TileButton(lines=1)

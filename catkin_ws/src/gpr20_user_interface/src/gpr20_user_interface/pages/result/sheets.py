@@ -7,6 +7,7 @@ from typing import Callable, Tuple
 from PyQt5.QtWidgets import QProgressBar, QPushButton, QWidget
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.texts import HATCHED
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import ALL_DATA, CANCELLING, REPORT, SurveyResult
@@ -146,8 +147,7 @@ class HidingSheet(ResultSheet):
             rest = self.tr("Searching; this takes up to some minutes.")
         elif job.result is not None:
             lines = [ONLY_THIS, *job.result.details]
-            hatched = self.tr("Hatched on the image: where it could hide.")
-            rest = "\n".join([hatched, *map(sentence_text, lines)])
+            rest = "\n".join(map(sentence_text, [HATCHED, *lines]))
         self.show_job(job, rest)
 
     def _key(self, target: Targets) -> QPushButton:

@@ -35,7 +35,7 @@ from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
 from gpr20_user_interface.widgets.page import Page
 from gpr20_user_interface.widgets.widgets import column, holding, new_button, row, tiled
 
-MAP_PX = 112
+MAP_PX = 80
 SIGN_PX = 28
 # Of a search; its button has no room for more.
 LONGEST_SHOWN = 20
