@@ -150,8 +150,8 @@ def test_the_doctor_and_the_check_before_a_launch_know_what_the_nodes_import():
     imported = set().union(*(foreign_modules(name) for name in launched))
     ours = {one for one in imported - ROBOT_MODULES if key_of(one).endswith("-pip")}
     assert {*MODULES} == ours
-    # The window, which a machine without a screen does not start, and the page need the others.
-    assert {*MODULES} - {*NEEDED} == {"apprise", "pyqtgraph", "tornado"}
+    # The page, without which the robot works, needs the others.
+    assert {*MODULES} - {*NEEDED} == {"apprise", "tornado"}
 
 
 @each_case("name", PACKAGES)
