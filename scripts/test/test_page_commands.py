@@ -37,6 +37,7 @@ ELSEWHERE = {
     r"gpr20 (corners|import line\.scan|info line\.nc)|notch|--method columns|cleaned\.nc": (
         "the code of the tutorial: test_own_commands.py"
     ),
+    r"^(kill|mount) -": "a robot that is broken on purpose: test_broken_states.py",
     r"gpr20 view": "a window: the tests of gpr20_viewer",
     r"PLATE|--plate": "a metal plate: test_antenna_model.py, test_antenna_delay.py",
     r"--signers": "a robot with a key: test_signature.py",
