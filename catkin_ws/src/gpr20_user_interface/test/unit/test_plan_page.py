@@ -117,7 +117,7 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
     assert not idle.values.isVisible()
     assert tile(idle, Tile.SPACING)[1] == "17 x 11 points"
     assert idle.control.parameters == theirs
-    # That of the configuration goes on following it.
+    # An address equal to the configured one follows the configuration.
     own = replace(theirs, vna_address="192.168.1.10")
     robot = configured(own.vna_address)
     show(idle, snapshot(SurveyState.SURVEYING, job_parameters=own, robot=robot))

@@ -15,7 +15,7 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, node_title
 MB, BYTES_PER_KB = 1e6, 1024
 # Below them the system begins to end programs [bytes].
 LOW_MEMORY, NO_MEMORY = 200e6, 80e6
-# What moves the robot says by itself that it hangs, and must not just go on.
+# Nodes whose hang the checks of reports find; a hung one must not simply be continued.
 OWN_REPORT = frozenset(name.rpartition("/")[2] for name in EXPECTED_NODES)
 
 

@@ -133,7 +133,7 @@ class StickExport:
         return tuple(sorted(self.sticks.volumes, key=lambda one: not one.writable))
 
     def begin(self) -> None:
-        """Look for sticks anew: one of an earlier list may have been removed."""
+        """Look for sticks again: a listed one may have been removed."""
         if not self.job.running:
             self.job.end()
             self.sticks = NO_STICKS

@@ -166,7 +166,7 @@ class PlanPage(QWidget, Page):
     def show_parameters(self, parameters: SurveyParameters) -> None:
         """Take over the parameters of a finer plan, or of the survey that runs.
 
-        An address that is that of the configuration goes on following the configuration.
+        An address equal to the configured one follows later changes of the configuration.
         """
         robot = None if self._snapshot is None else self._snapshot.robot
         if robot is not None and parameters.vna_address == robot.vna_address:

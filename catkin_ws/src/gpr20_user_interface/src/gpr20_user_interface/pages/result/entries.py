@@ -131,7 +131,7 @@ class PlaceSheet(ResultSheet):
 
 
 class SoilSheet(ResultSheet):
-    """Stores another permittivity by a hold; everything is made anew with it."""
+    """Stores another permittivity by a hold; the image and the list are computed again."""
 
     def __init__(self, window: QWidget, result: SurveyResult) -> None:
         super().__init__(window, result)
