@@ -160,8 +160,9 @@ def _follow(parent: ElementTree.Element, scope: _Scope, robot: OldRobot) -> None
             if scope.uses(element):
                 _element(element, scope, robot)
         except Gpr20Error as error:
-            text = ElementTree.tostring(element, "unicode").strip()[:200]
-            robot.unread.append(f"{scope.file}: {text} could not be read: {error}")
+            # Short, so that the reason is still seen where a message cuts a long value.
+            text = ElementTree.tostring(element, "unicode").strip()[:60]
+            robot.unread.append(f"{scope.file.name}: {text} could not be read: {error}")
 
 
 def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> None:
