@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-import doctest
 import math
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,7 +24,6 @@ from gpr20_height_sensor.faults import HeightError, HeightStoppedError
 from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
 from gpr20_survey.faults import NO_GROUND, SENSOR_FAILED
 
-README = Path(__file__).parents[2] / "README.md"
 PARAMETERS = HeightParameters(samples=5)
 NOW_US = 1_700_000_000_000_000
 
@@ -173,8 +170,3 @@ WRONG = {
 def test_parameters_that_make_no_sense_are_refused(name, value):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), f"{value:.12g}", error=InvalidValueError):
         record_from(HeightParameters, {name: value}, "height_sensor")
-
-
-def test_the_examples_of_the_readme_do_what_they_say():
-    result = doctest.testfile(str(README), module_relative=False, encoding="utf-8")
-    assert result.attempted > 0 and result.failed == 0

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import doctest
 import json
 import sys
 import threading
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -37,7 +35,6 @@ from gpr20_vna_acquisition.mid.analyzer_record import (
 from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
-README = Path(__file__).resolve().parents[2] / "README.md"
 QUICK = Extent(21, (1e4,), sweeps=3, watched_s=0.05, limit_s=60.0)
 
 
@@ -165,12 +162,6 @@ def test_the_simulated_ms2026c_passes_and_is_locked_meanwhile(wired):
     assert 0.0 <= found["sweep_end"].text.values["lag_ms"] < 50.0
     # No lock is left behind.
     to_instrument("127.0.0.1").write(":INIT:CONT ON")
-
-
-def test_the_example_of_the_readme_gives_what_it_shows(wired):
-    port = wired[0].server.port
-    found = doctest.testfile(str(README), module_relative=False, globs={"port": port})
-    assert found.attempted > 10 and found.failed == 0
 
 
 # The program, and what it stores.
