@@ -24,7 +24,6 @@ from gpr20_operator.high import conversions
 from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import CONTROL_SILENT, RosEvents, in_background, no_answer
 from gpr20_operator.robot.events import (
-    Accepted,
     Answer,
     CurrentPosition,
     MasterAnswered,
@@ -167,7 +166,6 @@ class ControlClient(RosEvents):
             return accepted
         if withdrawals != self._withdrawals:
             return None
-        self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
         return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **added)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:

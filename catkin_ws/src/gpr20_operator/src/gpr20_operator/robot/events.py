@@ -179,14 +179,6 @@ class Request(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Accepted:
-    """The main control accepted the parameters: size and duration of the survey."""
-
-    total_points: int
-    estimated_s: float
-
-
-@dataclass(frozen=True)
 class Answer:
     """How a request ended: the answer of the main control, or that there was none.
 
@@ -211,13 +203,6 @@ class AxisStopAnswer:
 
     axis: AxisId
     answered: bool
-
-
-@dataclass(frozen=True)
-class StopRequested:
-    """The operator wants to stop the survey; `signal` is the name of the key or signal."""
-
-    signal: str
 
 
 class ReplayPhase(enum.IntEnum):
