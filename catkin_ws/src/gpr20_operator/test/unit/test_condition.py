@@ -92,7 +92,6 @@ TABLE = (
     (S.SURVEYING, {"health": NO_VNA}, L.ATTENTION, "SURVEYING", "VNA driver: no answer"),
     (None, {"state": said(S.SURVEYING, WAITING)}, L.ATTENTION, "SURVEYING", "Waiting for the VNA"),
     (None, {"state": LATE}, L.ATTENTION, "SURVEYING", "the clock is late"),
-    (S.SURVEYING, {"sender_ignored": True}, L.ATTENTION, "SURVEYING", "A recording plays"),
     (S.SURVEYING, {"still_s": 61.0}, L.ATTENTION, "SURVEYING", "No progress for 61 s"),
     (S.SURVEYING, {"still_s": 59.0, "progress": SLOW}, L.WORKING, "SURVEYING 0 %", ""),
 )

@@ -30,7 +30,7 @@ from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.high.conversions import control_state
+from gpr20_operator.high.control_client import control_state
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import (
     CardWatch,

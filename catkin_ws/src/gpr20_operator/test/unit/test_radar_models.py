@@ -23,16 +23,17 @@ from view_kit import (
 )
 
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_operator.ground.grid import Place, Stop
-from gpr20_operator.ground.levels import (
+from gpr20_operator.ground.echoes import (
+    MIN_BACKGROUND_TRACES,
     MIN_SPAN_DB,
+    RadarModel,
     SteadyScale,
     late_delays_s,
     late_kernel,
     noise_of_traces,
     noise_threshold_db,
 )
+from gpr20_operator.ground.grid import Place, Stop
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_survey.trace.trace_block import TraceBlock
 

@@ -18,7 +18,7 @@ from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QApplication, QWidget
 
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.high.conversions import parameters_message
+from gpr20_operator.high.control_client import parameters_message
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_user_interface.high import user_interface

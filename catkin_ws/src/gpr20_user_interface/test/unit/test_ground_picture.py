@@ -20,7 +20,7 @@ from gpr20_operator.ground.coverage import (
     MapModel,
     StopState,
 )
-from gpr20_operator.ground.levels import LevelScale
+from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.ground.sources import Axis, Picture

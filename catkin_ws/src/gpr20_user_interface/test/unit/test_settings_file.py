@@ -26,11 +26,10 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import MAX_BYTES, SettingsFile
 from gpr20_operator.palette import Theme
 from gpr20_operator.plan.annotation import NextAnnotation, next_name
 from gpr20_operator.plan.fields import Tile
-from gpr20_operator.plan.stored import PlanMemory, RememberedPlan
+from gpr20_operator.settings_file import MAX_BYTES, PlanMemory, RememberedPlan, SettingsFile
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.settings import (

@@ -13,13 +13,6 @@ from gpr20_survey.results.survey_summary import SurveySummary
 
 Shown = Callable[[Message], str]
 NO_LIST = Message("During a replay no list of surveys is available.")
-# Of a survey that is not complete although every trace is stored.
-ALL_STORED = {
-    "": Message("not ended; all traces stored"),
-    "stopped": Message("stopped; all traces stored"),
-    "interrupted": Message("interrupted; all traces stored"),
-    "failed": Message("failed; all traces stored"),
-}
 
 
 class Ending(enum.Enum):
@@ -44,14 +37,6 @@ def title_of(survey: SurveySummary) -> Message:
     # That of a folder of others may have several lines.
     name = " ".join(survey.name.split())
     return verbatim(name) if name else local_time(survey.started, survey.folder)
-
-
-def present_verdict(survey: SurveySummary) -> Optional[Message]:
-    """Return the verdict on a survey that is not whole; None: it is not true any more, or none."""
-    verdict, stored = survey.verdict, survey.stored_traces
-    # Traces may have been lost since the verdict on the end.
-    is_true = verdict is not None and verdict.values.get("stored", stored) == stored
-    return verdict if is_true and stored < survey.planned_traces else None
 
 
 def past_band(label: Message, outcome: str) -> Message:
@@ -163,7 +148,7 @@ class PastSurveys:
             return Message(
                 "{missing} of {planned} traces missing", missing=missing, planned=planned
             )
-        return ALL_STORED.get(survey.outcome, Message("not confirmed; all traces stored"))
+        return Message("not confirmed; all traces stored")
 
     def can_resume(self, survey: SurveySummary) -> bool:
         """Whether a survey could be measured to its end now."""

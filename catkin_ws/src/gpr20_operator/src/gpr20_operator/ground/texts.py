@@ -10,6 +10,7 @@ from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES
 from gpr20_operator.ground.marks import lies_at_depth, lies_in_section
 from gpr20_operator.ground.model import GroundModel, Shown
 from gpr20_operator.ground.sources import Axis, Layer, Picture
+from gpr20_operator.jobs.result_texts import headline
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.trace.utc_time import moment_text
@@ -51,7 +52,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         place_text(place.x_mm, place.y_mm, model.settings.depth_m * 1000.0),
         *_level(model, shown),
         *_state(model),
-        *(summary_lines(model) if model.follows else ()),
+        *(_summary(model) if model.follows else ()),
     )
 
 
@@ -75,22 +76,6 @@ def candidate_lines(candidate: Candidate, measured: bool) -> Lines:
     )
 
 
-def summary_lines(model: GroundModel) -> Lines:
-    """Return what is known of the survey while no place is chosen."""
-    verdict, additions = model.survey.map.verdict, model.additions
-    lines = [] if verdict is None else [verdict]
-    if additions.image is not None and additions.image.found.total:
-        found = additions.image.found
-        lines.append(
-            Message(
-                "{count} places to check, {weaker} weaker echoes",
-                count=found.primary,
-                weaker=found.weaker,
-            )
-        )
-    return tuple(lines)
-
-
 def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     """Return a place in words."""
     if depth_mm is None:
@@ -101,6 +86,13 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
         y_mm=y_mm,
         depth_mm=depth_mm,
     )
+
+
+def _summary(model: GroundModel) -> Lines:
+    """Return what is known of the survey while no place is chosen."""
+    verdict, image = model.survey.map.verdict, model.image
+    found = () if image is None or not image.found.total else (headline(image.found),)
+    return (*(() if verdict is None else (verdict,)), *found)
 
 
 def _level(model: GroundModel, shown: Shown) -> Lines:

@@ -9,7 +9,11 @@ import rospy
 from gpr20_common.high.answers import record_of
 from gpr20_doctor.mid.node_health import WEB
 from gpr20_msgs.msg import RemoteControl, WebStatus
-from gpr20_operator.high import conversions
+from gpr20_operator.high.control_client import (
+    annotation_message,
+    parameters,
+    parameters_message,
+)
 from gpr20_operator.high.ros_events import RosEvents
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteArmed, RemotePlan, WebStatusReported
@@ -67,8 +71,8 @@ def remote_message(event: RemoteArmed) -> RemoteControl:
         armed=event.armed,
         remaining=remaining,
         has_plan=True,
-        parameters=conversions.parameters_message(plan.parameters),
-        annotation=conversions.annotation_message(plan.annotation),
+        parameters=parameters_message(plan.parameters),
+        annotation=annotation_message(plan.annotation),
         refines=plan.refines,
         permittivity=plan.permittivity,
     )
@@ -79,7 +83,10 @@ def remote_armed(message: RemoteControl) -> RemoteArmed:
     remaining_s = message.remaining.to_sec()
     if not message.has_plan:
         return RemoteArmed(message.armed, remaining_s)
-    parameters = conversions.parameters(message.parameters)
-    annotation = from_fields(message.annotation)
-    plan = RemotePlan(parameters, annotation, message.refines, message.permittivity)
+    plan = RemotePlan(
+        parameters(message.parameters),
+        from_fields(message.annotation),
+        message.refines,
+        message.permittivity,
+    )
     return RemoteArmed(message.armed, remaining_s, plan)

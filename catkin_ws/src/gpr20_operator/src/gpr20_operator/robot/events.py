@@ -266,11 +266,6 @@ class Replay:
 
 
 @dataclass(frozen=True)
-class SenderIgnored:
-    """Event: a node that is none of the robot's speaks for it; nothing of that is shown."""
-
-
-@dataclass(frozen=True)
 class Senders:
     """Decides by the name of its sender whether a message counts.
 

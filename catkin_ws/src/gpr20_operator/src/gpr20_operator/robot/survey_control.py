@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Optional, Protocol, Union
 
-from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
@@ -146,7 +146,3 @@ class WindowPresenter:
         """Ask again to resume the survey, with another analyzer that the operator accepts."""
         self._model.request_sent(Request.RESUME)
         self._control.resume_survey(self._resumed, analyzer)
-
-    def end(self) -> None:
-        """Drop the estimate that is in progress."""
-        self._estimator.close()

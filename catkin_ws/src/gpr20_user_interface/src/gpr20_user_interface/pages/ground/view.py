@@ -12,7 +12,7 @@ from PyQt5.QtWidgets import QBoxLayout, QPushButton, QSizePolicy, QStackedWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground import texts
-from gpr20_operator.ground.levels import LevelScale
+from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.marks import marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.patterns import LAST_SHADE, shade_colours

@@ -14,7 +14,6 @@ from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
-from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.tiles import (
     resumable,
     resume_lines,
@@ -28,6 +27,7 @@ from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.remote_control import RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.survey_summary import SurveySummary
