@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from itertools import takewhile
 from typing import Dict, Mapping, Tuple
 
 from gpr20_common.message import Message, verbatim
@@ -30,14 +31,16 @@ def annotation_from(texts: Mapping[str, str]) -> Annotation:
 
 
 def overwritten(before: Annotation, after: Annotation) -> Tuple[Tuple[Message, Message], ...]:
-    """Return what changes, with its old and its new text."""
-    texts = annotation_texts(before), annotation_texts(after)
-    old_and_new = ((one.title, *(text[one.name] for text in texts)) for one in PEOPLE)
-    return tuple(
-        (title, verbatim(f"{shortened(old)} → {shortened(new)}"))
-        for title, old, new in old_and_new
-        if old != new
-    )
+    """Return what changes, with the old and the new text from where they differ."""
+    rows = []
+    texts = annotation_texts(before).values(), annotation_texts(after).values()
+    for spec, old, new in zip(PEOPLE, *texts):
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(old, new)))
+        if old != new and same >= LONGEST_SHOWN - 2:
+            old, new = (f"…{text[same - LONGEST_SHOWN // 3 :]}" for text in (old, new))
+        if old != new:
+            rows.append((spec.title, verbatim(f"{shortened(old)} → {shortened(new)}")))
+    return tuple(rows)
 
 
 def shortened(text: str) -> str:

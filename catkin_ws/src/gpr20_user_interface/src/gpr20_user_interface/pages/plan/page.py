@@ -225,7 +225,7 @@ class PlanPage(QWidget, Page):
             self._place_start(offered is not None)
         self._offer = offered
         if offered is not None:
-            lines = (shown_text(line) for line in resume_lines(offered))
+            lines = (shown_text(line) for line in resume_lines(self._traces.past, offered))
             self.resume.show_texts(self.tr("RESUME"), *lines)
         self.start.setEnabled(lock is None)
         reason = "" if lock is None else shown_text(lock)
