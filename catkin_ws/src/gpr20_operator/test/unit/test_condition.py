@@ -1,6 +1,5 @@
 """The band follows what the robot does: its motion, its codes, and how old they are."""
 
-import dataclasses
 
 from case_kit import each_case
 from hypothesis import given
@@ -19,7 +18,7 @@ from view_kit import (
     state_of,
 )
 
-from gpr20_common.faults import BUSY, PART_LOST, PART_SILENT
+from gpr20_common.faults import BUSY, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
@@ -34,7 +33,6 @@ from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import Progress, Request
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel
@@ -109,14 +107,6 @@ def test_a_time_is_left_only_while_it_passes():
     for state, left in ((said(S.SURVEYING, verbatim("x")), True), (LATE, True), (None, False)):
         state = state or said(S.SURVEYING, WAITING)
         assert (left_of(snapshot(state=state, **going)) is not None) is left, state
-
-
-def test_hands_stay_clear_of_an_interrupted_robot_until_every_axis_says_that_it_rests():
-    at_rest = tuple(dataclasses.replace(one, silent=False) for one in RESTING)
-    silent = dataclasses.replace(at_rest[0], silent=True)
-    for axes, rests in ((at_rest, True), (at_rest[:2], False), ((silent, *at_rest[1:]), False)):
-        shown = condition_of(snapshot(code=S.IDLE, interrupted=True, axes=axes))
-        assert shown.message.fault == (CAN_RESUME if rests else PART_LOST), axes
 
 
 CODES = st.none() | st.sampled_from(SurveyState)

@@ -24,7 +24,7 @@ from view_kit import (
     snapshot,
 )
 
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE, PART_RED
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE
 from gpr20_common.high.answers import fault_of
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_common.sent_message import received_message
@@ -178,20 +178,6 @@ def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
     assert str(first).startswith("Keep your hands clear: the robot may still move. Straighten")
 
 
-def test_what_cannot_be_read_is_a_fault_with_its_text():
-    for values in ("", "{", "[]", "x" * 20_000):
-        for code in ("mast.warped", ""):
-            told = {"code": code, "remedy": "", "remedy_sentence": "", "may_move": False}
-            now = received(SurveyState.PAUSED, values, **told)
-            notice = fault_notice(now)
-            assert now.is_fault and notice.resumable, values
-            assert "the mast is warped" in str(notice.text)
-            assert notice.first == PART_RED.remedy
-            assert code == "" or code in notice.details
-            ended = received(SurveyState.STOPPED, values, **told)
-            assert ended.is_fault == (code != ""), values
-
-
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))
 NOTHING = Answer(Request.STOP, False, verbatim("no survey is running"))
 SILENT = Answer(Request.STOP, False, verbatim("nobody there"), contact=False)
@@ -281,24 +267,6 @@ def test_what_moves_or_is_silent_is_named_before_any_limit_runs_out():
         assert "x axis: no answer yet" in robot.text()
         robot.stop.close()
         assert not robot.text()
-
-
-def test_a_move_that_a_slow_main_control_began_after_the_stop_is_said():
-    robot = Robot()
-    robot.press(*AxisId)
-    robot.report(*AxisId)
-    robot.clock.advance(REST_S)
-    assert not robot.text()
-    robot.report(AxisId.X, moving=True)
-    assert "x axis: MOVES" in robot.text()
-    robot.report(*AxisId)
-    robot.stop.on_event(ACCEPTED)
-    assert not robot.text() and robot.stop.is_open, "it may move again"
-    robot.clock.advance(EFFECT_S)
-    robot.report(*AxisId)
-    assert not robot.text() and robot.stop.outcome is None
-    robot.report(AxisId.X, moving=True)
-    assert not robot.text(), "the STOP is over"
 
 
 def test_the_answers_are_shown_where_no_survey_was_stopped():

@@ -22,7 +22,7 @@ from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.high import robot_stop, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
 from gpr20_operator.settings_file import Newest
 from gpr20_survey.axes.axis_id import AxisId
 
@@ -70,14 +70,14 @@ def client(services, events):
 def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_stop(
     client, services, events, withdraw
 ):
-    client.start_survey(default_parameters())
+    client.start_survey(StartPlan(default_parameters()))
     assert services.asked.get(timeout=LIMIT_S)[0] == "set_survey_parameters"
     withdraw(client)
     services.hung.set()
     assert events.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
     assert services.asked.empty()
     # The next one is, with the plan that it has set, whatever another client has set meanwhile.
-    client.start_survey(default_parameters())
+    client.start_survey(StartPlan(default_parameters()))
     assert events.get(timeout=LIMIT_S).success
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
 

@@ -117,12 +117,6 @@ def test_background_removal_takes_the_surface_and_leaves_the_target():
     assert np.nanmax(b_scan(model, Stop(0, 0), removed).shades) > 0.5
 
 
-def test_without_any_height_there_is_delay_but_no_depth():
-    model = filled([0, 1], height_m=float("nan"))
-    assert b_scan(model, Stop(0, 0), PLAIN).axis is Axis.DELAY_NS
-    assert c_scan(model, PLAIN) is None
-
-
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
     for changes in (
         {"x_coord_mm": 101.0},
@@ -185,15 +179,6 @@ def test_a_block_is_the_same_as_its_traces_one_by_one_and_once(places, sizes, ag
         assert model.heights_m(number) == pytest.approx(single.heights_m(number), nan_ok=True)
         if model.background(number) is not None:
             assert model.background(number) == pytest.approx(single.background(number), abs=1e-6)
-
-
-def test_memory_is_bounded_whatever_the_plan():
-    grid = make_grid(200, 200)
-    model = RadarModel(max_bytes=8_000_000)
-    model.begin(grid)
-    add_trace(model, trace_at(grid, 0))
-    assert model.echoes.nbytes <= 8_000_000
-    assert model.transform.samples == 12
 
 
 def noisy(seed, size=(5, 4), ground=None, traces=None):
@@ -277,20 +262,6 @@ def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_ar
     tops = [one.top_db for one in scales[40:]]
     assert tops == sorted(tops)
     assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2
-
-
-def test_disturbed_traces_do_not_darken_the_others():
-    def ground(row, column):
-        burst = 30.0 if (row, column) == (0, 3) else 0.0
-        return target_ground(0.01, (4, 4))(row, column) + depth_echo(0.2, level=burst)
-
-    settings = RadarSettings(depth_m=0.1, remove_background=False)
-    clean, disturbed = (noisy(5, (16, 12), one) for one in (target_ground(0.01, (4, 4)), ground))
-    one, other = clean.scale(False), disturbed.scale(False)
-    assert other.top_db == one.top_db
-    assert other.noise == pytest.approx(one.noise, rel=0.02)
-    shades = [c_scan(model, settings).shades[4, 4] for model in (clean, disturbed)]
-    assert shades[1] == pytest.approx(shades[0], rel=0.02)
 
 
 def test_silence_is_dark():

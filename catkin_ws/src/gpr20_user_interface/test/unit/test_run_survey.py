@@ -52,8 +52,8 @@ class Robot:
     def close(self):
         self.asked.append("close")
 
-    def start_survey(self, *plan, permittivity):
-        self.asked.append((*plan, permittivity))
+    def start_survey(self, plan):
+        self.asked.append(plan)
         self.answer(Request.START)
 
     def resume_survey(self, *given):
@@ -121,10 +121,10 @@ def test_a_survey_is_followed_to_its_end_with_what_was_given_for_it(run, robot):
     given += ["--position=-4.60283,-74.06514", "--permittivity", "4.5"]
     status, written = run(*SMALL, *given)
     assert status == 0, written
-    (parameters, annotation, permittivity), closed = robot.asked
-    assert (parameters.x_points, parameters.y_points, permittivity) == (3, 3, 4.5)
+    plan, closed = robot.asked
+    assert (plan.parameters.x_points, plan.parameters.y_points, plan.permittivity) == (3, 3, 4.5)
     position = Wgs84Position(-4.60283, -74.06514)
-    assert annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
+    assert plan.annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
     assert closed == "close"
     for part in ("0/18 traces", "SIMULATED", "the id"):
         assert part in written

@@ -34,8 +34,8 @@ def options_of(line):
 
 def test_the_defaults_can_be_run_and_assume_no_soil():
     options = options_of("")
-    assert find_problems(options.parameters, DOCUMENTED_TRAVEL) == []
-    assert (options.permittivity, options.resume) == (0.0, None)
+    assert find_problems(options.plan.parameters, DOCUMENTED_TRAVEL) == []
+    assert (options.plan.permittivity, options.resume) == (0.0, None)
     folder = "20260921T141320_0f8fad5b"
     for line, resume in (("--resume", ""), (f"--resume /data/{folder}/", folder)):
         assert options_of(line).resume == resume
@@ -63,8 +63,8 @@ def test_the_command_line_reads_what_the_window_reads_and_refuses_the_rest(spec,
         with pytest.raises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
             parse_arguments([argument], Catalogue())
         return
-    options = parse_arguments([argument], Catalogue())
-    record = options.parameters if spec in PARAMETERS else options.annotation
+    plan = parse_arguments([argument], Catalogue()).plan
+    record = plan.parameters if spec in PARAMETERS else plan.annotation
     assert getattr(record, spec.name) == wanted
 
 

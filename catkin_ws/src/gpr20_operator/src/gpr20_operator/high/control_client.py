@@ -41,10 +41,11 @@ from gpr20_operator.robot.events import (
     RobotDescribed,
     Senders,
     ServiceActivity,
+    StartPlan,
     TargetPosition,
 )
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import EMPTY, Annotation, Site
+from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.survey_parameters import (
     DEFAULT_POLARIZATIONS_DEG,
@@ -114,22 +115,11 @@ class ControlClient(RosEvents):
             found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
         return found
 
-    def start_survey(
-        self,
-        parameters: SurveyParameters,
-        annotation: Annotation = EMPTY,
-        refines: str = "",
-        permittivity: float = 0.0,
-    ) -> None:
-        """See `SurveyControl`; empty fields of the annotation become the robot's defaults."""
-        added = {
-            "annotation": annotation_message(annotation),
-            "refines": refines,
-            "permittivity": permittivity,
-        }
+    def start_survey(self, plan: StartPlan) -> None:
+        """See `SurveyControl`."""
         self._stop.forget()
         withdrawals = self._withdrawals
-        self._ask(Request.START, lambda: self._ask_start(parameters, added, withdrawals))
+        self._ask(Request.START, lambda: self._ask_start(plan, withdrawals))
 
     def stop(self) -> None:
         """Ask every axis and the main control to stop, at the same time; the answers are events."""
@@ -170,17 +160,15 @@ class ControlClient(RosEvents):
         finally:
             self._checking_master.release()
 
-    def _ask_start(
-        self, parameters: SurveyParameters, added: Dict[str, Any], withdrawals: int
-    ) -> Any:
+    def _ask_start(self, plan: StartPlan, withdrawals: int) -> Any:
         """Return the answer; None if the request was withdrawn."""
-        message = parameters_message(parameters)
-        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
+        fields = plan_fields(plan)
+        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=fields.pop("parameters"))
         if not accepted.success:
             return accepted
         if withdrawals != self._withdrawals:
             return None
-        return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **added)
+        return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **fields)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         def work() -> None:
@@ -239,12 +227,14 @@ def _target(message: msg.Coordinates) -> Optional[TargetPosition]:
     return None if place == TargetPosition(-1.0, -1.0, -1.0) else place
 
 
-def parameters_message(parameters: SurveyParameters) -> msg.SurveyParameters:
-    return msg.SurveyParameters(**dataclasses.asdict(parameters))
-
-
-def annotation_message(annotation: Annotation) -> msg.Annotation:
-    return msg.Annotation(**annotation.fields())
+def plan_fields(plan: StartPlan) -> Dict[str, Any]:
+    """Return the fields of messages and services that carry what START measures."""
+    return {
+        "parameters": msg.SurveyParameters(**dataclasses.asdict(plan.parameters)),
+        "annotation": msg.Annotation(**plan.annotation.fields()),
+        "refines": plan.refines,
+        "permittivity": plan.permittivity,
+    }
 
 
 def parameters(message: msg.SurveyParameters) -> SurveyParameters:

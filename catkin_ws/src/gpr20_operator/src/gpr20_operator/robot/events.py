@@ -9,12 +9,13 @@ from typing import Iterator, Mapping, Optional, Sequence
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Site
 from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
+    SurveyParameters,
     SurveySettings,
     Travel,
 )
@@ -176,6 +177,22 @@ class Request(enum.Enum):
     STOP = "stop"
     PAUSE = "pause"
     RESUME = "resume"
+
+
+@dataclass(frozen=True)
+class StartPlan:
+    """What START measures.
+
+    Attributes:
+        annotation: What people add to the survey; empty fields become the robot's defaults.
+        refines: Id of the survey that it measures more finely; empty: none.
+        permittivity: Relative permittivity of the ground; 0: not known.
+    """
+
+    parameters: SurveyParameters
+    annotation: Annotation = EMPTY
+    refines: str = ""
+    permittivity: float = 0.0
 
 
 @dataclass(frozen=True)

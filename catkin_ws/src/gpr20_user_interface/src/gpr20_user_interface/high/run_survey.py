@@ -74,9 +74,7 @@ def _run(
         if options.resume is not None:
             client.resume_survey(options.resume)
         else:
-            client.start_survey(
-                options.parameters, options.annotation, permittivity=options.permittivity
-            )
+            client.start_survey(options.plan)
 
     display = Display(sys.stdout, catalogue)
     follower = SurveyFollower(ask, client.stop, display, options.wait, Clock())

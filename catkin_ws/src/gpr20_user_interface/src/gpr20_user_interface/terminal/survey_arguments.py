@@ -9,7 +9,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StartPlan
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -35,8 +35,8 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
     """Read the command line, without the name of the program and without ROS remappings.
 
     Returns:
-        `parameters`, `annotation`, `permittivity` (0: not known), `wait`; `resume`, the survey to
-        resume by id or folder (empty: the paused one; None: none).
+        `plan`, a StartPlan; `wait`; `resume`, the survey to resume by id or folder (empty: the
+        paused one; None: none).
 
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
@@ -97,10 +97,9 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
     def values(specs: Sequence[FieldSpec]) -> Any:
         return {one.name: getattr(given, one.name, one.kind.read(one.default)) for one in specs}
 
-    given.parameters = SurveyParameters(**values(PARAMETERS))
-    given.annotation = Annotation(**values(PEOPLE))
+    parameters, people = SurveyParameters(**values(PARAMETERS)), Annotation(**values(PEOPLE))
     # The window begins with a soil, which a person sees there; a command assumes none.
-    given.permittivity = getattr(given, SOIL.name, 0.0)
+    given.plan = StartPlan(parameters, people, permittivity=getattr(given, SOIL.name, 0.0))
     return given
 
 

@@ -193,9 +193,7 @@ class Commands(WebPage):
                 raise NotNowError(
                     Message("the plan at the robot was changed; read it again before START")
                 )
-            self._control.start_survey(
-                plan.parameters, plan.annotation, plan.refines, plan.permittivity
-            )
+            self._control.start_survey(plan)
 
         return self._once(call, Request.START, send)
 

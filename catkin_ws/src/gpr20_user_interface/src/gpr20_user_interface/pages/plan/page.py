@@ -22,9 +22,8 @@ from gpr20_operator.plan.tiles import (
     tile_lines,
     tile_problem,
 )
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request, StartPlan
 from gpr20_operator.robot.notices import Refused
-from gpr20_operator.robot.remote_control import RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
@@ -97,13 +96,13 @@ class PlanPage(QWidget, Page):
         return self._check.permittivity
 
     @property
-    def plan_to_start(self) -> Optional[RemotePlan]:
+    def plan_to_start(self) -> Optional[StartPlan]:
         """What START would measure now; None while something is wrong."""
         parameters, permittivity = self.parameters, self.permittivity
         if parameters is None or permittivity is None:
             return None
         refines = self._survey.refines(parameters)
-        return RemotePlan(parameters, self.next_annotation.value, refines, permittivity)
+        return StartPlan(parameters, self.next_annotation.value, refines, permittivity)
 
     def begin(self) -> None:
         """Start with what was planned last."""
