@@ -19,7 +19,7 @@ from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.plan.fields import PLAN
 from gpr20_survey.files.durable_files import ensure_folders, replace_file
-from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 
 Value = TypeVar("Value")
 
@@ -147,20 +147,17 @@ def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
     """
     try:
         plan = record_from(RememberedPlan, values, "plan")
+        unknown = ", ".join(plan.texts.keys() - {one.name for one in PLAN})
+        if unknown:
+            raise InvalidValueError(verbatim(unknown))
     except InvalidValueError as error:
-        raise _damaged(error.message) from error
-    known = plan.texts.keys() <= {one.name for one in PLAN}
-    if not known or any(len(text) > MAX_NAME_CHARACTERS for text in plan.texts.values()):
-        raise _damaged(verbatim("texts"))
+        raise SettingsError(
+            Message(
+                "the remembered plan is damaged ({reason}); the defaults are used",
+                reason=error.message,
+            ).reporting_only(SettingsError.fault)
+        ) from error
     return plan
-
-
-def _damaged(reason: Message) -> SettingsError:
-    return SettingsError(
-        Message(
-            "the remembered plan is damaged ({reason}); the defaults are used", reason=reason
-        ).reporting_only(SettingsError.fault)
-    )
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """The band follows what the robot does: its motion, its codes, and how old they are."""
 
-
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
