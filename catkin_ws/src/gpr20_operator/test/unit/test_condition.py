@@ -14,23 +14,19 @@ from view_kit import (
     paused,
     said,
     snapshot,
-    state_of,
 )
 
-from gpr20_common.faults import BUSY, PART_SILENT
+from gpr20_common.faults import BUSY
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
-    NOT_NEEDED,
     HealthLevel,
     HealthReport,
     NodeHealth,
-    node_title,
 )
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import Progress, Request
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
@@ -41,7 +37,6 @@ WAITING = Message("Waiting for the VNA: a sweep").with_fault(
 LATE = said(S.SURVEYING, CLOCK.as_warning())
 HOMING, STOP = verbatim("homing"), frozenset({Request.STOP})
 SLOW = Progress("id", 0.0, 10, 0, 60.0)
-NEEDED = [name for name in EXPECTED_NODES if name not in NOT_NEEDED]
 # In these the survey itself may move the robot.
 MOVES = (S.HOMING, S.SURVEYING, S.PAUSING, S.STOPPING)
 
@@ -183,18 +178,3 @@ def test_motion_that_no_survey_explains_is_shown_and_green_is_only_what_works(no
         assert not any(one.severity is not Severity.NOTE for one in now.state.message.faults)
     else:
         assert not now.moving
-
-
-@each_case("silent", NEEDED)
-def test_a_part_that_a_survey_needs_is_named_within_five_seconds(silent, clock):
-    model = SurveyModel(clock)
-    for second in range(15):
-        clock.advance(1.0)
-        model.handle(state_of(S.CHECKING))
-        for one in EXPECTED_NODES:
-            if one != silent or second < 10:
-                model.handle(NodeHealth(one, HealthLevel.OK, verbatim("fine"), {}))
-        assert second != 9 or condition_of(model.snapshot()).level is L.WORKING
-    shown = condition_of(model.snapshot())
-    assert str(node_title(silent)) in str(shown.message)
-    assert (shown.level, shown.message.fault_code) == (L.ATTENTION, PART_SILENT.code)

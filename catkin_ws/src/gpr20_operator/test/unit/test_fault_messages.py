@@ -1,6 +1,5 @@
 """Card, band and STOP follow the faults of a status, whatever its words and its version."""
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -25,12 +24,8 @@ from view_kit import (
 )
 
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE
-from gpr20_common.high.answers import fault_of
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
-from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.high.control_client import control_state
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import (
     CardWatch,
@@ -141,41 +136,6 @@ def test_each_fault_opens_its_card_once():
     changed = (warp, replace(warp, may_move=True), replace(warp, remedy=verbatim("Lower it.")))
     cards = [paused(verbatim("warped").with_fault(one)) for one in changed]
     walk((one, new) for one in cards for new in (True, False))
-
-
-# What a later version may send: a sentence, a code, a severity and a remedy that are not known.
-LATER = {
-    "sentence": "the {thing} is warped",
-    "values": {"thing": "mast"},
-    "code": "mast.warped",
-    "severity": "disaster",
-    "may_move": False,
-    "remedy": "Straighten the mast.",
-    "remedy_sentence": "Straighten the {thing}.",
-    "remedy_values": {"thing": "mast"},
-}
-
-
-def received(state, sentence=None, **fault):
-    text = "Paused: the mast is warped."
-    sent = fault_of(received_message(text, LATER))
-    sent.severity, sent.sentence = LATER["severity"], "Held: {reason}."
-    sent.values = json.dumps({"reason": LATER, "new key": 1}) if sentence is None else sentence
-    for name, value in fault.items():
-        setattr(sent, name, value)
-    return control_state(ControlStatus(code=int(state), survey_id="id", message=text, fault=sent))
-
-
-def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
-    notice = fault_notice(received(SurveyState.PAUSED))
-    assert str(notice.text) == "the mast is warped"
-    assert str(notice.first) == "Straighten the mast."
-    assert "mast.warped" in notice.details
-    for one in (True, False):
-        assert fault_notice(received(SurveyState.PAUSED, can_continue=one)).resumable is one
-    # Hands off, whatever the remedy is.
-    first = fault_notice(received(SurveyState.PAUSED, may_move=True)).first
-    assert str(first).startswith("Keep your hands clear: the robot may still move. Straighten")
 
 
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))

@@ -25,12 +25,7 @@ from view_kit import (
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.echoes import (
     MIN_BACKGROUND_TRACES,
-    MIN_SPAN_DB,
     RadarModel,
-    SteadyScale,
-    late_delays_s,
-    late_kernel,
-    noise_of_traces,
     noise_threshold_db,
 )
 from gpr20_operator.ground.grid import Place, Stop
@@ -262,25 +257,3 @@ def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_ar
     tops = [one.top_db for one in scales[40:]]
     assert tops == sorted(tops)
     assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2
-
-
-def test_silence_is_dark():
-    silent = SteadyScale(1000)
-    silent.update(0.0, 0.0)
-    scale = silent.scale()
-    assert scale.top_db >= scale.threshold_db + MIN_SPAN_DB
-    assert scale.shades(scale.levels_db(np.zeros(3))).tolist() == [0.0, 0.0, 0.0]
-
-
-def test_late_delays_hold_the_noise_and_not_the_echoes_of_the_ground():
-    frequency_hz = np.linspace(0.6e9, 6.0e9, 501)
-    late = late_kernel(frequency_hz)
-    for delay_s, level in ((8e-9, 0.0), (late_delays_s(frequency_hz)[10], 1.0)):
-        samples = np.exp(-2j * np.pi * frequency_hz * delay_s) @ late
-        assert np.abs(samples).max() == pytest.approx(level, abs=1e-3)
-    # The noise of a trace is its root mean square, also beside late echoes.
-    rng = np.random.default_rng(6)
-    late = rng.standard_normal((4000, 2)) @ (1.0, 1.0j) * 3.0 / np.sqrt(2.0)
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
-    late[:400] += 1000.0
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)

@@ -191,11 +191,9 @@ class SurveyFollower:
             self._answered = True
             # The id of a resumed survey comes with its status.
             self.survey_id = answer.survey_id or self.survey_id
-        elif self._stopping_s < math.inf:
-            message = Message("The survey was not started: {reason}", reason=answer.message)
-            self._end(ExitStatus.STOPPED, message)
         else:
-            self._end(ExitStatus.REFUSED, answer.message)
+            stopped = self._stopping_s < math.inf
+            self._end(ExitStatus.STOPPED if stopped else ExitStatus.REFUSED, answer.message)
 
     def _take_stop(self, event: StopRequested) -> None:
         if not self._asked:
