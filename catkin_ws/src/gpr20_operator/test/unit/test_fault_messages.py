@@ -28,13 +28,16 @@ from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import (
+    ANSWER_S,
+    EFFECT_S,
+    REST_S,
     CardWatch,
     Refused,
+    StopConfirmation,
     fault_notice,
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import COMPLETE, ENDSTOP
 from gpr20_survey.plan.survey_state import ENDED, SurveyState

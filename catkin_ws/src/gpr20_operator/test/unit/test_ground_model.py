@@ -18,9 +18,9 @@ from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import RETRY_S, AdditionsPresenter
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import FINER_SIZE_MM, Area, Place, plan_finer, planned_grid
-from gpr20_operator.ground.marks import marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.texts import marks_above, marks_in_section
 from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_survey.folder.log_record import Kind
