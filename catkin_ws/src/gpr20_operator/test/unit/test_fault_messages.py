@@ -232,6 +232,24 @@ def test_what_moves_or_is_silent_is_named_before_any_limit_runs_out():
         assert not robot.text()
 
 
+def test_a_move_that_a_slow_main_control_began_after_the_stop_is_said():
+    robot = Robot()
+    robot.press(*AxisId)
+    robot.report(*AxisId)
+    robot.clock.advance(REST_S)
+    assert not robot.text()
+    robot.report(AxisId.X, moving=True)
+    assert "x axis: MOVES" in robot.text()
+    robot.report(*AxisId)
+    robot.stop.on_event(ACCEPTED)
+    assert not robot.text() and robot.stop.is_open, "it may move again"
+    robot.clock.advance(EFFECT_S)
+    robot.report(*AxisId)
+    assert not robot.text() and robot.stop.outcome is None
+    robot.report(AxisId.X, moving=True)
+    assert not robot.text(), "the STOP is over"
+
+
 def test_the_answers_are_shown_where_no_survey_was_stopped():
     for answer, words in ((NOTHING, ": no survey is running"), (SILENT, " does NOT answer")):
         robot = Robot()
