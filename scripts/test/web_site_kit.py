@@ -17,8 +17,8 @@ from robot_kit import LaunchedRobot, free_port
 from gpr20_common.low.clock import Clock
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.remote_control import WebPageClient
-from gpr20_operator.robot.events import Senders
-from gpr20_operator.robot.remote_control import Arming, RemotePlan
+from gpr20_operator.robot.events import Senders, StartPlan
+from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -65,7 +65,7 @@ class Touchscreen:
 
     def note(self) -> None:
         """Take what is known now, as the window does five times a second."""
-        self.arming.note(self.model.snapshot(), RemotePlan(PLAN, EMPTY, "", 4.0))
+        self.arming.note(self.model.snapshot(), StartPlan(PLAN, EMPTY, "", 4.0))
 
     def close(self) -> None:
         """Leave the graph."""

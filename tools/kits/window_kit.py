@@ -19,8 +19,8 @@ from gpr20_common.high.service_client import ServiceClient
 from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
-from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
+from gpr20_operator.settings_file import SettingsFile
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 

@@ -173,7 +173,7 @@ def check_page(folder, services, window):
     ground.on_event(SurveyRead(folder.name, stored.text, indices))
     ground.refresh(snapshot())
     shown = got(ground, "/api/ground", **here)["ground"]
-    assert f"{found.primary} places to check, {found.weaker} weaker echoes" in shown["lines"]
+    assert str(texts.headline(found)) in shown["lines"]
     marked = [one["place"] for one in shown["marks"]]
     assert sorted(marked) == sorted([one.x_mm, one.y_mm, one.depth_mm] for one in found.shown())
 

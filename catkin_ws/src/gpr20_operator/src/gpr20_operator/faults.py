@@ -26,10 +26,3 @@ ROBOT_MOVES = Fault(
     Severity.WARNING,
     may_move=True,
 )
-REPLAY = Fault(
-    "window.replay",
-    Message(
-        "End the replay before you use the robot. Play recordings away from the robot's topics, "
-        "with the prefix /replay."
-    ),
-)

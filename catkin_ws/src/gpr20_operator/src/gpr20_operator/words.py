@@ -15,7 +15,7 @@ from gpr20_survey.trace.utc_time import moment_text
 # Not float() alone: it accepts digits of other scripts, underscores and words.
 _NUMBER = re.compile(r"[-+]?([0-9]{1,20}([.,][0-9]{0,20})?|[.,][0-9]{1,20})([eE][-+]?[0-9]{1,3})?")
 SHOWN_CHARACTERS = 64
-STARTED, FOLDER = "%Y-%m-%dT%H:%M", "%Y%m%dT%H%M"
+STARTED, FOLDER = "%Y-%m-%dT%H:%M:%S", "%Y%m%dT%H%M%S"
 HERTZ_PER_MEGAHERTZ = 1.0e6
 # Of a whole number; far more than any parameter needs.
 MAX_DIGITS = 18
@@ -145,15 +145,17 @@ def size_text(width_mm: float, height_mm: float) -> Message:
     return Message("{width:g} x {height:g} mm", width=width_mm, height=height_mm)
 
 
-def local_time(started: str, folder: str = "") -> Message:
+def local_time(started: str, folder: str = "", seconds: bool = False) -> Message:
     """Return when a survey started, as "2026-11-21 05:10", in the time of this computer.
 
     Args:
         started: ISO 8601, UTC; empty if it is not recorded.
         folder: Name of its folder, which begins with the start.
+        seconds: Whether to say them, too.
     """
-    for text, pattern in ((started[:16], STARTED), (folder[:13], FOLDER)):
+    for text, pattern in ((started[:19], STARTED), (folder[:15], FOLDER)):
         with contextlib.suppress(ValueError):
             at = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
-            return moment_text(at.astimezone().strftime("%Y-%m-%d %H:%M"))
+            shown = "%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M"
+            return moment_text(at.astimezone().strftime(shown))
     return verbatim(folder)

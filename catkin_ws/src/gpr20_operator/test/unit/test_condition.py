@@ -1,7 +1,5 @@
 """The band follows what the robot does: its motion, its codes, and how old they are."""
 
-import dataclasses
-
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
@@ -16,25 +14,20 @@ from view_kit import (
     paused,
     said,
     snapshot,
-    state_of,
 )
 
-from gpr20_common.faults import BUSY, PART_LOST, PART_SILENT
+from gpr20_common.faults import BUSY
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
-    NOT_NEEDED,
     HealthLevel,
     HealthReport,
     NodeHealth,
-    node_title,
 )
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import Progress, Request
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel
@@ -44,7 +37,6 @@ WAITING = Message("Waiting for the VNA: a sweep").with_fault(
 LATE = said(S.SURVEYING, CLOCK.as_warning())
 HOMING, STOP = verbatim("homing"), frozenset({Request.STOP})
 SLOW = Progress("id", 0.0, 10, 0, 60.0)
-NEEDED = [name for name in EXPECTED_NODES if name not in NOT_NEEDED]
 # In these the survey itself may move the robot.
 MOVES = (S.HOMING, S.SURVEYING, S.PAUSING, S.STOPPING)
 
@@ -92,7 +84,6 @@ TABLE = (
     (S.SURVEYING, {"health": NO_VNA}, L.ATTENTION, "SURVEYING", "VNA driver: no answer"),
     (None, {"state": said(S.SURVEYING, WAITING)}, L.ATTENTION, "SURVEYING", "Waiting for the VNA"),
     (None, {"state": LATE}, L.ATTENTION, "SURVEYING", "the clock is late"),
-    (S.SURVEYING, {"sender_ignored": True}, L.ATTENTION, "SURVEYING", "A recording plays"),
     (S.SURVEYING, {"still_s": 61.0}, L.ATTENTION, "SURVEYING", "No progress for 61 s"),
     (S.SURVEYING, {"still_s": 59.0, "progress": SLOW}, L.WORKING, "SURVEYING 0 %", ""),
 )
@@ -110,14 +101,6 @@ def test_a_time_is_left_only_while_it_passes():
     for state, left in ((said(S.SURVEYING, verbatim("x")), True), (LATE, True), (None, False)):
         state = state or said(S.SURVEYING, WAITING)
         assert (left_of(snapshot(state=state, **going)) is not None) is left, state
-
-
-def test_hands_stay_clear_of_an_interrupted_robot_until_every_axis_says_that_it_rests():
-    at_rest = tuple(dataclasses.replace(one, silent=False) for one in RESTING)
-    silent = dataclasses.replace(at_rest[0], silent=True)
-    for axes, rests in ((at_rest, True), (at_rest[:2], False), ((silent, *at_rest[1:]), False)):
-        shown = condition_of(snapshot(code=S.IDLE, interrupted=True, axes=axes))
-        assert shown.message.fault == (CAN_RESUME if rests else PART_LOST), axes
 
 
 CODES = st.none() | st.sampled_from(SurveyState)
@@ -195,18 +178,3 @@ def test_motion_that_no_survey_explains_is_shown_and_green_is_only_what_works(no
         assert not any(one.severity is not Severity.NOTE for one in now.state.message.faults)
     else:
         assert not now.moving
-
-
-@each_case("silent", NEEDED)
-def test_a_part_that_a_survey_needs_is_named_within_five_seconds(silent, clock):
-    model = SurveyModel(clock)
-    for second in range(15):
-        clock.advance(1.0)
-        model.handle(state_of(S.CHECKING))
-        for one in EXPECTED_NODES:
-            if one != silent or second < 10:
-                model.handle(NodeHealth(one, HealthLevel.OK, verbatim("fine"), {}))
-        assert second != 9 or condition_of(model.snapshot()).level is L.WORKING
-    shown = condition_of(model.snapshot())
-    assert str(node_title(silent)) in str(shown.message)
-    assert (shown.level, shown.message.fault_code) == (L.ATTENTION, PART_SILENT.code)

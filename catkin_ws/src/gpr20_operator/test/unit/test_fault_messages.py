@@ -1,6 +1,5 @@
 """Card, band and STOP follow the faults of a status, whatever its words and its version."""
 
-import json
 from dataclasses import replace
 
 import pytest
@@ -24,22 +23,21 @@ from view_kit import (
     snapshot,
 )
 
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE, PART_RED
-from gpr20_common.high.answers import fault_of
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
-from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_msgs.msg import ControlStatus
-from gpr20_operator.high.conversions import control_state
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.notices import (
+    ANSWER_S,
+    EFFECT_S,
+    REST_S,
     CardWatch,
     Refused,
+    StopConfirmation,
     fault_notice,
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.stop_confirmation import ANSWER_S, EFFECT_S, REST_S, StopConfirmation
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import COMPLETE, ENDSTOP
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
@@ -141,55 +139,6 @@ def test_each_fault_opens_its_card_once():
     changed = (warp, replace(warp, may_move=True), replace(warp, remedy=verbatim("Lower it.")))
     cards = [paused(verbatim("warped").with_fault(one)) for one in changed]
     walk((one, new) for one in cards for new in (True, False))
-
-
-# What a later version may send: a sentence, a code, a severity and a remedy that are not known.
-LATER = {
-    "sentence": "the {thing} is warped",
-    "values": {"thing": "mast"},
-    "code": "mast.warped",
-    "severity": "disaster",
-    "may_move": False,
-    "remedy": "Straighten the mast.",
-    "remedy_sentence": "Straighten the {thing}.",
-    "remedy_values": {"thing": "mast"},
-}
-
-
-def received(state, sentence=None, **fault):
-    text = "Paused: the mast is warped."
-    sent = fault_of(received_message(text, LATER))
-    sent.severity, sent.sentence = LATER["severity"], "Held: {reason}."
-    sent.values = json.dumps({"reason": LATER, "new key": 1}) if sentence is None else sentence
-    for name, value in fault.items():
-        setattr(sent, name, value)
-    return control_state(ControlStatus(code=int(state), survey_id="id", message=text, fault=sent))
-
-
-def test_a_fault_that_this_version_does_not_know_has_what_travelled_with_it():
-    notice = fault_notice(received(SurveyState.PAUSED))
-    assert str(notice.text) == "the mast is warped"
-    assert str(notice.first) == "Straighten the mast."
-    assert "mast.warped" in notice.details
-    for one in (True, False):
-        assert fault_notice(received(SurveyState.PAUSED, can_continue=one)).resumable is one
-    # Hands off, whatever the remedy is.
-    first = fault_notice(received(SurveyState.PAUSED, may_move=True)).first
-    assert str(first).startswith("Keep your hands clear: the robot may still move. Straighten")
-
-
-def test_what_cannot_be_read_is_a_fault_with_its_text():
-    for values in ("", "{", "[]", "x" * 20_000):
-        for code in ("mast.warped", ""):
-            told = {"code": code, "remedy": "", "remedy_sentence": "", "may_move": False}
-            now = received(SurveyState.PAUSED, values, **told)
-            notice = fault_notice(now)
-            assert now.is_fault and notice.resumable, values
-            assert "the mast is warped" in str(notice.text)
-            assert notice.first == PART_RED.remedy
-            assert code == "" or code in notice.details
-            ended = received(SurveyState.STOPPED, values, **told)
-            assert ended.is_fault == (code != ""), values
 
 
 ACCEPTED = Answer(Request.STOP, True, verbatim("stopping"))

@@ -1,7 +1,6 @@
 """Every field of a plan: text and value, limits, arrows, presets; what follows from what."""
 
 import re
-import threading
 from dataclasses import replace
 
 import pytest
@@ -29,8 +28,6 @@ from gpr20_operator.plan.fields import (
     texts_of,
 )
 from gpr20_operator.plan.form import (
-    CostEstimated,
-    CostEstimator,
     PlanForm,
     check_plan,
     points_for,
@@ -200,29 +197,6 @@ def form():
 
 def cost_of(parameters):
     return survey_cost(parameters, CONFIGURED.config, CONFIGURED.settings)
-
-
-def test_of_the_cost_only_the_newest_question_is_answered_and_nothing_after_the_end():
-    received, answered = [], threading.Event()
-    asked = [replace(default_parameters(), x_points=points) for points in range(3, 30)]
-    newest = CostEstimated(asked[-1], cost_of(asked[-1]))
-
-    def take(event):
-        received.append(event)
-        if event == newest:
-            answered.set()
-
-    estimator = CostEstimator(take)
-    for parameters in asked:
-        estimator.ask(parameters, CONFIGURED)
-    assert answered.wait(30.0)
-    estimator.close()
-    before = len(received)
-    estimator.ask(asked[0], CONFIGURED)
-    for thread in threading.enumerate():
-        if thread.name == "CostEstimator._estimate":
-            thread.join(30.0)
-    assert len(received) == before
 
 
 @given(st.floats(0.5, 60.0), st.floats(1.0, 800.0))

@@ -19,11 +19,11 @@ from gpr20_common.message import Fault, Message, verbatim
 from gpr20_msgs.msg import SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.files.settings_file import Newest
 from gpr20_operator.high import robot_stop, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
+from gpr20_operator.settings_file import Newest
 from gpr20_survey.axes.axis_id import AxisId
 
 REMEDY = Message("Free some space on the disk.")
@@ -59,9 +59,7 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
 @pytest.fixture
 def client(services, events):
     """A client whose request to set the parameters hangs."""
-    estimated = SimpleNamespace(to_sec=lambda: 1.0)
-    plan = {"plan_id": "0123", "total_points": 4, "estimated_time": estimated}
-    services.answers["set_survey_parameters"] = [services.hung, plan]
+    services.answers["set_survey_parameters"] = [services.hung, {"plan_id": "0123"}]
     services.answers["start_survey"] = [{"survey_id": "s"}]
     client = ControlClient(events.put, Senders("/"))
     client._stop = SimpleNamespace(press=lambda: None, forget=lambda: None)
@@ -72,16 +70,15 @@ def client(services, events):
 def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_stop(
     client, services, events, withdraw
 ):
-    client.start_survey(default_parameters())
+    client.start_survey(StartPlan(default_parameters()))
     assert services.asked.get(timeout=LIMIT_S)[0] == "set_survey_parameters"
     withdraw(client)
     services.hung.set()
     assert events.get(timeout=LIMIT_S) == Answer(Request.START, False, WITHDRAWN)
     assert services.asked.empty()
     # The next one is, with the plan that it has set, whatever another client has set meanwhile.
-    client.start_survey(default_parameters())
-    (answer,) = [one for one in taken(events, 2) if isinstance(one, Answer)]
-    assert answer.success
+    client.start_survey(StartPlan(default_parameters()))
+    assert events.get(timeout=LIMIT_S).success
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
 
 

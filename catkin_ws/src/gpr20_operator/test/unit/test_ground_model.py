@@ -17,11 +17,10 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.additions import RETRY_S, AdditionsPresenter
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.finer_plan import SIZE_MM, plan_finer
-from gpr20_operator.ground.grid import Area, Place, planned_grid
-from gpr20_operator.ground.marks import marks_above, marks_in_section
+from gpr20_operator.ground.grid import FINER_SIZE_MM, Area, Place, plan_finer, planned_grid
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.texts import marks_above, marks_in_section
 from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_survey.folder.log_record import Kind
@@ -321,6 +320,6 @@ def test_any_finer_plan_can_be_measured_and_reaches_its_place():
             (p.y_start_mm, p.y_stop_mm, p.y_points),
         ):
             assert (high_mm - low_mm) / (points - 1) <= most_mm + 0.02, seed
-            assert high_mm - low_mm <= max(SIZE_MM, 2 * most_mm) + 0.02, seed
+            assert high_mm - low_mm <= max(FINER_SIZE_MM, 2 * most_mm) + 0.02, seed
         # To within one distance of the stops.
         assert plan.area.grown(most_mm + 1, most_mm + 1).holds(x_mm, y_mm), seed

@@ -9,7 +9,7 @@ from view_kit import SURVEY
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_operator.jobs.pictures import FEWEST_TRACES, PERIOD_S, SETTLED_S, Imaging, Wanted
+from gpr20_operator.jobs.pictures import FEWEST_TRACES, PERIOD_S, Imaging, Wanted
 
 REASON = verbatim("cancelled")
 STEPS = st.lists(
@@ -81,8 +81,8 @@ def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(change
         now.s += passed_s
         wanted, before = Wanted(survey, traces, permittivity), len(node.of("focus"))
         imaging.keep(wanted)
-        period_s = PERIOD_S if permittivity == asked.permittivity else SETTLED_S
-        late = survey != asked.survey_id or now.s - ended_s >= period_s
+        another = (survey, permittivity) != (asked.survey_id, asked.permittivity)
+        late = another or now.s - ended_s >= PERIOD_S
         due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
         assert len(node.of("focus")) - before == due
         if due:

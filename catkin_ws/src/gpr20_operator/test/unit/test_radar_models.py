@@ -23,16 +23,12 @@ from view_kit import (
 )
 
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES, RadarModel
-from gpr20_operator.ground.grid import Place, Stop
-from gpr20_operator.ground.levels import (
-    MIN_SPAN_DB,
-    SteadyScale,
-    late_delays_s,
-    late_kernel,
-    noise_of_traces,
+from gpr20_operator.ground.echoes import (
+    MIN_BACKGROUND_TRACES,
+    RadarModel,
     noise_threshold_db,
 )
+from gpr20_operator.ground.grid import Place, Stop
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_survey.trace.trace_block import TraceBlock
 
@@ -116,12 +112,6 @@ def test_background_removal_takes_the_surface_and_leaves_the_target():
     assert np.nanmax(b_scan(model, Stop(0, 0), removed).shades) > 0.5
 
 
-def test_without_any_height_there_is_delay_but_no_depth():
-    model = filled([0, 1], height_m=float("nan"))
-    assert b_scan(model, Stop(0, 0), PLAIN).axis is Axis.DELAY_NS
-    assert c_scan(model, PLAIN) is None
-
-
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
     for changes in (
         {"x_coord_mm": 101.0},
@@ -184,15 +174,6 @@ def test_a_block_is_the_same_as_its_traces_one_by_one_and_once(places, sizes, ag
         assert model.heights_m(number) == pytest.approx(single.heights_m(number), nan_ok=True)
         if model.background(number) is not None:
             assert model.background(number) == pytest.approx(single.background(number), abs=1e-6)
-
-
-def test_memory_is_bounded_whatever_the_plan():
-    grid = make_grid(200, 200)
-    model = RadarModel(max_bytes=8_000_000)
-    model.begin(grid)
-    add_trace(model, trace_at(grid, 0))
-    assert model.echoes.nbytes <= 8_000_000
-    assert model.transform.samples == 12
 
 
 def noisy(seed, size=(5, 4), ground=None, traces=None):
@@ -276,39 +257,3 @@ def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_ar
     tops = [one.top_db for one in scales[40:]]
     assert tops == sorted(tops)
     assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2
-
-
-def test_disturbed_traces_do_not_darken_the_others():
-    def ground(row, column):
-        burst = 30.0 if (row, column) == (0, 3) else 0.0
-        return target_ground(0.01, (4, 4))(row, column) + depth_echo(0.2, level=burst)
-
-    settings = RadarSettings(depth_m=0.1, remove_background=False)
-    clean, disturbed = (noisy(5, (16, 12), one) for one in (target_ground(0.01, (4, 4)), ground))
-    one, other = clean.scale(False), disturbed.scale(False)
-    assert other.top_db == one.top_db
-    assert other.noise == pytest.approx(one.noise, rel=0.02)
-    shades = [c_scan(model, settings).shades[4, 4] for model in (clean, disturbed)]
-    assert shades[1] == pytest.approx(shades[0], rel=0.02)
-
-
-def test_silence_is_dark():
-    silent = SteadyScale(1000)
-    silent.update(0.0, 0.0)
-    scale = silent.scale()
-    assert scale.top_db >= scale.threshold_db + MIN_SPAN_DB
-    assert scale.shades(scale.levels_db(np.zeros(3))).tolist() == [0.0, 0.0, 0.0]
-
-
-def test_late_delays_hold_the_noise_and_not_the_echoes_of_the_ground():
-    frequency_hz = np.linspace(0.6e9, 6.0e9, 501)
-    late = late_kernel(frequency_hz)
-    for delay_s, level in ((8e-9, 0.0), (late_delays_s(frequency_hz)[10], 1.0)):
-        samples = np.exp(-2j * np.pi * frequency_hz * delay_s) @ late
-        assert np.abs(samples).max() == pytest.approx(level, abs=1e-3)
-    # The noise of a trace is its root mean square, also beside late echoes.
-    rng = np.random.default_rng(6)
-    late = rng.standard_normal((4000, 2)) @ (1.0, 1.0j) * 3.0 / np.sqrt(2.0)
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.05)
-    late[:400] += 1000.0
-    assert noise_of_traces(late) == pytest.approx(3.0, rel=0.1)

@@ -20,7 +20,6 @@ from view_kit import (
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
-from gpr20_operator.ground.grid import Stop
 from gpr20_operator.ground.traces import (
     RETRY_REFRESHES,
     ReadingFailed,
@@ -30,7 +29,7 @@ from gpr20_operator.ground.traces import (
     TracePresenter,
     TracesRead,
 )
-from gpr20_operator.robot.events import Replay, TargetPosition
+from gpr20_operator.robot.events import Replay
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -264,12 +263,3 @@ def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
         traces.on_event(trace_at(GRID, 0))
         traces.refresh()
         assert traces.shown.radar.count == 1
-
-
-def test_the_target_is_the_current_stop(traces):
-    traces.on_event(SurveyDescribed(description()))
-    state = state_of(SurveyState.SURVEYING, survey_id=SURVEY)
-    traces.note_state(snapshot(state=state, target=TargetPosition(125.0, 70.0, 0.0)))
-    assert traces.live.map.current == Stop(1, 1)
-    note(traces, SurveyState.FINISHED)
-    assert traces.live.map.current is None

@@ -22,14 +22,13 @@ from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.high import remote_control as topics
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.plan.hold_question import remote_question
-from gpr20_operator.robot.events import Replay
+from gpr20_operator.robot.events import Replay, StartPlan
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     SILENCE_S,
     Arming,
     RemoteAllowance,
     RemoteArmed,
-    RemotePlan,
     WebStatusReported,
     remote_obstacle,
 )
@@ -37,7 +36,7 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import SurveyState
 
-PLAN = RemotePlan(default_parameters(), EMPTY, "", 4.0)
+PLAN = StartPlan(default_parameters(), EMPTY, "", 4.0)
 WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
 WELL = snapshot(SurveyState.CONFIGURED)
 FAULT = snapshot(SurveyState.PAUSED, state=state_of(SurveyState.PAUSED, "the VNA is silent"))
@@ -167,7 +166,7 @@ def test_the_page_never_allows_what_the_window_does_not(actions):
 
 @given(annotations, st.booleans())
 def test_the_message_of_the_window_arrives_as_it_was_sent(annotation, armed):
-    plan = RemotePlan(default_parameters(), replace(annotation, heading_deg=None), "an id", 4.5)
+    plan = StartPlan(default_parameters(), replace(annotation, heading_deg=None), "an id", 4.5)
     for event in (RemoteArmed(armed, 12.25, plan), RemoteArmed(armed, 0.0, None)):
         message = topics.remote_message(event)
         assert topics.remote_armed(deserialized(type(message), serialized(message))) == event

@@ -10,17 +10,14 @@ from hypothesis import strategies as st
 
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import (
     Answer,
     ControlState,
     CurrentPosition,
-    MasterAnswered,
     MeasuredHeight,
     Progress,
     Request,
-    RobotDescribed,
     TargetPosition,
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
@@ -121,20 +118,6 @@ def test_what_is_old_is_not_shown_as_now(model, clock):
         assert found == ((place, target, 0.3) if known else (None,) * 3)
         # An axis that fell silent while it moved counts as moving.
         assert shown.moving and shown.axes[0].silent is not known
-
-
-def test_plan_and_limits_stay_known_while_the_master_is_away(model):
-    model.handle(default_parameters())
-    model.handle(state(S.CONFIGURED))
-    assert model.snapshot().survey_parameters is None
-    model.handle(state(S.SURVEYING))
-    described = RobotDescribed(object())
-    model.handle(described)
-    for alive in (False, True):
-        model.handle(MasterAnswered(alive))
-        shown = model.snapshot()
-        assert (shown.master_alive, shown.robot) == (alive, described.robot)
-        assert shown.survey_parameters == default_parameters()
 
 
 def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):

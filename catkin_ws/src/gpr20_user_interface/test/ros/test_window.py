@@ -31,8 +31,7 @@ from wait_kit import wait_until
 
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
-from gpr20_operator.files.settings_file import SettingsFile
-from gpr20_operator.plan.stored import RememberedPlan
+from gpr20_operator.settings_file import RememberedPlan, SettingsFile
 from gpr20_survey.axes.axis_id import AxisId
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))

@@ -18,9 +18,10 @@ from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtWidgets import QApplication, QWidget
 
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.high.conversions import parameters_message
+from gpr20_operator.high.control_client import plan_fields
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.robot.condition import JobLevel, condition_of
+from gpr20_operator.robot.events import StartPlan
 from gpr20_user_interface.high import user_interface
 from gpr20_user_interface.window.rail import TabName
 
@@ -44,7 +45,7 @@ def shown(window: Any) -> Dict[str, Any]:
         "trouble": snapshot.health.trouble is not None,
         "on_radar": live.radar.count,
         "on_map": 0 if counts is None else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
-        "parameters": str(parameters_message(window.control.parameters)),
+        "parameters": str(plan_fields(StartPlan(window.control.parameters))["parameters"]),
         "locked": not window.control.tiles[Tile.AREA].isEnabled(),
         "replay": bar.band.title.whole if snapshot.replay is not None else "",
         "survey": bar.band.message.whole,

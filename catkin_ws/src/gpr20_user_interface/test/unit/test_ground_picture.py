@@ -20,10 +20,10 @@ from gpr20_operator.ground.coverage import (
     MapModel,
     StopState,
 )
-from gpr20_operator.ground.levels import LevelScale
-from gpr20_operator.ground.marks import GroundMark
+from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.texts import GroundMark
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
 

@@ -29,9 +29,8 @@ from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
-from gpr20_operator.robot.notices import Refused, fault_notice, refusal_notice
+from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.snapshot import JobScreen, area_of, line_of, percent_of, survey_name
-from gpr20_operator.robot.stop_confirmation import ANSWER_S
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.overlay import Overlay

@@ -10,10 +10,10 @@ from window_helpers import show, start, wishes
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.plan.fields import default_parameters
+from gpr20_operator.robot.events import StartPlan
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
     Arming,
-    RemotePlan,
     WebStatusReported,
 )
 from gpr20_survey.plan.annotation import Annotation
@@ -131,7 +131,7 @@ def test_the_plan_is_what_start_on_the_window_would_send(field):
     window.survey.finer = type("Finer", (), {"refined_by": lambda _self, _plan: "coarse id"})()
     field.say(SurveyState.CONFIGURED)
     shown = field.sent[-1].plan
-    assert shown == RemotePlan(window.control.parameters, ANNOTATION, "coarse id", 4.0)
+    assert shown == StartPlan(window.control.parameters, ANNOTATION, "coarse id", 4.0)
     field.finger.wait(AFTER_S)
     start(window)
     assert wishes(window) == [shown.parameters] and window.survey.annotations == [ANNOTATION]

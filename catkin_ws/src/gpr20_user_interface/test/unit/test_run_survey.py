@@ -8,17 +8,20 @@ import pytest
 
 pytest.importorskip("rospy")
 
-from view_kit import FULL
+from view_kit import FULL, past_survey
 
 from gpr20_common.faults import NOT_RUNNING
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.robot.events import Accepted, Answer, ControlState, Request
+from gpr20_operator.ground.traces import SurveysListed
+from gpr20_operator.robot.events import Answer, ControlState, Progress, Request
+from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.high import run_survey
 
 SMALL = ("--x-points", "3", "--y-points", "3")
+LISTED = past_survey(), past_survey(survey_id="whole", complete=True)
 
 
 class Robot:
@@ -49,8 +52,8 @@ class Robot:
     def close(self):
         self.asked.append("close")
 
-    def start_survey(self, *plan, permittivity):
-        self.asked.append((*plan, permittivity))
+    def start_survey(self, plan):
+        self.asked.append(plan)
         self.answer(Request.START)
 
     def resume_survey(self, *given):
@@ -61,9 +64,9 @@ class Robot:
         if self.refusal is not None:
             self.emit(Answer(request, False, self.refusal))
             return
-        self.emit(Accepted(18, 60.0))
         self.emit(Answer(request, True, verbatim("accepted"), "the id"))
         self.say(SurveyState.SURVEYING, verbatim("measuring"))
+        self.emit(Progress("the id", 0.0, 18, 0, 60.0))
         if self.end is not None:
             self.say(self.end, FULL)
         for number in self.signals:
@@ -82,9 +85,10 @@ class Ended(BaseException):
 def robot(monkeypatch):
     robot = Robot()
     keeper = SimpleNamespace(close=lambda: None)
+    listed = SimpleNamespace(wait_for=lambda *_, **__: SurveysListed("", LISTED, False))
     for name, fake in (
         *(("ControlClient", robot), ("join_graph", lambda *_given: None)),
-        ("GraphKeeper", lambda: keeper),
+        *(("GraphKeeper", lambda: keeper), ("StorageClient", lambda *_given: listed)),
     ):
         monkeypatch.setattr(run_survey, name, fake)
     return robot
@@ -117,12 +121,12 @@ def test_a_survey_is_followed_to_its_end_with_what_was_given_for_it(run, robot):
     given += ["--position=-4.60283,-74.06514", "--permittivity", "4.5"]
     status, written = run(*SMALL, *given)
     assert status == 0, written
-    (parameters, annotation, permittivity), closed = robot.asked
-    assert (parameters.x_points, parameters.y_points, permittivity) == (3, 3, 4.5)
+    plan, closed = robot.asked
+    assert (plan.parameters.x_points, plan.parameters.y_points, plan.permittivity) == (3, 3, 4.5)
     position = Wgs84Position(-4.60283, -74.06514)
-    assert annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
+    assert plan.annotation == Annotation("Lucía Peña", "El Carmen", "wet\nsoil", position)
     assert closed == "close"
-    for part in ("18 traces", "SIMULATED", "the id"):
+    for part in ("0/18 traces", "SIMULATED", "the id"):
         assert part in written
 
 
@@ -144,7 +148,11 @@ def test_the_named_survey_is_resumed_and_a_refusal_is_said(run, robot, monkeypat
     robot.refusal = verbatim("the VNA is another one")
     status, written = run("--resume")
     assert status == 1 and robot.asked[0] == ("",)
-    assert "the VNA is another one" in written
+    assert "the VNA is another one" in written and "run_survey --resume" not in written
+    robot.refusal = verbatim("no survey is open").with_fault(NONE_OPEN)
+    status, written = run("--resume")
+    assert status == 1 and f"run_survey --resume {LISTED[0].survey_id}`" in written
+    assert "whole" not in written
     robot.asked.clear()
 
     def join(*_given):

@@ -16,7 +16,7 @@ from window_helpers import click, show
 
 from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.past_surveys import PastSurveys, searchable, title_of
+from gpr20_operator.ground.past_surveys import PastSurveys, searchable
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
@@ -127,8 +127,7 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
     whole = past_survey(stored_traces=25000, planned_traces=25000)
     endings = {
         dataclasses.replace(whole, complete=True): "complete",
-        dataclasses.replace(whole, outcome="stopped"): "stopped; all traces stored",
-        dataclasses.replace(whole, outcome=""): "not ended; all traces stored",
+        dataclasses.replace(whole, outcome="stopped"): "not confirmed; all traces stored",
         dataclasses.replace(whole, outcome="finished"): "not confirmed; all traces stored",
         dataclasses.replace(whole, stored_traces=24999): "1 of 25000 traces missing",
         dataclasses.replace(whole, planned_traces=0): "its plan cannot be read",
@@ -137,7 +136,22 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
     }
     assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
     # In one line.
-    assert str(title_of(past_survey(name=" a\nb\tc\n"))) == "a b c"
+    assert str(surveys.title_of(past_survey(name=" a\nb\tc\n"))) == "a b c"
+
+
+def test_surveys_of_one_minute_are_told_apart_by_their_seconds_and_no_others():
+    surveys = PastSurveys()
+    first, second, other = (
+        past_survey(survey_id=at, started=f"2026-11-21T{at}.000000+00:00")
+        for at in ("05:10:07", "05:10:44", "05:11:44")
+    )
+    surveys.take("", (other, second), True)
+    titles = [str(surveys.title_of(one)) for one in (second, other)]
+    assert all(one.count(":") == 1 for one in titles)
+    surveys.take(surveys.next_before, (first,), False)
+    titles = [str(surveys.title_of(one)) for one in (first, second, other)]
+    assert [one.count(":") for one in titles] == [2, 2, 1] and len(set(titles)) == 3
+    assert titles[0].endswith(":07") and titles[1].endswith(":44")
 
 
 def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):

@@ -61,8 +61,8 @@ def test_one_press_of_start_is_one_request_and_what_fails_is_said_once(parts):
     start(window)
     start(window)
     assert len(control.asked) == 2
-    _name, parameters, _annotation, _refines, permittivity = control.asked[1]
-    assert parameters.x_points == 11 and permittivity == window.control.permittivity == 4.0
+    _name, plan = control.asked[1]
+    assert plan.parameters.x_points == 11 and plan.permittivity == 4.0
     assert window.top_bar.stop.isEnabled()
     window.on_event(Answer(Request.START, True, verbatim(""), "id"))
     # It is accepted, and fails in its checks.

@@ -13,14 +13,13 @@ from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
 from gpr20_common.low.clock import Clock
-from gpr20_operator.files.settings_file import SettingsFile
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import TILE_FIELDS, VALUE_TILES
 from gpr20_operator.plan.form import preview
-from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 

@@ -18,8 +18,15 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.traces import SurveyDescribed
-from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Replay, Request
-from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed, RemotePlan
+from gpr20_operator.robot.events import (
+    Answer,
+    AxisStopAnswer,
+    ControlState,
+    Replay,
+    Request,
+    StartPlan,
+)
+from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
@@ -47,7 +54,7 @@ PARAMETERS = SurveyParameters(
     y_stop_mm=100.0,
     y_points=5,
 )
-PLAN = RemotePlan(PARAMETERS, EMPTY, "", 4.0)
+PLAN = StartPlan(PARAMETERS, EMPTY, "", 4.0)
 ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
 ANA = Person("ana", Role.CONTROL, "one", "10.0.0.5")
 BEN = Person("ben", Role.CONTROL, "two", "10.0.0.6")
@@ -74,8 +81,8 @@ class Control:
         self.resumed = survey_id  # nothing is accepted with it
         self.asked.append("resume")
 
-    def start_survey(self, *arguments: Any) -> None:
-        self.asked.append(("start", *arguments))
+    def start_survey(self, plan: StartPlan) -> None:
+        self.asked.append(("start", plan))
 
 
 class Desk:
@@ -110,7 +117,7 @@ class Desk:
             self.model.handle(AxisReport(axis, 0.0, True, False))
         self.commands.refresh(self.model.snapshot())
 
-    def allow(self, plan: Optional[RemotePlan] = PLAN) -> None:
+    def allow(self, plan: Optional[StartPlan] = PLAN) -> None:
         self.commands.on_event(RemoteArmed(True, 600.0, plan))
 
     def ask(self, name: str, person: Person = ANA, press: str = "", **values: Any) -> Any:
@@ -315,7 +322,7 @@ def test_start_measures_the_plan_that_is_shown_and_is_noted_in_the_log_of_its_su
 ) -> None:
     desk = armed()
     desk.start()
-    assert desk.control.asked == [("start", PARAMETERS, EMPTY, "", 4.0)]
+    assert desk.control.asked == [("start", PLAN)]
     assert desk.shown["command"]["outcome"] == "sent"
     started = Answer(Request.START, True, Message("started"), survey_id=SURVEY)
     described = SurveyDescribed(json.dumps({"survey_id": SURVEY}))

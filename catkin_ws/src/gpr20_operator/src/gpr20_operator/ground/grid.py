@@ -1,27 +1,37 @@
-"""Places of the ground, areas, and where the planned traces of a survey lie."""
+"""Places of the ground, where the planned traces of a survey lie, and a finer plan around one."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple, Optional, Tuple
+from dataclasses import dataclass, replace
+from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
+from gpr20_operator.plan.form import points_for
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.soil_note import soil_of_survey
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.recorded_plan import recorded_plan
-from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters
+from gpr20_survey.plan.survey_parameters import (
+    RobotTravel,
+    SurveyParameters,
+    check,
+    coordinate_limits_mm,
+)
 from gpr20_survey.plan.survey_points import grid, on_step
 
 # How wide a single line is drawn, as a part of its length.
 LINE_PART = 0.1
+# Of a finer survey: width and height, and the smallest distance of its stops.
+FINER_SIZE_MM, FINEST_SPACING_MM = 100.0, 1.0
+# Coordinates that people can read; finer than a motor step is none.
+DECIMALS = 2
 
 
 @dataclass(frozen=True)
@@ -231,3 +241,59 @@ def ascending(places_mm: np.ndarray) -> Tuple[slice, Tuple[float, float]]:
     order = slice(None) if places_mm[0] <= places_mm[-1] else slice(None, None, -1)
     half = abs(places_mm[1] - places_mm[0]) / 2.0 if len(places_mm) > 1 else 0.5
     return order, (float(places_mm.min() - half), float(places_mm.max() + half))
+
+
+@dataclass(frozen=True)
+class FinerPlan:
+    """What to measure around a place of another survey.
+
+    Attributes:
+        refines: Id of the survey in which the place was found.
+        parameters: Those of that survey, but for area and points.
+    """
+
+    refines: str
+    parameters: SurveyParameters
+
+    @property
+    def area(self) -> Area:
+        """From the first stop to the last one."""
+        p = self.parameters
+        return Area(p.x_start_mm, p.x_stop_mm, p.y_start_mm, p.y_stop_mm)
+
+    def refined_by(self, parameters: SurveyParameters) -> str:
+        """Return the id of the survey that other parameters refine; empty if they do not.
+
+        Spacing and sweep may have been changed meanwhile, the area may have been made smaller.
+        """
+        p, area = parameters, self.area.grown(1e-6, 1e-6)
+        first, last = area.holds(p.x_start_mm, p.y_start_mm), area.holds(p.x_stop_mm, p.y_stop_mm)
+        return self.refines if first and last else ""
+
+
+def plan_finer(grid: SurveyGrid, x_mm: float, y_mm: float) -> FinerPlan:
+    """Return the plan of a survey around a place, with stops half as far apart.
+
+    It is moved where the travel of the robot ends, and larger where three stops need that.
+
+    Raises:
+        InvalidValueError: The robot cannot measure it.
+    """
+    if grid.plan is None:
+        raise InvalidValueError(
+            Message("an imported survey has no plan that could be measured more finely")
+        )
+    own, travel = grid.plan
+    spacing_mm = max(min(grid.spacing_mm) / 2.0, FINEST_SPACING_MM)
+    stops: Dict[str, Any] = {}
+    for name, centre_mm, axis in (("x", x_mm, travel.x), ("y", y_mm, travel.y)):
+        lowest_mm, highest_mm = coordinate_limits_mm(axis)
+        size_mm = min(max(FINER_SIZE_MM, 2.0 * spacing_mm), highest_mm - lowest_mm)
+        start_mm = min(max(centre_mm - size_mm / 2.0, lowest_mm), highest_mm - size_mm)
+        start_mm = max(round(start_mm, DECIMALS), lowest_mm)
+        stop_mm = min(round(start_mm + size_mm, DECIMALS), highest_mm)
+        stops[f"{name}_start_mm"], stops[f"{name}_stop_mm"] = start_mm, stop_mm
+        stops[f"{name}_points"] = points_for(stop_mm - start_mm, spacing_mm)
+    parameters = replace(own, **stops)
+    check(parameters, travel)
+    return FinerPlan(grid.survey_id, parameters)

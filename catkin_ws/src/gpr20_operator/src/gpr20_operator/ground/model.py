@@ -64,7 +64,6 @@ class GroundModel:
         self.additions = additions
         self.settings = RadarSettings()
         self._focused: Optional[FocusedSource] = None
-        self._placed: Tuple[object, Optional[Place]] = (None, None)
         self._chosen: Optional[Place] = None
         self.mark: Optional[Found] = None
         self.show_survey(survey)
@@ -183,12 +182,6 @@ class GroundModel:
     @property
     def place(self) -> Optional[Place]:
         """Where the crosshair is; None before the first trace."""
-        state = self.state
-        if state != self._placed[0]:
-            self._placed = state, self._find_place()
-        return self._placed[1]
-
-    def _find_place(self) -> Optional[Place]:
         candidates, radar, place = self.additions.candidates, self.survey.radar, self._chosen
         if place is None and candidates and (self.shows_focused or not self.is_partial):
             # The newest stop may not be in the image yet.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 import unicodedata
+from collections import Counter
 from typing import Callable, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
@@ -13,13 +14,6 @@ from gpr20_survey.results.survey_summary import SurveySummary
 
 Shown = Callable[[Message], str]
 NO_LIST = Message("During a replay no list of surveys is available.")
-# Of a survey that is not complete although every trace is stored.
-ALL_STORED = {
-    "": Message("not ended; all traces stored"),
-    "stopped": Message("stopped; all traces stored"),
-    "interrupted": Message("interrupted; all traces stored"),
-    "failed": Message("failed; all traces stored"),
-}
 
 
 class Ending(enum.Enum):
@@ -37,21 +31,6 @@ def survey_label(name: str, survey_id: str, begun: Message) -> Message:
     """Return what a survey is called on every page: when it began, and its name."""
     called = name or survey_id[:8]
     return Message("{time}, {name}", time=begun, name=called) if str(begun) else verbatim(called)
-
-
-def title_of(survey: SurveySummary) -> Message:
-    """Return what people call a survey: its name, or when it was measured."""
-    # That of a folder of others may have several lines.
-    name = " ".join(survey.name.split())
-    return verbatim(name) if name else local_time(survey.started, survey.folder)
-
-
-def present_verdict(survey: SurveySummary) -> Optional[Message]:
-    """Return the verdict on a survey that is not whole; None: it is not true any more, or none."""
-    verdict, stored = survey.verdict, survey.stored_traces
-    # Traces may have been lost since the verdict on the end.
-    is_true = verdict is not None and verdict.values.get("stored", stored) == stored
-    return verdict if is_true and stored < survey.planned_traces else None
 
 
 def past_band(label: Message, outcome: str) -> Message:
@@ -86,11 +65,24 @@ class PastSurveys:
         self.outdated = self.read = self.more = self.replay = False
         self.problem: Optional[Message] = None
         self._running_id = ""
+        # How many surveys of the list began in which minute.
+        self._begun: Counter[str] = Counter()
 
     @property
     def next_before(self) -> str:
         """Folder before which the next page begins; empty: the first page."""
         return self.surveys[-1].folder if self.surveys else ""
+
+    def time_of(self, survey: SurveySummary) -> Message:
+        """Return when a survey began; to the second if another one began in the same minute."""
+        begun = local_time(survey.started, survey.folder)
+        return local_time(survey.started, survey.folder, seconds=self._begun[str(begun)] > 1)
+
+    def title_of(self, survey: SurveySummary) -> Message:
+        """Return what people call a survey: its name, or when it was measured."""
+        # That of a folder of others may have several lines.
+        name = " ".join(survey.name.split())
+        return verbatim(name) if name else self.time_of(survey)
 
     def find(self, folder: str) -> Optional[SurveySummary]:
         return next((one for one in self.surveys if one.folder == folder), None)
@@ -100,7 +92,7 @@ class PastSurveys:
         words = searchable(text).split()
 
         def has_words(one: SurveySummary) -> bool:
-            said = map(shown, (local_time(one.started, one.folder), self.ending(one)))
+            said = map(shown, (self.time_of(one), self.ending(one)))
             written = searchable("\n".join((one.name, one.site, one.operator, *said)))
             return all(word in written for word in words)
 
@@ -112,6 +104,7 @@ class PastSurveys:
         if before and before != self.next_before:
             return  # the list was replaced meanwhile
         self.surveys = (*self.surveys, *surveys) if before else surveys
+        self._begun = Counter(str(local_time(one.started, one.folder)) for one in self.surveys)
         self.more, self.read = more, True
 
     def set_running(self, survey_id: str) -> None:
@@ -163,7 +156,7 @@ class PastSurveys:
             return Message(
                 "{missing} of {planned} traces missing", missing=missing, planned=planned
             )
-        return ALL_STORED.get(survey.outcome, Message("not confirmed; all traces stored"))
+        return Message("not confirmed; all traces stored")
 
     def can_resume(self, survey: SurveySummary) -> bool:
         """Whether a survey could be measured to its end now."""

@@ -1,15 +1,16 @@
-"""What GROUND says about the place that was touched, its pictures and the survey."""
+"""What GROUND says about the place that was touched, its pictures and the survey, and its marks."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Dict, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.echoes import MIN_BACKGROUND_TRACES
-from gpr20_operator.ground.marks import lies_at_depth, lies_in_section
-from gpr20_operator.ground.model import GroundModel, Shown
+from gpr20_operator.ground.model import Found, GroundModel, Shown
 from gpr20_operator.ground.sources import Axis, Layer, Picture
+from gpr20_operator.jobs.result_texts import headline
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.trace.utc_time import moment_text
@@ -51,7 +52,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         place_text(place.x_mm, place.y_mm, model.settings.depth_m * 1000.0),
         *_level(model, shown),
         *_state(model),
-        *(summary_lines(model) if model.follows else ()),
+        *(_summary(model) if model.follows else ()),
     )
 
 
@@ -75,22 +76,6 @@ def candidate_lines(candidate: Candidate, measured: bool) -> Lines:
     )
 
 
-def summary_lines(model: GroundModel) -> Lines:
-    """Return what is known of the survey while no place is chosen."""
-    verdict, additions = model.survey.map.verdict, model.additions
-    lines = [] if verdict is None else [verdict]
-    if additions.image is not None and additions.image.found.total:
-        found = additions.image.found
-        lines.append(
-            Message(
-                "{count} places to check, {weaker} weaker echoes",
-                count=found.primary,
-                weaker=found.weaker,
-            )
-        )
-    return tuple(lines)
-
-
 def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     """Return a place in words."""
     if depth_mm is None:
@@ -101,6 +86,13 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
         y_mm=y_mm,
         depth_mm=depth_mm,
     )
+
+
+def _summary(model: GroundModel) -> Lines:
+    """Return what is known of the survey while no place is chosen."""
+    verdict, image = model.survey.map.verdict, model.image
+    found = () if image is None or not image.found.total else (headline(image.found),)
+    return (*(() if verdict is None else (verdict,)), *found)
 
 
 def _level(model: GroundModel, shown: Shown) -> Lines:
@@ -209,3 +201,90 @@ def depth_title(model: GroundModel, has_image: bool) -> Message:
     if model.shows_focused:
         return Message("Y mm, focused, {depth_mm:.0f} mm deep", depth_mm=depth_mm)
     return Message("Y mm, echoes, {depth_mm:.0f} mm deep", depth_mm=depth_mm)
+
+
+# What is nearer than this to a slice or section lies in it.
+NEAR_MM = 25.0
+
+
+@dataclass(frozen=True)
+class GroundMark:
+    """A candidate is a ring, a marker is a flag.
+
+    Attributes:
+        across_mm: Where it is along the first axis.
+        second_mm: Where it is along the second axis: Y, or the depth.
+        text: Inside of the ring.
+        doubtful: Its ring is dashed.
+        chosen: It is what the operator looks at.
+        measured: Whether the ground there was measured; else the ring is grey and dashed.
+        near: Whether it lies at what is shown; what does not is small and has no text.
+        about: What a touch of it is about.
+    """
+
+    across_mm: float
+    second_mm: float
+    text: str
+    is_flag: bool = False
+    doubtful: bool = False
+    chosen: bool = False
+    measured: bool = True
+    near: bool = True
+    about: object = None
+
+
+def marks_above(model: GroundModel) -> Tuple[GroundMark, ...]:
+    """Return what is marked from above; what must not be overlooked comes last."""
+    found = []
+    for one in _marked(model):
+        near = not model.has_depth or one.depth_mm is None or lies_at_depth(model, one)
+        # A candidate that is not doubtful has its number at every depth.
+        sure = isinstance(one, Candidate) and not one.is_doubtful
+        found.append(_mark(model, one, one.x_mm, one.y_mm, near or sure or one == model.mark))
+    return tuple(found)
+
+
+def marks_in_section(model: GroundModel) -> Tuple[GroundMark, ...]:
+    """Return what is marked in the section; what is far from it is left out."""
+    along_x = model.settings.along is Axis.X_MM
+    return tuple(
+        _mark(model, one, one.x_mm if along_x else one.y_mm, one.depth_mm, True)
+        for one in _marked(model)
+        if one.depth_mm is not None and lies_in_section(model, one)
+    )
+
+
+def lies_at_depth(model: GroundModel, one: Found) -> bool:
+    """Return whether a candidate or marker lies in the view from above."""
+    depth_mm = model.settings.depth_m * 1000.0
+    return one.depth_mm is not None and abs(one.depth_mm - depth_mm) <= NEAR_MM
+
+
+def lies_in_section(model: GroundModel, one: Found) -> bool:
+    """Return whether a candidate or marker lies in the section."""
+    place, along_x = model.place, model.settings.along is Axis.X_MM
+    if place is None:
+        return False
+    return abs(one.y_mm - place.y_mm if along_x else one.x_mm - place.x_mm) <= NEAR_MM
+
+
+def _marked(model: GroundModel) -> Tuple[Found, ...]:
+    """Return candidates and markers, those that must not be overlooked last."""
+    found: Tuple[Found, ...] = (*model.additions.markers, *model.additions.candidates[::-1])
+    last = sorted(
+        found, key=lambda one: (one == model.mark, getattr(one, "is_doubtful", True) is False)
+    )
+    return tuple(last)
+
+
+def _mark(
+    model: GroundModel, one: Found, across_mm: float, second_mm: float, near: bool
+) -> GroundMark:
+    at_mm, chosen = (across_mm, second_mm), one == model.mark
+    if isinstance(one, Marker):
+        return GroundMark(*at_mm, "", is_flag=True, chosen=chosen, near=near, about=one)
+    return GroundMark(
+        *at_mm, str(one.number),
+        doubtful=one.is_doubtful, chosen=chosen, near=near, about=one,
+        measured=model.is_measured(one.x_mm, one.y_mm),
+    )  # fmt: skip

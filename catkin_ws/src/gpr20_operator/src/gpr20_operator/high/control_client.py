@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import math
 import threading
 from functools import partial
@@ -13,19 +15,22 @@ from diagnostic_msgs.msg import DiagnosticArray
 from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import VERSIONS_DIFFER
 from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import axis_report, height_m, node_healths
+from gpr20_common.mid.codec import record_from
+from gpr20_doctor.high.node_reports import axis_report, descriptions, height_m, node_healths
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs import msg, srv
-from gpr20_operator.high import conversions
 from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import CONTROL_SILENT, RosEvents, in_background, no_answer
 from gpr20_operator.robot.events import (
-    Accepted,
     Answer,
+    Configured,
+    ControlState,
     CurrentPosition,
     MasterAnswered,
     MeasuredHeight,
@@ -33,13 +38,21 @@ from gpr20_operator.robot.events import (
     Replay,
     ReplayPhase,
     Request,
+    RobotDescribed,
     Senders,
     ServiceActivity,
+    StartPlan,
     TargetPosition,
 )
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.robot_description import ANALYZER, robot_config
+from gpr20_survey.plan.survey_parameters import (
+    DEFAULT_POLARIZATIONS_DEG,
+    SurveyParameters,
+    SurveySettings,
+)
+from gpr20_survey.plan.survey_state import SurveyState
 
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
@@ -49,6 +62,7 @@ AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
+LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 WITHDRAWN = Message("the survey was not started: STOP was pressed, or the permission ended")
 
 
@@ -75,18 +89,18 @@ class ControlClient(RosEvents):
 
     def listen(self) -> None:
         """Subscribe to state and progress of the survey, and to what is done for maintenance."""
-        self._subscribe("control_status", msg.ControlStatus, conversions.control_state)
+        self._subscribe("control_status", msg.ControlStatus, control_state)
         self._subscribe("replay", msg.Replay, _replay)
         self._subscribe("control_survey_data", msg.SurveyData, _progress)
         self._subscribe("service_status", msg.ServiceStatus, _activity)
-        self._subscribe("robot_configuration", msg.RobotConfiguration, conversions.robot_described)
+        self._subscribe("robot_configuration", msg.RobotConfiguration, robot_described)
 
     def _watched_topics(self) -> List[rospy.Subscriber]:
         """Subscribe to motion, position, endstops, height and health of the robot."""
         topics: List[Any] = [
             ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
-            ("survey_parameters", msg.SurveyParameters, conversions.parameters, None),
+            ("survey_parameters", msg.SurveyParameters, parameters, None),
             ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
         ]
         for axis in AxisId:
@@ -101,22 +115,11 @@ class ControlClient(RosEvents):
             found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
         return found
 
-    def start_survey(
-        self,
-        parameters: SurveyParameters,
-        annotation: Annotation = EMPTY,
-        refines: str = "",
-        permittivity: float = 0.0,
-    ) -> None:
-        """See `SurveyControl`; empty fields of the annotation become the robot's defaults."""
-        added = {
-            "annotation": conversions.annotation_message(annotation),
-            "refines": refines,
-            "permittivity": permittivity,
-        }
+    def start_survey(self, plan: StartPlan) -> None:
+        """See `SurveyControl`."""
         self._stop.forget()
         withdrawals = self._withdrawals
-        self._ask(Request.START, lambda: self._ask_start(parameters, added, withdrawals))
+        self._ask(Request.START, lambda: self._ask_start(plan, withdrawals))
 
     def stop(self) -> None:
         """Ask every axis and the main control to stop, at the same time; the answers are events."""
@@ -157,18 +160,15 @@ class ControlClient(RosEvents):
         finally:
             self._checking_master.release()
 
-    def _ask_start(
-        self, parameters: SurveyParameters, added: Dict[str, Any], withdrawals: int
-    ) -> Any:
+    def _ask_start(self, plan: StartPlan, withdrawals: int) -> Any:
         """Return the answer; None if the request was withdrawn."""
-        message = conversions.parameters_message(parameters)
-        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=message)
+        fields = plan_fields(plan)
+        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=fields.pop("parameters"))
         if not accepted.success:
             return accepted
         if withdrawals != self._withdrawals:
             return None
-        self._emit(Accepted(accepted.total_points, accepted.estimated_time.to_sec()))
-        return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **added)
+        return self._start.call(START_TIMEOUT_S, plan_id=accepted.plan_id, **fields)
 
     def _ask(self, request: Request, ask: Callable[[], Any]) -> None:
         def work() -> None:
@@ -225,3 +225,42 @@ def _target(message: msg.Coordinates) -> Optional[TargetPosition]:
     place = record_of(TargetPosition, message)
     # All three are -1 while no survey runs.
     return None if place == TargetPosition(-1.0, -1.0, -1.0) else place
+
+
+def plan_fields(plan: StartPlan) -> Dict[str, Any]:
+    """Return the fields of messages and services that carry what START measures."""
+    return {
+        "parameters": msg.SurveyParameters(**dataclasses.asdict(plan.parameters)),
+        "annotation": msg.Annotation(**plan.annotation.fields()),
+        "refines": plan.refines,
+        "permittivity": plan.permittivity,
+    }
+
+
+def parameters(message: msg.SurveyParameters) -> SurveyParameters:
+    """Convert `survey_parameters`."""
+    rotations_deg = tuple(message.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
+    return record_of(SurveyParameters, message, polarizations_deg=rotations_deg)
+
+
+def control_state(message: msg.ControlStatus) -> ControlState:
+    """Convert `control_status`."""
+    code, end = SurveyState(message.code), SurveyState(message.end)
+    return ControlState(code, message_from(message), message.survey_id, message.simulated, end)
+
+
+def robot_described(message: msg.RobotConfiguration) -> RobotDescribed:
+    """Convert `robot_configuration`."""
+    nodes = descriptions(message)
+    if not message.known:
+        return RobotDescribed(None, message_from(message), nodes)
+    try:
+        config = robot_config(nodes)
+        # Another version of the node may have fields that this one does not know.
+        own = nodes["main_control"].configuration
+        settings = record_from(SurveySettings, own, "main_control", others=True)
+        site = record_from(Site, json.loads(message.site_json), "site", others=True)
+        address = str(nodes[ANALYZER].configuration.get("address", ""))
+    except (Gpr20Error, ValueError, KeyError, TypeError) as error:
+        return RobotDescribed(None, LIMITS_UNKNOWN.with_details(error))
+    return RobotDescribed(Configured(config, settings, site, address), nodes=nodes)

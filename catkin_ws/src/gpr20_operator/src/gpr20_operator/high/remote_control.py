@@ -9,10 +9,10 @@ import rospy
 from gpr20_common.high.answers import record_of
 from gpr20_doctor.mid.node_health import WEB
 from gpr20_msgs.msg import RemoteControl, WebStatus
-from gpr20_operator.high import conversions
+from gpr20_operator.high.control_client import parameters, plan_fields
 from gpr20_operator.high.ros_events import RosEvents
-from gpr20_operator.robot.events import Senders
-from gpr20_operator.robot.remote_control import RemoteArmed, RemotePlan, WebStatusReported
+from gpr20_operator.robot.events import Senders, StartPlan
+from gpr20_operator.robot.remote_control import RemoteArmed, WebStatusReported
 from gpr20_survey.plan.annotation import from_fields
 
 WINDOW = "user_interface"
@@ -60,18 +60,9 @@ class WebPageClient(RosEvents):
 
 def remote_message(event: RemoteArmed) -> RemoteControl:
     """Return the message of an event."""
-    remaining, plan = rospy.Duration.from_sec(event.remaining_s), event.plan
-    if plan is None:
-        return RemoteControl(armed=event.armed, remaining=remaining)
-    return RemoteControl(
-        armed=event.armed,
-        remaining=remaining,
-        has_plan=True,
-        parameters=conversions.parameters_message(plan.parameters),
-        annotation=conversions.annotation_message(plan.annotation),
-        refines=plan.refines,
-        permittivity=plan.permittivity,
-    )
+    fields = {} if event.plan is None else {"has_plan": True, **plan_fields(event.plan)}
+    remaining = rospy.Duration.from_sec(event.remaining_s)
+    return RemoteControl(armed=event.armed, remaining=remaining, **fields)
 
 
 def remote_armed(message: RemoteControl) -> RemoteArmed:
@@ -79,7 +70,10 @@ def remote_armed(message: RemoteControl) -> RemoteArmed:
     remaining_s = message.remaining.to_sec()
     if not message.has_plan:
         return RemoteArmed(message.armed, remaining_s)
-    parameters = conversions.parameters(message.parameters)
-    annotation = from_fields(message.annotation)
-    plan = RemotePlan(parameters, annotation, message.refines, message.permittivity)
+    plan = StartPlan(
+        parameters(message.parameters),
+        from_fields(message.annotation),
+        message.refines,
+        message.permittivity,
+    )
     return RemoteArmed(message.armed, remaining_s, plan)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import threading
 from typing import Any, Callable, List, Optional
 
@@ -20,15 +19,12 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import enable_line_buffering
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.robot.events import SenderIgnored, Senders
+from gpr20_operator.robot.events import Senders
 
 CONTROL_SILENT = Message("the main control does not answer; check that it is running")
 STORAGE_SILENT = Message("the storage does not answer; check that it is running")
 # How often a warning about unusable messages is repeated.
 UNUSABLE_S = 60.0
-# Between two events about senders that do not count [s]: a recording has hundreds of messages a
-# second.
-IGNORED_PERIOD_S = 1.0
 
 
 class RequestError(Exception):
@@ -87,7 +83,6 @@ class RosEvents:
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         self._listener, self._senders = listener, senders
         self._clock = Clock()
-        self._ignored_s = -math.inf
         self._emitting = threading.Lock()
         self._closed = self._watched = False
         self._following = threading.Lock()
@@ -141,7 +136,10 @@ class RosEvents:
         def received(message: Any) -> None:
             sender = connection_header(message)["callerid"]
             if not self._senders.takes(sender):
-                self._note_ignored(sender)
+                if not self._senders.replay:
+                    rospy.logwarn_once(
+                        "messages of %s are ignored: it is no node of this robot", sender
+                    )
                 return
             try:
                 event = convert(message)
@@ -153,15 +151,6 @@ class RosEvents:
                 self._emit(event)
 
         return rospy.Subscriber(name, message_class, received, queue_size=queue_size)
-
-    def _note_ignored(self, sender: str) -> None:
-        now_s = self._clock.now_s()
-        if self._senders.replay or now_s - self._ignored_s < IGNORED_PERIOD_S:
-            return
-        if self._ignored_s == -math.inf:
-            rospy.logwarn("messages of %s are ignored: it is no node of this robot", sender)
-        self._ignored_s = now_s
-        self._emit(SenderIgnored())
 
     def _emit(self, event: Any) -> None:
         with self._emitting:

@@ -15,8 +15,6 @@ NOT_KNOWN = 0.0
 """What is sent as the permittivity to use that of the stored survey."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
-# Another permittivity may be set in steps; somebody waits for its image.
-SETTLED_S = 1.0
 # The imaging node refuses an image of fewer lines than three.
 FEWEST_TRACES = 9
 # Images are large.
@@ -139,13 +137,11 @@ class Imaging:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
         if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
             return
+        period_s = 0.0
         if wanted == self._asked:
             period_s = self._again_s
-        elif wanted.survey_id != self._asked.survey_id:
-            period_s = 0.0
-        else:
-            same = wanted.permittivity == self._asked.permittivity
-            period_s = PERIOD_S if same else SETTLED_S
+        elif wanted._replace(traces=self._asked.traces) == self._asked:
+            period_s = PERIOD_S
         if self._shown.age_s >= period_s:
             self._asked, permittivity = wanted, wanted.permittivity
             if permittivity is None or permittivity == self.soils.get(wanted.survey_id):

@@ -8,7 +8,6 @@ from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_operator.ground.past_surveys import (
     PastSurveys,
     past_band,
-    present_verdict,
     survey_label,
 )
 from gpr20_operator.jobs.result import SurveyResult
@@ -70,7 +69,7 @@ def survey_lines(past: PastSurveys, survey: SurveySummary) -> List[Message]:
     lines = (
         size_text(round(width_mm), round(height_mm)) if width_mm else None,
         Message("{count} traces", count=count) if survey.problem is None else None,
-        *(past.ending(survey), present_verdict(survey)),
+        past.ending(survey),
     )
     return [one for one in lines if one is not None]
 

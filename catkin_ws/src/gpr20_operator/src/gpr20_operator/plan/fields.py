@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
-from gpr20_operator.plan import presets
-from gpr20_operator.plan.presets import Presets
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.words import (
     HERTZ_PER_MEGAHERTZ,
     hertz_from_megahertz,
@@ -34,7 +33,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     coordinate_limits_mm,
 )
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.trace.ms2026c import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
@@ -92,7 +91,18 @@ class Kind:
         )
 
 
-Allowed = Callable[[RobotTravel], Message]
+@dataclass(frozen=True)
+class Preset:
+    """What a touch fills in: its title, and the new texts by the name of the field."""
+
+    title: Message
+    texts: Mapping[str, str]
+
+
+# What a field allows: always the same, or what the axes of the robot allow.
+Allowed = Union[Message, Callable[[RobotTravel], Message]]
+# From the robot's axes, and a quarter wavelength in the soil [mm], None where it is not known.
+Presets = Callable[[RobotTravel, Optional[float]], List[Preset]]
 
 
 @dataclass(frozen=True)
@@ -105,7 +115,7 @@ class FieldSpec:
         tile: The group in which it is shown; None: it follows from others.
         kind: What its text is.
         default: The text with which a plan starts.
-        allowed: What it allows on a robot.
+        limits: What it allows.
         presets: What a touch fills in.
         empty: What an empty text means; None: nothing.
     """
@@ -115,9 +125,13 @@ class FieldSpec:
     tile: Optional[Tile]
     kind: Kind
     default: str
-    allowed: Allowed
+    limits: Allowed
     presets: Presets = lambda _travel, _quarter_mm: []
     empty: Optional[Message] = None
+
+    def allowed(self, travel: RobotTravel) -> Message:
+        """Return what the field allows on a robot."""
+        return self.limits if isinstance(self.limits, Message) else self.limits(travel)
 
     def hint(self, travel: RobotTravel) -> Message:
         """Return what the field allows, and what it means if it is empty."""
@@ -159,17 +173,12 @@ POSITION = Kind(
 )
 
 
-def _always(message: Message) -> Allowed:
-    return lambda _travel: message
-
-
 def _range(limits: Tuple[float, float]) -> Message:
     return Message("from {lower:.12g} to {upper:.12g}", lower=limits[0], upper=limits[1])
 
 
-def _whole(lower: int, upper: int) -> Allowed:
-    text = Message("a whole number from {lower:g} to {upper:g}", lower=lower, upper=upper)
-    return _always(text)
+def _whole(lower: int, upper: int) -> Message:
+    return Message("a whole number from {lower:g} to {upper:g}", lower=lower, upper=upper)
 
 
 def _rotations_allowed(travel: RobotTravel) -> Message:
@@ -181,6 +190,64 @@ def _rotations_allowed(travel: RobotTravel) -> Message:
     )
 
 
+def _areas(travel: RobotTravel, _quarter_mm: Optional[float]) -> List[Preset]:
+    """Return the areas: all of the robot, and a small one in its middle."""
+    whole: Dict[str, str] = {}
+    middle: Dict[str, str] = {}
+    for name, axis in (("x", travel.x), ("y", travel.y)):
+        lower, upper = coordinate_limits_mm(axis)
+        # Whole millimetres; a small axis has less than this area.
+        start = max(lower, math.floor((lower + upper - SMALL_AREA_MM) / 2.0))
+        stop = min(upper, start + SMALL_AREA_MM)
+        for texts, ends_mm in ((whole, (lower, upper)), (middle, (start, stop))):
+            texts[f"{name}_start_mm"], texts[f"{name}_stop_mm"] = map(number_text, ends_mm)
+    size = {"width": f"{SMALL_AREA_MM:g}", "height": f"{SMALL_AREA_MM:g}"}
+    centre = Message("{width} x {height} centre", **size)
+    return [Preset(Message("Whole robot"), whole), Preset(centre, middle)]
+
+
+def _spacings(_travel: RobotTravel, quarter_mm: Optional[float]) -> List[Preset]:
+    """Return some distances of stops, and the coarsest one that suits the soil."""
+    titles = {float(mm): verbatim(f"{mm} mm") for mm in (5, 10, 15, 20, 25)}
+    if quarter_mm is not None:
+        # Rounded down to a tenth: rounded up it would be too coarse.
+        mm = math.floor(quarter_mm * 10.0) / 10.0
+        titles[mm] = Message("Soil: {spacing:g} mm", spacing=mm)
+    return [
+        Preset(title, {f"{axis}_spacing_mm": f"{mm:g}" for axis in "xy"})
+        for mm, title in titles.items()
+    ]
+
+
+def _fixed(*found: Preset) -> Presets:
+    return lambda _travel, _quarter_mm: list(found)
+
+
+def _one_of(name: str, texts: Iterable[str], unit: str, *first: Preset) -> Presets:
+    """Return the presets of one field: each text with its unit."""
+    return _fixed(*first, *(Preset(verbatim(f"{text}{unit}"), {name: text}) for text in texts))
+
+
+def _as_set(name: str, texts: Iterable[str], unit: str = "") -> Presets:
+    """Return the presets of a setting of the VNA: as it is, or one of some texts."""
+    return _one_of(name, texts, unit, Preset(Message("AS SET"), {name: ""}))
+
+
+SMALL_AREA_MM = 300.0
+BANDS = _fixed(
+    *(
+        Preset(verbatim(f"600 - {stop}"), {"start_frequency_hz": "600", "stop_frequency_hz": stop})
+        for stop in ("6000", "3000")
+    ),
+    *(
+        Preset(Message("{count} points", count=count), {"frequency_points": str(count)})
+        for count in (201, 501, 1001)
+    ),
+)
+SOILS = _fixed(
+    *(Preset(one.value.name, {"permittivity": f"{one.value.permittivity:g}"}) for one in Soils)
+)
+ADDRESSES = _fixed(Preset(Message("Robot's own"), {"vna_address": ""}))
 Specs = Tuple[FieldSpec, ...]
 
 
@@ -192,14 +259,14 @@ def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Me
 
     def end(which: str, title: Message, default: str) -> FieldSpec:
         name = f"{axis}_{which}_mm"
-        return FieldSpec(name, title, Tile.AREA, MILLIMETRES, default, limits, presets.areas)
+        return FieldSpec(name, title, Tile.AREA, MILLIMETRES, default, limits, _areas)
 
-    fewest = _always(Message("a whole number, {lower:g} or more", lower=MIN_GRID_POINTS))
-    above_0, name = _always(ABOVE_0), f"{axis}_spacing_mm"
+    fewest = Message("a whole number, {lower:g} or more", lower=MIN_GRID_POINTS)
+    above_0, name = ABOVE_0, f"{axis}_spacing_mm"
     return (
         end("start", start, "50"),
         end("stop", stop, "150"),
-        FieldSpec(name, spacing, Tile.SPACING, SPACING, "10", above_0, presets.spacings),
+        FieldSpec(name, spacing, Tile.SPACING, SPACING, "10", above_0, _spacings),
         FieldSpec(f"{axis}_points", points, None, WHOLE, "11", fewest),
     )
 
@@ -215,21 +282,21 @@ _BELOW_STOP = Message(
 PLAN: Specs = (
     FieldSpec(
         *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS, ""),
-        _always(Message("four whole numbers from 0 to 255")),
-        presets.ADDRESSES,
+        Message("four whole numbers from 0 to 255"),
+        ADDRESSES,
         Message("as configured"),
     ),
     FieldSpec(
         *("start_frequency_hz", Message("Start frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),
-        *("600", _always(_BELOW_STOP), presets.FREQUENCIES),
+        *("600", _BELOW_STOP, BANDS),
     ),
     FieldSpec(
         *("stop_frequency_hz", Message("Stop frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),
-        *("6000", _always(_range(_MEGAHERTZ)), presets.FREQUENCIES),
+        *("6000", _range(_MEGAHERTZ), BANDS),
     ),
     FieldSpec(
         *("frequency_points", Message("Frequency points"), Tile.FREQUENCIES, WHOLE, "501"),
-        *(_whole(MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS), presets.FREQUENCIES),
+        *(_whole(MIN_FREQUENCY_POINTS, MAX_FREQUENCY_POINTS), BANDS),
     ),
     *_axis(
         "x",
@@ -248,29 +315,29 @@ PLAN: Specs = (
     FieldSpec(
         *("polarizations_deg", Message("Antenna rotations (°)"), Tile.ANTENNAS, ROTATIONS, "0, 90"),
         _rotations_allowed,
-        presets.one_of("polarizations_deg", ("0", "90", "0, 90", "-45, 45"), "°"),
+        _one_of("polarizations_deg", ("0", "90", "0, 90", "-45, 45"), "°"),
     ),
     FieldSpec(
         *("if_bandwidth_hz", Message("IF bandwidth (Hz)"), Tile.VNA, HERTZ, ""),
-        _always(_range((MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ))),
-        presets.as_set("if_bandwidth_hz", ("100", "1000", "10000", "100000"), " Hz"),
+        _range((MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ)),
+        _as_set("if_bandwidth_hz", ("100", "1000", "10000", "100000"), " Hz"),
         _AS_ON_VNA,
     ),
     FieldSpec(
         *("averages", Message("Averages"), Tile.VNA, WHOLE.or_empty(), ""),
         _whole(1, MAX_AVERAGES),
-        presets.as_set("averages", ("1", "4", "16"), " x"),
+        _as_set("averages", ("1", "4", "16"), " x"),
         _AS_ON_VNA,
     ),
     FieldSpec(
         *("output_power", Message("Output power"), Tile.VNA, WORD, ""),
-        _always(Message("LOW or HIGH for the MS2026C")),
-        presets.as_set("output_power", OUTPUT_POWERS),
+        Message("LOW or HIGH for the MS2026C"),
+        _as_set("output_power", OUTPUT_POWERS),
         _AS_ON_VNA,
     ),
     FieldSpec(
         *("permittivity", Message("Relative permittivity"), Tile.SOIL, PERMITTIVITY, "4"),
-        *(_always(_range((MIN_PERMITTIVITY, MAX_PERMITTIVITY))), presets.SOILS),
+        *(_range((MIN_PERMITTIVITY, MAX_PERMITTIVITY)), SOILS),
     ),
 )
 
@@ -288,7 +355,7 @@ def _people(
         values: Dict[str, Any] = {name: text}
         return getattr(Annotation(**values), name)
 
-    allowed = _always(Message("at most {most} characters", most=most))
+    allowed = Message("at most {most} characters", most=most)
     kind = Kind(keys, read, metavar="TEXT")
     return FieldSpec(name, title, Tile.NAME, kind, "", allowed, empty=empty)
 
@@ -300,7 +367,7 @@ PEOPLE: Specs = (
     _people("site", Message("Site"), empty=_OF_THE_ROBOT),
     FieldSpec(
         *("position", Message("Position"), Tile.NAME, POSITION, ""),
-        _always(Message("WGS 84, such as {example}", example="4.603, -74.065")),
+        Message("WGS 84, such as {example}", example="4.603, -74.065"),
         empty=_OF_THE_ROBOT,
     ),
     _people("notes", Message("Notes"), MAX_NOTES_CHARACTERS, Keys.LINES),

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-import threading
 from dataclasses import dataclass, replace
 from typing import Any, Callable, Dict, Mapping, Optional, Tuple, Union
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
-from gpr20_operator.files.settings_file import Newest
 from gpr20_operator.plan.fields import (
     PARAMETERS,
     PLAN,
@@ -20,6 +18,7 @@ from gpr20_operator.plan.fields import (
     texts_of,
 )
 from gpr20_operator.robot.events import Configured
+from gpr20_operator.settings_file import Newest
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import (
@@ -221,30 +220,18 @@ class CostEstimated:
     cost: SurveyCost
 
 
-class CostEstimator:
+class CostEstimator(Newest[Tuple[SurveyParameters, Configured]]):
     """Estimates beside the window's thread: a large survey takes seconds. The newest counts."""
 
     def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
+        super().__init__(self._estimate)
         self._listener = listener
-        self._newest = Newest(self._estimate)
-        self._lock = threading.Lock()
-        self._closed = False
-
-    def close(self) -> None:
-        """Call the listener no more, even if an estimate is in progress."""
-        with self._lock:
-            self._closed = True
 
     def ask(self, parameters: SurveyParameters, robot: Configured) -> None:
         """Estimate; the listener gets the result."""
-        self._newest.put((parameters, robot))
+        self.put((parameters, robot))
 
     def _estimate(self, asked: Tuple[SurveyParameters, Configured]) -> None:
         parameters, robot = asked
-        if self._closed:
-            return
         cost = survey_cost(parameters, robot.config, robot.settings)
-        with self._lock:
-            # The listener may be gone once this has been closed.
-            if not self._closed:
-                self._listener(CostEstimated(parameters, cost))
+        self._listener(CostEstimated(parameters, cost))

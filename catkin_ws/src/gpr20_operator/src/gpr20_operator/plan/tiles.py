@@ -7,7 +7,7 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.plan.annotation import shortened
 from gpr20_operator.plan.fields import TILE_FIELDS, Tile, texts_of
 from gpr20_operator.plan.form import PlanCheck, SurveyPreview
@@ -130,10 +130,10 @@ def resumable(past: PastSurveys, snapshot: Optional[Snapshot]) -> Optional[Surve
     return last if last is not None and past.can_resume(last) else None
 
 
-def resume_lines(survey: SurveySummary) -> Lines:
+def resume_lines(past: PastSurveys, survey: SurveySummary) -> Lines:
     """Return the lines of the tile that resumes a survey."""
     counts = {"stored": survey.stored_traces, "planned": survey.planned_traces}
-    name = verbatim(shortened(survey.name)) if survey.name.strip() else title_of(survey)
+    name = verbatim(shortened(survey.name)) if survey.name.strip() else past.title_of(survey)
     return name, Message("{stored} of {planned} stored", **counts)
 
 

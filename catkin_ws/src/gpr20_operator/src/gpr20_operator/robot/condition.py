@@ -246,9 +246,6 @@ def _doubts(snapshot: Snapshot) -> Iterator[Message]:
         yield Message("No progress for {seconds} s.", seconds=int(snapshot.still_s)).with_fault(
             faults.STANDS_STILL
         )
-    if snapshot.sender_ignored:
-        recording = Message("A recording plays on this robot's topics. It is not shown.")
-        yield recording.with_fault(faults.REPLAY.as_warning())
 
 
 def left_of(snapshot: Snapshot) -> Optional[Message]:

@@ -9,12 +9,13 @@ from typing import Iterator, Mapping, Optional, Sequence
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.annotation import EMPTY, Annotation, Site
 from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
 from gpr20_survey.plan.survey_parameters import (
     MAX_COORDINATE_MM,
     MIN_COORDINATE_MM,
     RobotTravel,
+    SurveyParameters,
     SurveySettings,
     Travel,
 )
@@ -179,11 +180,19 @@ class Request(enum.Enum):
 
 
 @dataclass(frozen=True)
-class Accepted:
-    """The main control accepted the parameters: size and duration of the survey."""
+class StartPlan:
+    """What START measures.
 
-    total_points: int
-    estimated_s: float
+    Attributes:
+        annotation: What people add to the survey; empty fields become the robot's defaults.
+        refines: Id of the survey that it measures more finely; empty: none.
+        permittivity: Relative permittivity of the ground; 0: not known.
+    """
+
+    parameters: SurveyParameters
+    annotation: Annotation = EMPTY
+    refines: str = ""
+    permittivity: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -211,13 +220,6 @@ class AxisStopAnswer:
 
     axis: AxisId
     answered: bool
-
-
-@dataclass(frozen=True)
-class StopRequested:
-    """The operator wants to stop the survey; `signal` is the name of the key or signal."""
-
-    signal: str
 
 
 class ReplayPhase(enum.IntEnum):
@@ -278,11 +280,6 @@ class Replay:
                 survey=self.survey,
             )
         return Message("{state}. {survey}", state=self.state.label, survey=self.survey)
-
-
-@dataclass(frozen=True)
-class SenderIgnored:
-    """Event: a node that is none of the robot's speaks for it; nothing of that is shown."""
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.node_health import WEB, HealthLevel
 from gpr20_operator.robot.condition import urgent
-from gpr20_operator.robot.events import ControlState
+from gpr20_operator.robot.events import ControlState, StartPlan
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 # How long one hold of the button allows them [s].
 REMOTE_LIMIT_S = 600.0
@@ -31,27 +29,12 @@ NO_ROBOT = Message("a replay is shown, and no robot")
 
 
 @dataclass(frozen=True)
-class RemotePlan:
-    """What START on the window would measure now.
-
-    Attributes:
-        refines: Id of the survey that it measures more finely; empty: none.
-        permittivity: Relative permittivity of the ground.
-    """
-
-    parameters: SurveyParameters
-    annotation: Annotation
-    refines: str
-    permittivity: float
-
-
-@dataclass(frozen=True)
 class RemoteArmed:
     """One message of `remote_control`; plan None: something in the fields is wrong."""
 
     armed: bool
     remaining_s: float = 0.0
-    plan: Optional[RemotePlan] = None
+    plan: Optional[StartPlan] = None
 
 
 @dataclass(frozen=True)
@@ -125,8 +108,8 @@ class Arming:
         self._clock, self._send = clock, send
         self._until_s = -math.inf
         self._faults = _FaultWatch()
-        self._plan: Optional[RemotePlan] = None
-        self._sent: Optional[Tuple[bool, Optional[RemotePlan]]] = None
+        self._plan: Optional[StartPlan] = None
+        self._sent: Optional[Tuple[bool, Optional[StartPlan]]] = None
         self._sent_s = -math.inf
         self.web: Optional[WebStatusReported] = None
 
@@ -157,7 +140,7 @@ class Arming:
         self._until_s = -math.inf
         self._report()
 
-    def note(self, snapshot: Snapshot, plan: Optional[RemotePlan]) -> None:
+    def note(self, snapshot: Snapshot, plan: Optional[StartPlan]) -> None:
         """Take what is known of the robot now, and the plan that the window shows."""
         self._plan = plan
         if any(one.name == WEB and one.level is HealthLevel.STALE for one in snapshot.health.nodes):
@@ -210,7 +193,7 @@ class RemoteAllowance:
         return self._left_s if self.armed else 0.0
 
     @property
-    def plan(self) -> Optional[RemotePlan]:
+    def plan(self) -> Optional[StartPlan]:
         """What START measures; None: the plan of the window is not complete."""
         return self._last.plan
 

@@ -56,9 +56,6 @@ class Snapshot:
     service: Optional[Message] = None
     # The last report of each axis that was heard.
     axes: Tuple[AxisReport, ...] = ()
-    # A node that is none of the robot's publishes on its topics, such as a player of recordings;
-    # nothing of that is shown.
-    sender_ignored: bool = False
     # What is shown is a replay, not a robot.
     replay: Optional[Replay] = None
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Optional, Protocol, Union
 
-from gpr20_operator.ground.finer_plan import FinerPlan
+from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
     CostEstimated,
     CostEstimator,
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.events import Answer, Request, StartPlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
@@ -22,21 +22,8 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 class SurveyControl(Protocol):
     """Requests to the main control, without waiting; the answers come as events."""
 
-    def start_survey(
-        self,
-        parameters: SurveyParameters,
-        annotation: Annotation,
-        refines: str,
-        permittivity: float,
-    ) -> None:
-        """Ask to accept the parameters and to start.
-
-        Args:
-            parameters: What to measure.
-            annotation: What people add to the survey.
-            refines: Id of a coarser survey; empty: none.
-            permittivity: Relative permittivity of the ground; 0: not known.
-        """
+    def start_survey(self, plan: StartPlan) -> None:
+        """Ask to accept the parameters and to start."""
 
     def stop(self) -> None:
         """Ask whatever moves to stop, whoever moves it."""
@@ -118,9 +105,8 @@ class WindowPresenter:
     ) -> None:
         """Ask for a survey."""
         self._model.request_sent(Request.START)
-        self._control.start_survey(
-            *(parameters, annotation, self.refines(parameters), permittivity)
-        )
+        plan = StartPlan(parameters, annotation, self.refines(parameters), permittivity)
+        self._control.start_survey(plan)
 
     def refines(self, parameters: SurveyParameters) -> str:
         """Return the id of the survey that these parameters measure more finely; empty: none."""
@@ -146,7 +132,3 @@ class WindowPresenter:
         """Ask again to resume the survey, with another analyzer that the operator accepts."""
         self._model.request_sent(Request.RESUME)
         self._control.resume_survey(self._resumed, analyzer)
-
-    def end(self) -> None:
-        """Drop the estimate that is in progress."""
-        self._estimator.close()

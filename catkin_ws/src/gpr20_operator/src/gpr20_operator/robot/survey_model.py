@@ -19,7 +19,6 @@ from gpr20_operator.robot.events import (
     Replay,
     Request,
     RobotDescribed,
-    SenderIgnored,
     ServiceActivity,
     TargetPosition,
 )
@@ -31,7 +30,7 @@ from gpr20_survey.plan.survey_state import ENDED, RUNNING
 Event = TypeVar("Event")
 # Events of which the last one is known.
 _KEPT = (
-    *(ControlState, Progress, CurrentPosition, TargetPosition, MeasuredHeight, SenderIgnored),
+    *(ControlState, Progress, CurrentPosition, TargetPosition, MeasuredHeight),
     *(MasterAnswered, RobotDescribed, SurveyParameters, ServiceActivity),
 )
 
@@ -127,7 +126,6 @@ class SurveyModel:
             state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
             service=service.activity if service else None,
-            sender_ignored=self._last(SenderIgnored, STALE_S) is not None,
             axes=tuple(
                 replace(one, silent=now_s - one.received_s > STALE_S) for one in self._axes.values()
             ),

@@ -7,6 +7,7 @@ import io
 import os
 import queue
 import sys
+from typing import List
 
 import rospy
 
@@ -15,12 +16,24 @@ from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import MasterUnavailableError
+from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.ros_events import join_graph
-from gpr20_operator.robot.events import Senders, StopRequested
+from gpr20_operator.high.ros_events import RequestError, join_graph
+from gpr20_operator.high.storage_client import SURVEYS_PER_PAGE, StorageClient
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.robot.events import Senders
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
-from gpr20_user_interface.terminal.follower import Display, ExitStatus, SurveyFollower, first_step
+from gpr20_user_interface.terminal.follower import (
+    Display,
+    ExitStatus,
+    StopRequested,
+    SurveyFollower,
+    first_step,
+)
 from gpr20_user_interface.terminal.survey_arguments import parse_arguments
+
+# Of the surveys that can be resumed.
+MOST_NAMED = 5
 
 
 def main() -> int:
@@ -54,15 +67,14 @@ def _run(
             display.note(message)
         # At once: the exit handlers of rospy would wait for the master.
         leave_now(ExitStatus.STOPPED if signals.received else ExitStatus.REFUSED)
-    client = ControlClient(events.put, Senders(rospy.get_namespace()))
+    senders = Senders(rospy.get_namespace())
+    client, storage = ControlClient(events.put, senders), StorageClient(events.put, senders)
 
     def ask() -> None:
         if options.resume is not None:
             client.resume_survey(options.resume)
         else:
-            client.start_survey(
-                options.parameters, options.annotation, permittivity=options.permittivity
-            )
+            client.start_survey(options.plan)
 
     display = Display(sys.stdout, catalogue)
     follower = SurveyFollower(ask, client.stop, display, options.wait, Clock())
@@ -73,8 +85,19 @@ def _run(
     display.close()
     is_error = status in (ExitStatus.REFUSED, ExitStatus.FAILED)
     last = Display(sys.stderr if is_error else sys.stdout, catalogue)
-    for message in follower.last_words():
+    for message in follower.last_words(lambda: _resumable(storage)):
         last.note(message)
     keeper.close()
     client.close()
     return status
+
+
+def _resumable(storage: StorageClient) -> List[str]:
+    """Return the ids of the newest surveys that ended early; none if nobody can list them."""
+    try:
+        newest = storage.wait_for(Service.LIST, before="", max_surveys=SURVEYS_PER_PAGE)
+    except RequestError as error:
+        rospy.logwarn("no survey can be named: %s", error)
+        return []
+    past = PastSurveys()
+    return [one.survey_id for one in newest.surveys if past.can_resume(one)][:MOST_NAMED]

@@ -8,8 +8,8 @@ from typing import Any, Callable, Dict, Mapping, Optional
 from gpr20_common.catalogue import Language, language_from_code
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.files.settings_file import SettingsFile, settings_writer
 from gpr20_operator.palette import Theme
+from gpr20_operator.settings_file import SettingsFile, settings_writer
 
 DIM_CHOICES_MIN = (0, 2, 5, 10)
 

@@ -5,36 +5,29 @@ from __future__ import annotations
 import enum
 import math
 import queue
-import re
 import shutil
-from typing import Callable, List, Optional, TextIO
+from dataclasses import dataclass
+from typing import Callable, List, Optional, Sequence, TextIO
 
 from gpr20_common.catalogue import Catalogue
-from gpr20_common.faults import MAY_MOVE, NOT_RUNNING, PART_LOST
+from gpr20_common.faults import MAY_MOVE
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
 from gpr20_common.terminal_text import printable
-from gpr20_operator.robot.condition import Condition, condition_of
-from gpr20_operator.robot.events import (
-    Accepted,
-    Answer,
-    ControlState,
-    Progress,
-    Request,
-    StopRequested,
-)
+from gpr20_operator.robot.condition import condition_of
+from gpr20_operator.robot.events import Answer, ControlState, Progress, Request
 from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.snapshot import Snapshot, remaining
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_operator.words import duration
+from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 TICK_S = 0.2
 # After this silence of the main control the client ends; a STOP is repeated for longer [s].
 LOST_S, LOST_STOP_S = 35.0, 900.0
-# For the first status of the survey that was accepted; for its end after a STOP [s].
-BEGIN_S, STOP_S = 10.0, 60.0
-# A line is written for each such part of the survey.
+# For the end of a survey after a STOP [s].
+STOP_S = 60.0
+# In a file or a pipe a line is written for each such part of the survey.
 STEP_PERCENT = 10.0
 
 
@@ -57,6 +50,13 @@ _HEADLINES = {
 }
 
 
+@dataclass(frozen=True)
+class StopRequested:
+    """The operator wants to stop the survey; `signal` is the name of the key or signal."""
+
+    signal: str
+
+
 class Display:
     """Sentences and progress; on a terminal the last line is written again for each trace."""
 
@@ -72,10 +72,6 @@ class Display:
         sentence = self._catalogue.text(message)
         line = printable(f"{sentence} ({details})" if details else sentence)
         self._write(f"{self._end}{line}\n", "")
-
-    def close(self) -> None:
-        """End the line of progress."""
-        self._write(self._end, "")
 
     def show(self, progress: Progress) -> None:
         """Show how far the survey is."""
@@ -94,6 +90,10 @@ class Display:
             after = min(progress.completion_percent + STEP_PERCENT, 100.0)
             self._next_percent = math.inf if progress.is_complete else after
             self.note(line)
+
+    def close(self) -> None:
+        """End the line of progress."""
+        self._write(self._end, "")
 
     def _write(self, text: str, end: str) -> None:
         self._stream.write(text)
@@ -131,9 +131,8 @@ class SurveyFollower:
         self.status: Optional[ExitStatus] = None
         self.message, self.survey_id = verbatim(""), ""
         self._asked = self._answered = False
-        self._looked_s = self._own_s = self._now_s()
-        self._silent_s, self._stopping_s = 0.0, math.inf
-        self._said = ""
+        self._looked_s, self._silent_s, self._stopping_s = self._now_s(), 0.0, math.inf
+        self._said: object = None
 
     def run(self, events: queue.SimpleQueue) -> ExitStatus:
         """Take events until the survey has ended; return how."""
@@ -149,14 +148,6 @@ class SurveyFollower:
         self._model.handle(event)
         if isinstance(event, ControlState) and self._asked:
             self._take_state(event)
-        elif isinstance(event, Accepted):
-            self._display.note(
-                Message(
-                    "Parameters accepted: {traces} traces, estimated time: {time}.",
-                    traces=event.total_points,
-                    time=duration(event.estimated_s),
-                )
-            )
         elif isinstance(event, Answer):
             self._take_answer(event)
         elif isinstance(event, StopRequested):
@@ -171,27 +162,24 @@ class SurveyFollower:
         # A client that was suspended itself has heard nothing: that is no silence.
         step_s, self._looked_s = min(now_s - self._looked_s, TICK_S), now_s
         self._silent_s = 0.0 if snapshot.control_alive else self._silent_s + step_s
-        if self.status is None and self._asked:
+        if self.status is not None:
+            return
+        if self._asked:
             self._follow(snapshot)
-        elif self.status is None and snapshot.state is not None:
+        elif snapshot.state is not None:
             self._asked = True
             if snapshot.simulated:
                 self._display.note(Message("SIMULATED robot: these data show no real ground."))
             self._ask()
-        elif self.status is None and self._silent_s > self._wait_s:
-            message = Message(
-                "No contact with the main control within {limit_s:g} s. Start it with `roslaunch "
-                "gpr20 survey.launch`. If it is running, check ROS_MASTER_URI and the namespace.",
-                limit_s=self._wait_s,
-            )
-            self._end(ExitStatus.REFUSED, message.with_fault(NOT_RUNNING))
+        elif self._silent_s > self._wait_s:
+            self._end(ExitStatus.REFUSED, condition_of(snapshot).message)
 
     def _take_state(self, state: ControlState) -> None:
         # What stands still is from before the request.
-        begins = state.code in RUNNING - {SurveyState.PAUSED}
-        if begins and not self.survey_id:
-            self.survey_id = state.survey_id
-        if begins and self._stopping_s < math.inf and state.code is not SurveyState.STOPPING:
+        if state.code not in RUNNING - {SurveyState.PAUSED}:
+            return
+        self.survey_id = self.survey_id or state.survey_id
+        if self._stopping_s < math.inf and state.code is not SurveyState.STOPPING:
             # STOP may have come before there was anything to stop.
             self._stop()
 
@@ -200,14 +188,12 @@ class SurveyFollower:
             if not answer.success:
                 self._display.note(Message("Stop not accepted: {reason}", reason=answer.message))
         elif answer.success:
-            self._answered, self._own_s = True, self._now_s()
+            self._answered = True
             # The id of a resumed survey comes with its status.
             self.survey_id = answer.survey_id or self.survey_id
-        elif self._stopping_s < math.inf:
-            message = Message("The survey was not started: {reason}", reason=answer.message)
-            self._end(ExitStatus.STOPPED, message)
         else:
-            self._end(ExitStatus.REFUSED, answer.message)
+            stopped = self._stopping_s < math.inf
+            self._end(ExitStatus.STOPPED if stopped else ExitStatus.REFUSED, answer.message)
 
     def _take_stop(self, event: StopRequested) -> None:
         if not self._asked:
@@ -218,35 +204,23 @@ class SurveyFollower:
         self._stop()
 
     def _follow(self, snapshot: Snapshot) -> None:
-        state, now_s = snapshot.state, self._now_s()
-        stopping, alive = self._stopping_s < math.inf, snapshot.control_alive
-        own = state is not None and bool(state.survey_id) and state.survey_id == self.survey_id
+        state, alive = snapshot.state, snapshot.control_alive
+        stopping_s = self._now_s() - self._stopping_s
+        own = state is not None and bool(self.survey_id) and state.survey_id == self.survey_id
+        lost = self._silent_s > (LOST_S if stopping_s < 0.0 else LOST_STOP_S)
         if own or not alive:
-            self._show(condition_of(snapshot))
-        if own or not alive or not self._answered:
-            self._own_s = now_s
-        if self._silent_s > (LOST_STOP_S if stopping else LOST_S):
-            message = Message(
-                "No contact with the main control for {limit_s:g} s. The robot may still move.",
-                limit_s=round(self._silent_s),
-            )
-            self._end(ExitStatus.FAILED, message.with_fault(PART_LOST))
-        elif alive and now_s - self._stopping_s > STOP_S:
+            self._show(snapshot)
+        if lost or (alive and snapshot.interrupted and self._answered):
+            self._end(ExitStatus.FAILED, condition_of(snapshot).message)
+        elif alive and stopping_s > STOP_S:
             message = Message(
                 "The main control did not confirm within {limit_s:g} s that the survey has "
                 "stopped. The robot may still move: switch it off if people are near it.",
                 limit_s=STOP_S,
             )
             self._end(ExitStatus.FAILED, message.with_fault(MAY_MOVE))
-        elif now_s - self._own_s > BEGIN_S:
-            message = Message(
-                "The main control no longer knows survey {survey}; it may have been restarted. "
-                "The traces measured so far are in the survey's folder.",
-                survey=self.survey_id,
-            )
-            self._end(ExitStatus.FAILED, message.reporting_only(PART_LOST))
         elif state is not None and own and self._answered:
-            self._end_with(state, stopping)
+            self._end_with(state, stopping_s >= 0.0)
 
     def _end_with(self, state: ControlState, stopping: bool) -> None:
         said = state.message if state.code is state.shown else state.title
@@ -258,37 +232,46 @@ class SurveyFollower:
         elif state.code is SurveyState.PAUSED and not stopping:
             self._end(ExitStatus.PAUSED, state.message)
 
-    def _show(self, condition: Condition) -> None:
-        """Write it, and what to do first, unless only its numbers are others."""
-        line = Message("{state}: {message}", state=condition.title, message=condition.message)
-        said = re.sub(r" ?\d+( %)?", "", str(line))
-        if said != self._said:
-            self._said = said
-            self._display.note(line)
+    def _show(self, snapshot: Snapshot) -> None:
+        """Write the state and what to do first, whenever the state or its fault is another."""
+        condition = condition_of(snapshot)
+        known = snapshot.code, condition.level, condition.message.fault_code
+        if known != self._said:
+            self._said = known
+            self._display.note(
+                Message("{state}: {message}", state=condition.title, message=condition.message)
+            )
             if condition.asked is not None:
                 self._display.note(first_step(condition.message))
 
     def _end(self, status: ExitStatus, message: Message) -> None:
         self.status, self.message = status, message
 
-    def last_words(self) -> List[Message]:
-        """Return what is said at the end, and how to continue."""
+    def last_words(self, resumable: Callable[[], Sequence[str]]) -> List[Message]:
+        """Return what is said at the end, and how to continue.
+
+        Args:
+            resumable: Reads which surveys can be resumed, by their ids.
+        """
         assert self.status is not None
         status, message = self.status, self.message
-        lines = [_HEADLINES[status], message]
-        if status in (ExitStatus.REFUSED, ExitStatus.FAILED, ExitStatus.PAUSED):
-            lines.append(first_step(message))
-        if self.survey_id and status is not ExitStatus.REFUSED:
+        lines, to_resume = [_HEADLINES[status], message], [self.survey_id]
+        if status is ExitStatus.REFUSED:
+            to_resume = list(resumable()) if message.fault_code == NONE_OPEN.code else []
+        elif self.survey_id:
             lines.append(Message("Survey id: {survey}", survey=self.survey_id))
-            if message.can_continue and status is not ExitStatus.FINISHED:
-                lines.append(
-                    Message(
-                        "Measure the missing traces, while no other survey runs, with `rosrun "
-                        "gpr20_user_interface run_survey --resume {survey}`.",
-                        survey=self.survey_id,
-                    )
-                )
-        return lines
+        if status is ExitStatus.FINISHED or not message.can_continue:
+            to_resume = []
+        if status not in (ExitStatus.FINISHED, ExitStatus.STOPPED) and not to_resume:
+            lines.append(first_step(message))
+        return lines + [
+            Message(
+                "Measure the missing traces, while no other survey runs, with `rosrun "
+                "gpr20_user_interface run_survey --resume {survey}`.",
+                survey=one,
+            )
+            for one in filter(None, to_resume)
+        ]
 
 
 def first_step(message: Message) -> Message:

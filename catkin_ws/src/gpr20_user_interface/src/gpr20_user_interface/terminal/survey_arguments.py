@@ -9,7 +9,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StartPlan
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -29,28 +29,47 @@ EXIT_STATUS = Message(
     "  130  it was stopped by Ctrl-C or SIGTERM; after a second one it may still run\n"
 )
 SOIL = SPECS["permittivity"]
-FIELDS = (*PARAMETERS, SOIL, *PEOPLE)
 
 
 def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.Namespace:
     """Read the command line, without the name of the program and without ROS remappings.
 
     Returns:
-        `parameters`, `annotation`, `permittivity` (0: not known), `wait`; `resume`, the survey to
-        resume by id or folder (empty: the paused one; None: none).
+        `plan`, a StartPlan; `wait`; `resume`, the survey to resume by id or folder (empty: the
+        paused one; None: none).
 
     Raises:
         SystemExit: With status 2 after a message, or 0 after the help.
     """
     tr = catalogue.tr
+
+    def reader(read: Callable[[str], Any]) -> Callable[[str], Any]:
+        def read_argument(text: str) -> Any:
+            try:
+                return read(text)
+            except InvalidValueError as error:
+                # argparse shows the text of this error, but not that of a ValueError.
+                raise argparse.ArgumentTypeError(catalogue.text(error.message)) from None
+
+        return read_argument
+
     parser = argparse.ArgumentParser(
         prog="run_survey",
         description=catalogue.text(DESCRIPTION),
         epilog=catalogue.text(EXIT_STATUS),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    for spec in FIELDS:
-        _add_field(parser, spec, catalogue)
+    fields = (*PARAMETERS, SOIL, *PEOPLE)
+    for spec in fields:
+        parser.add_argument(
+            option_of(spec),
+            dest=spec.name,
+            default=argparse.SUPPRESS,
+            type=reader(spec.kind.read),
+            metavar=spec.kind.metavar,
+            # Percent signs are the formats of argparse.
+            help=catalogue.text(_meaning(spec)).replace("%", "%%"),
+        )
     parser.add_argument(
         "--resume",
         nargs="?",
@@ -60,31 +79,27 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
     )
     parser.add_argument(
         "--wait",
-        type=_reader(number_from_text, catalogue),
+        type=reader(number_from_text),
         default=WAIT_S,
         metavar="S",
         help=tr("seconds to wait for the main control (default {default:g})", default=WAIT_S),
     )
     given = parser.parse_args(arguments)
-    named = ", ".join(option_of(one) for one in FIELDS if one.name in given)
+    named = ", ".join(option_of(one) for one in fields if one.name in given)
+    if given.resume is not None and named:
+        parser.error(
+            tr("{options} cannot be given with --resume: that survey has its own", options=named)
+        )
     if given.resume is not None:
-        if named:
-            parser.error(
-                tr(
-                    "{options} cannot be given with --resume: that survey has its own",
-                    options=named,
-                )
-            )
         # Folders may be given with their path; the main control knows where they are.
         given.resume = given.resume.rstrip("/").rsplit("/", 1)[-1]
 
     def values(specs: Sequence[FieldSpec]) -> Any:
         return {one.name: getattr(given, one.name, one.kind.read(one.default)) for one in specs}
 
-    given.parameters = SurveyParameters(**values(PARAMETERS))
-    given.annotation = Annotation(**values(PEOPLE))
+    parameters, people = SurveyParameters(**values(PARAMETERS)), Annotation(**values(PEOPLE))
     # The window begins with a soil, which a person sees there; a command assumes none.
-    given.permittivity = getattr(given, SOIL.name, 0.0)
+    given.plan = StartPlan(parameters, people, permittivity=getattr(given, SOIL.name, 0.0))
     return given
 
 
@@ -93,30 +108,8 @@ def option_of(spec: FieldSpec) -> str:
     return "--" + spec.name.replace("_frequency_hz", "_frequency_mhz").replace("_", "-")
 
 
-def _add_field(parser: argparse.ArgumentParser, spec: FieldSpec, catalogue: Catalogue) -> None:
-    allowed = spec.hint(DOCUMENTED_TRAVEL)
-    meaning = Message("{field}: {allowed}", field=spec.title, allowed=allowed)
-    if spec.default and spec is not SOIL:
-        meaning = Message("{meaning} (default {default})", meaning=meaning, default=spec.default)
-    parser.add_argument(
-        option_of(spec),
-        dest=spec.name,
-        default=argparse.SUPPRESS,
-        type=_reader(spec.kind.read, catalogue),
-        metavar=spec.kind.metavar,
-        # Percent signs are the formats of argparse.
-        help=catalogue.text(meaning).replace("%", "%%"),
-    )
-
-
-def _reader(read: Callable[[str], Any], catalogue: Catalogue) -> Callable[[str], Any]:
-    """Return a function for argparse that reads an argument."""
-
-    def read_argument(text: str) -> Any:
-        try:
-            return read(text)
-        except InvalidValueError as error:
-            # argparse shows the text of this error, but not that of a ValueError.
-            raise argparse.ArgumentTypeError(catalogue.text(error.message)) from None
-
-    return read_argument
+def _meaning(spec: FieldSpec) -> Message:
+    meaning = Message("{field}: {allowed}", field=spec.title, allowed=spec.hint(DOCUMENTED_TRAVEL))
+    if not spec.default or spec is SOIL:
+        return meaning
+    return Message("{meaning} (default {default})", meaning=meaning, default=spec.default)

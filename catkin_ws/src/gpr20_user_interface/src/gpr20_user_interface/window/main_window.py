@@ -15,11 +15,11 @@ from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.job import Delivery
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.jobs.result import SurveyResult
-from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.settings_file import PlanMemory
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
@@ -165,7 +165,6 @@ class MainWindow(QWidget):
         for timer in self._timers:
             timer.stop()
         self.remote.end()
-        self.survey.end()
         self._imaging.end()
         self.result.end()
 

@@ -9,9 +9,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.notices import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name
-from gpr20_operator.robot.stop_confirmation import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_web import faults
@@ -193,9 +193,7 @@ class Commands(WebPage):
                 raise NotNowError(
                     Message("the plan at the robot was changed; read it again before START")
                 )
-            self._control.start_survey(
-                plan.parameters, plan.annotation, plan.refines, plan.permittivity
-            )
+            self._control.start_survey(plan)
 
         return self._once(call, Request.START, send)
 

@@ -11,19 +11,19 @@ from gpr20_common.message import Message
 from gpr20_operator.plan.form import preview
 from gpr20_operator.plan.hold_question import HANDS_CLEAR
 from gpr20_operator.plan.tiles import plan_rows, spacing_warning
-from gpr20_operator.robot.remote_control import RemotePlan
+from gpr20_operator.robot.events import StartPlan
 
 # Of ground of which nothing is known.
 AIR = 1.0
 
 
-def plan_id(plan: RemotePlan) -> str:
+def plan_id(plan: StartPlan) -> str:
     """Return what only this plan has: a person starts the plan that was read."""
     content = json.dumps(asdict(plan), sort_keys=True, default=str)
     return hashlib.sha256(content.encode()).hexdigest()[:32]
 
 
-def plan_values(plan: RemotePlan, text: Callable[[Message], str]) -> Mapping[str, Any]:
+def plan_values(plan: StartPlan, text: Callable[[Message], str]) -> Mapping[str, Any]:
     """Return what a browser shows before START."""
     permittivity = plan.permittivity or AIR
     known = preview(plan.parameters, permittivity)

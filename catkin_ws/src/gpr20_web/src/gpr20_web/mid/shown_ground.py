@@ -14,7 +14,6 @@ from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.grid import Area
-from gpr20_operator.ground.marks import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.model import GroundModel, Shown
 from gpr20_operator.ground.patterns import (
     LAST_SHADE,
@@ -24,6 +23,7 @@ from gpr20_operator.ground.patterns import (
     shade_numbers,
 )
 from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.traces import (
     ReadingFailed,
     ShownSurvey,

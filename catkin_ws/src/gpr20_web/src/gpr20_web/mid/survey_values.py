@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Dict, Optional
 
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
-from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
@@ -23,8 +22,8 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
     ending = past.ending_of(survey)
     return {
         "folder": survey.folder,
-        "title": text(title_of(survey)),
-        "time": text(local_time(survey.started, survey.folder)),
+        "title": text(past.title_of(survey)),
+        "time": text(past.time_of(survey)),
         "ending": sentence(text, past.ending(survey)),
         "state": ending.value,
         "simulated": survey.simulated and ending is not Ending.UNREADABLE,

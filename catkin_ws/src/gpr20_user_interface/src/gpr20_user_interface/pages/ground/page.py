@@ -11,8 +11,7 @@ from PyQt5.QtWidgets import QWidget
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.finer_plan import plan_finer
-from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.ground.grid import SurveyGrid, plan_finer
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.texts import place_text
 from gpr20_operator.ground.traces import TracePresenter

@@ -12,15 +12,17 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.notices import (
+    ANSWER_S,
+    MOTORS_OFF,
     CardWatch,
     Notice,
     Refused,
+    StopConfirmation,
     analyzer_notice,
     band_notice,
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.stop_confirmation import ANSWER_S, MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.touch.hold_button import HoldButton

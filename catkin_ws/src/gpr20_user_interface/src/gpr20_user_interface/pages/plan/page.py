@@ -14,7 +14,6 @@ from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
-from gpr20_operator.plan.stored import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_operator.plan.tiles import (
     resumable,
     resume_lines,
@@ -23,11 +22,11 @@ from gpr20_operator.plan.tiles import (
     tile_lines,
     tile_problem,
 )
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request, StartPlan
 from gpr20_operator.robot.notices import Refused
-from gpr20_operator.robot.remote_control import RemotePlan
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.survey_summary import SurveySummary
@@ -97,13 +96,13 @@ class PlanPage(QWidget, Page):
         return self._check.permittivity
 
     @property
-    def plan_to_start(self) -> Optional[RemotePlan]:
+    def plan_to_start(self) -> Optional[StartPlan]:
         """What START would measure now; None while something is wrong."""
         parameters, permittivity = self.parameters, self.permittivity
         if parameters is None or permittivity is None:
             return None
         refines = self._survey.refines(parameters)
-        return RemotePlan(parameters, self.next_annotation.value, refines, permittivity)
+        return StartPlan(parameters, self.next_annotation.value, refines, permittivity)
 
     def begin(self) -> None:
         """Start with what was planned last."""
@@ -225,7 +224,7 @@ class PlanPage(QWidget, Page):
             self._place_start(offered is not None)
         self._offer = offered
         if offered is not None:
-            lines = (shown_text(line) for line in resume_lines(offered))
+            lines = (shown_text(line) for line in resume_lines(self._traces.past, offered))
             self.resume.show_texts(self.tr("RESUME"), *lines)
         self.start.setEnabled(lock is None)
         reason = "" if lock is None else shown_text(lock)

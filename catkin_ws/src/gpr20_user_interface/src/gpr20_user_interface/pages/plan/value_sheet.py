@@ -9,9 +9,8 @@ from PyQt5.QtGui import QKeyEvent
 from PyQt5.QtWidgets import QPushButton, QSizePolicy, QWidget
 
 from gpr20_common.message import Message
-from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, FieldSpec, Tile
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, FieldSpec, Preset, Tile
 from gpr20_operator.plan.form import PlanForm, quarter_wavelength_mm
-from gpr20_operator.plan.presets import Preset
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock

@@ -11,9 +11,8 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.marks import GroundMark
 from gpr20_operator.ground.sources import FocusedSource
-from gpr20_operator.ground.texts import HATCHED
+from gpr20_operator.ground.texts import HATCHED, GroundMark
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot

@@ -9,7 +9,8 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QLabel, QPushButton, QWidget
 
 from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
-from gpr20_operator.robot.remote_control import Arming, RemotePlan, remote_obstacle
+from gpr20_operator.robot.events import StartPlan
+from gpr20_operator.robot.remote_control import Arming, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.page import Page
@@ -33,7 +34,7 @@ class RemotePage(HoldSheet, Page):
         self,
         window: QWidget,
         arming: Arming,
-        plan: Callable[[], Optional[RemotePlan]],
+        plan: Callable[[], Optional[StartPlan]],
         mark: QLabel,
         open_button: QPushButton,
     ) -> None:

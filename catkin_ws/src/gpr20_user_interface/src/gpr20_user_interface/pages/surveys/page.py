@@ -9,13 +9,12 @@ from PyQt5.QtGui import QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import PastSurveys, title_of
+from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
 from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.words import local_time
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.icons import icon
@@ -214,7 +213,7 @@ class SurveysPage(QWidget, Page):
             button.setVisible(chosen is not None)
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
-            title, lines = shown_text(title_of(chosen)), self._lines(chosen)
+            title, lines = shown_text(surveys.title_of(chosen)), self._lines(chosen)
             self.map.setPixmap(map_picture(chosen, look.px(MAP_PX), look))
         self.map.setVisible(chosen is not None and bool(chosen.map_percent))
         if surveys.problem is not None:
@@ -229,7 +228,7 @@ class SurveysPage(QWidget, Page):
         answer = self._answer.problem
         if self._answer.result is not None:
             answer = headline(self._answer.result.found)
-        when = local_time(survey.started, survey.folder) if survey.name.strip() else None
+        when = self._surveys.time_of(survey) if survey.name.strip() else None
         lines = (answer, when, *survey_lines(self._surveys, survey))
         return [sentence_text(one) for one in lines if one is not None]
 

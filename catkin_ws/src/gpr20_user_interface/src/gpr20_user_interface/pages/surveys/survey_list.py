@@ -8,8 +8,7 @@ from PyQt5.QtCore import QAbstractListModel, QModelIndex, QRectF, QSize, Qt
 from PyQt5.QtGui import QBrush, QColor, QPainter, QPixmap, QPixmapCache
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
-from gpr20_operator.words import local_time
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import Look, Mark, TextColours
 from gpr20_user_interface.look.translation import shown_text
@@ -76,10 +75,10 @@ class SurveysModel(QAbstractListModel):
 
     def _text(self, survey: SurveySummary) -> str:
         ending = SIGNS.get(self._past.ending_of(survey), "") + shown_text(self._past.ending(survey))
-        when = shown_text(local_time(survey.started, survey.folder)) if survey.name.strip() else ""
+        when = shown_text(self._past.time_of(survey)) if survey.name.strip() else ""
         simulated = survey.simulated and survey.problem is None
         lines = (
-            (shown_text(title_of(survey)), when),
+            (shown_text(self._past.title_of(survey)), when),
             (ending,),
             (survey.site, survey.operator, shown_text(SIMULATED) if simulated else ""),
         )

@@ -1,21 +1,25 @@
-"""Small files with what a screen remembers, and work beside its thread."""
+"""Small files with what a screen remembers, such as the last plan, and work beside its thread."""
 
 from __future__ import annotations
 
 import threading
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
 
 import yaml
 
-from gpr20_common.errors import os_reason
+from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.codec import plain, record_from
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
+from gpr20_operator.plan.fields import PLAN
 from gpr20_survey.files.durable_files import ensure_folders, replace_file
+from gpr20_survey.plan.annotation import EMPTY, Annotation
 
 Value = TypeVar("Value")
 
@@ -125,3 +129,70 @@ def settings_writer(
             failed(error.message)
 
     return Newest(write)
+
+
+@dataclass(frozen=True)
+class RememberedPlan:
+    """What the window starts with; texts that are missing have their defaults."""
+
+    texts: Mapping[str, str] = field(default_factory=dict)
+    annotation: Annotation = EMPTY
+
+
+def plan_from(values: Mapping[str, Any]) -> RememberedPlan:
+    """Return the plan of a settings file.
+
+    Raises:
+        SettingsError: A value is not one that this program writes.
+    """
+    try:
+        plan = record_from(RememberedPlan, values, "plan")
+        unknown = ", ".join(plan.texts.keys() - {one.name for one in PLAN})
+        if unknown:
+            raise InvalidValueError(verbatim(unknown))
+    except InvalidValueError as error:
+        raise SettingsError(
+            Message(
+                "the remembered plan is damaged ({reason}); the defaults are used",
+                reason=error.message,
+            ).reporting_only(SettingsError.fault)
+        ) from error
+    return plan
+
+
+@dataclass(frozen=True)
+class PlanMemoryFailed:
+    """The plan could not be stored."""
+
+    reason: Message
+
+
+class PlanMemory:
+    """Reads the plan once, and writes it beside the window's thread; failures are events."""
+
+    def __init__(
+        self, settings: SettingsFile, listener: Callable[[PlanMemoryFailed], None]
+    ) -> None:
+        self._settings = settings
+        self._writer = settings_writer(settings, lambda reason: listener(PlanMemoryFailed(reason)))
+        self._stored: Optional[RememberedPlan] = None
+        self.problem: Optional[Message] = None
+
+    def load(self) -> RememberedPlan:
+        """Return what was stored; the defaults, and `problem` says why, if it is damaged."""
+        try:
+            self._stored = plan_from(self._settings.read())
+        except SettingsError as error:
+            self.problem = error.message
+            return RememberedPlan()
+        return self._stored
+
+    def save(self, plan: RememberedPlan) -> None:
+        """Store a plan soon; only the newest one counts."""
+        if plan != self._stored:
+            self._stored = plan
+            self._writer.put(plain(plan))
+
+    def wait(self, timeout_s: float) -> bool:
+        """Return whether everything is written within a time [s]."""
+        return self._writer.wait(timeout_s)

@@ -1,1 +1,0 @@
-"""Files that the screen keeps on its own computer."""
