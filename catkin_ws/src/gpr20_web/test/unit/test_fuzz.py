@@ -18,7 +18,7 @@ from whole_page_kit import TABLE, WholePage, least_right
 
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Role
-from gpr20_web.mid.remote_plan import plan_id
+from gpr20_web.mid.commands import plan_id
 
 REQUESTS = draws(400)
 FIELDS = sorted({*(name for row in TABLE for name in row.values), "pressed_ms"}) + [

@@ -21,7 +21,7 @@ from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Document, Role, Route, Stream
 from gpr20_web.errors import NotNowError, SetupError
-from gpr20_web.low import handlers, http_server
+from gpr20_web.low import http_server
 from gpr20_web.low.http_server import THREADS
 
 
@@ -151,7 +151,7 @@ def test_a_stream_sends_all_first_and_a_browser_that_vanishes_is_gone_after_ten_
         options = (socket.TCP_USER_TIMEOUT, socket.TCP_KEEPIDLE)
         limited.append([connection.getsockopt(socket.IPPROTO_TCP, one) for one in options])
 
-    monkeypatch.setattr(handlers, "end_when_broken", note)
+    monkeypatch.setattr(http_server, "end_when_broken", note)
     with contextlib.closing(site.connect()) as connection:
         connection.request("GET", "/api/live", headers={"Cookie": f"{COOKIE}=watch"})
         response = connection.getresponse()

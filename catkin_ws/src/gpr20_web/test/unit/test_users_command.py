@@ -29,9 +29,7 @@ Run = Callable[..., Tuple[int, str, str]]
 @pytest.fixture
 def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
     """Return a function that runs the command; it returns status, output and complaints."""
-    monkeypatch.setattr(
-        users_command, "Accounts", lambda folder, clock: Accounts(folder, clock, CHEAP)
-    )
+    monkeypatch.setattr(users_command, "Accounts", lambda folder: Accounts(folder, CHEAP))
 
     def run_it(*arguments: str, stdin: bytes = b"") -> Tuple[int, str, str]:
         where = () if "--folder" in arguments else ("--folder", str(tmp_path / "web"))

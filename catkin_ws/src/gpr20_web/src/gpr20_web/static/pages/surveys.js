@@ -1,6 +1,6 @@
 // SURVEYS: the stored surveys, what people add to them, and downloads.
 
-import { ask, button, element, field, write } from "../dom.js";
+import { ask, button, element, field, show, write } from "../dom.js";
 
 const FINDS = ["nothing", "scrap", "device"];
 const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
@@ -19,20 +19,10 @@ export default {
   show(root, app) {
     this.app = app;
     this.folder = "";
-    const hint = this.word("hint");
-    this.text = element("input", { type: "search", placeholder: hint, maxlength: 200 });
-    this.rows = element("ul", { class: "list" });
-    this.none = element("p", { class: "muted", role: "status" });
-    this.older = button(this.word("older"), () => this.read(), { hidden: true });
-    this.details = element("div");
-    this.text.addEventListener("input", () => this.search(TYPED_MS));
-    root.append(
-      element(
-        "div", { class: "columns" },
-        element("div", {}, field(this.word("search"), this.text), this.rows, this.none, this.older),
-        this.details,
-      ),
-    );
+    Object.assign(this, show("surveys", root, app));
+    this.text.placeholder = this.word("hint");
+    this.text.oninput = () => this.search(TYPED_MS);
+    this.older.onclick = () => this.read();
     this.search(0);
     const [, folder] = window.location.hash.split("/");
     if (folder) this.open(folder);
@@ -176,7 +166,8 @@ export default {
         element("th", { scope: "row" }, String(place.number)),
         element(
           "td", {},
-          place.place, element("br"), place.found,
+          place.place, place.doubtful ? ` – ${this.word("weak")}` : "",
+          element("br"), place.found,
           element("details", {}, element("summary", {}, place.line), ...paragraphs(place.why)),
           button(this.word("found"), () => this.ask(place, list), {
             "aria-label": `${this.word("found")} ${place.number}`,
