@@ -6,11 +6,9 @@ Every fake records what it is asked, so that a test sees whether a request has d
 from __future__ import annotations
 
 import logging
-import re
 import socket
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
-from urllib.parse import unquote
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 from asked_storage import Storage
 from result_kit import Requests
@@ -256,17 +254,3 @@ TABLE = (
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
 )
-
-
-def least_right(method: str, path: str) -> Optional[Role]:
-    """Return the least role that a request needs; None: there is no such route.
-
-    Args:
-        method: Of the request.
-        path: Of the request; names in it may be any.
-    """
-    for row in TABLE:
-        pattern = re.sub("{folder}|(?<=files/).*|report-html", "[^/]+", row.path)
-        if row.method == method and re.fullmatch(pattern, unquote(path)):
-            return row.right
-    return None
