@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import stat
 import unicodedata
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Dict, List, Optional, Tuple
 
 import pytest
 from case_kit import each_case
@@ -39,7 +38,7 @@ def accounts(tmp_path: Path) -> Accounts:
 
 
 def _file(tmp_path: Path) -> Path:
-    return tmp_path / "web" / "accounts.json"
+    return tmp_path / "web" / "accounts.txt"
 
 
 def test_an_account_can_be_logged_in_to_with_its_password_alone(
@@ -116,23 +115,19 @@ def test_names_that_could_be_something_else_are_refused(accounts: Accounts, name
         accounts.put(name, Role.WATCH, PASSWORD)
 
 
-def _damage(**changes: Any) -> bytes:
-    """Return a file with one account of which fields have other values; None: it is missing."""
-    entry = {
-        **{"name": "ana", "role": "control", "hash": hash_of(PASSWORD, CHEAP)},
-        **changes,
-    }
-    entry = {name: value for name, value in entry.items() if value is not None}
-    return json.dumps({"format": "gpr20-accounts/1", "accounts": [entry]}).encode()
-
-
-TWICE = json.loads(_damage())
-TWICE["accounts"] *= 2
+FIRST, HASH = b"gpr20-accounts 1\n", hash_of(PASSWORD, CHEAP).encode()
+GOOD = FIRST + b"ana control %b\n" % HASH
+OTHERS = (
+    (b"control", b"nobody"),
+    (b"ana", b"Ana"),
+    (b"ana", b""),
+    (HASH[-2:], b""),
+    (b"ana", b"\xff"),
+)
 DAMAGES = [
-    *(b'{"format": "gpr20-accounts/1"}', b'{"format": "gpr20-accounts/2", "accounts": []}'),
-    *(b"nonsense", b"[" * 200_000, json.dumps(TWICE).encode(), _damage(role="nobody")),
-    *(_damage(name="Ana"), _damage(hash="0" * 127), _damage(hash=None), _damage(admin=True)),
-    *(_damage(role=["watch"]), b'{"format": "gpr20-accounts/1", "accounts": [null]}'),
+    *(b"", FIRST.strip(), b"gpr20-accounts 2\n", b"\xff\n", GOOD + b"half", GOOD[:-1]),
+    *(GOOD + one for one in (b"\n", GOOD[len(FIRST) :], b"eva watch 00\n")),
+    *(GOOD.replace(*other) for other in OTHERS),
 ]
 
 
@@ -140,7 +135,7 @@ DAMAGES = [
 def test_a_damaged_file_is_named_and_is_never_an_empty_list(tmp_path: Path, data: bytes) -> None:
     accounts = make_accounts(tmp_path)
     (tmp_path / "web").mkdir(exist_ok=True)
-    _file(tmp_path).write_bytes(_damage())
+    _file(tmp_path).write_bytes(GOOD)
     assert accounts.find("ana") is not None
     _file(tmp_path).write_bytes(data)
     for act in (
@@ -149,7 +144,7 @@ def test_a_damaged_file_is_named_and_is_never_an_empty_list(tmp_path: Path, data
         lambda: accounts.put("eva", Role.CONTROL, PASSWORD),
         lambda: accounts.remove("ana"),
     ):
-        with pytest.raises(AccountsFileError, match=r"accounts\.json") as refused:
+        with pytest.raises(AccountsFileError, match=r"accounts\.txt") as refused:
             act()
         assert refused.value.message.remedy is not None
         assert str(tmp_path) not in refused.value.message.sentence()

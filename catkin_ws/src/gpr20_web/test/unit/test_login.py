@@ -88,7 +88,7 @@ def test_who_has_logged_in_stays_so_while_the_file_of_the_accounts_is_damaged(
     desk: Desk, tmp_path: Path
 ) -> None:
     cookie = desk.log_in()
-    (tmp_path / "web" / "accounts.json").write_text("damaged")
+    (tmp_path / "web" / "accounts.txt").write_text("damaged")
     assert desk.logins.find(cookie, ADDRESS).role is Role.CONTROL
     # Nobody has guessed.
     for _number in range(FREE_FAILURES + 1):

@@ -139,7 +139,7 @@ def test_no_answer_is_kept_framed_or_leads_elsewhere_and_errors_say_nothing_of_t
 
 @each_case("up", ["..", "%2e%2e", "%252e%252e", "..%00", "..\\", "..%2f.."])
 def test_path_traversal_nothing_outside_is_reached(page: WholePage, up: str) -> None:
-    secret = page.folder / "web" / "accounts.json"
+    secret = page.folder / "web" / "accounts.txt"
     for start in ("/", "/pages/", "/api/surveys/", f"/api/surveys/{page.surveys.whole}/made/"):
         for name in (f"{up}/errors.py", f"{up}/" * 4 + "etc/passwd", f"{up}/{secret}"):
             answer = page.exchange(_request(page, CONTROL, "GET", f"{start}{name}", {}))

@@ -108,7 +108,7 @@ def test_the_folder_is_that_of_the_page_by_default(
     for written, folder in (("folder: ~/page", "page"), ("port: 8000", ".gpr20/web")):
         (tmp_path / "web.yaml").write_text(written)
         assert run(*add, stdin=PASSWORD.encode())[0] == 0
-        assert (tmp_path / folder / "accounts.json").is_file()
+        assert (tmp_path / folder / "accounts.txt").is_file()
 
 
 def parameters(**values):

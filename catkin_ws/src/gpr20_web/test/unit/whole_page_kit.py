@@ -189,7 +189,7 @@ class WholePage:
 
     def done(self) -> Tuple[Any, ...]:
         """Return everything that a request can change."""
-        files = (self.folder / "web" / "accounts.json", *self.surveys.data.rglob("*"))
+        files = (self.folder / "web" / "accounts.txt", *self.surveys.data.rglob("*"))
         return (
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),

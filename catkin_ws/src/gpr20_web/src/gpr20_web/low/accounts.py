@@ -1,23 +1,22 @@
 """Who may log in, and as what: a file that the command `users` changes. It is empty at first.
 
-Passwords are kept as hashes by scrypt; a file whose hashes cost more would have another format.
+Each line is an account: name, role and the hash of its password by scrypt. A file whose hashes cost
+more would have another first line.
 """
 
 from __future__ import annotations
 
 import hashlib
 import hmac
-import json
 import re
 import secrets
 import unicodedata
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
-from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import replace_file
@@ -27,11 +26,11 @@ from gpr20_web.calls import ROLES, Role
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low.web_folder import ensure_secret_folder
 
-FILE_NAME, FORMAT = "accounts.json", "gpr20-accounts/1"
+FILE_NAME, FIRST_LINE = "accounts.txt", "gpr20-accounts 1"
 SHORTEST, LONGEST, LEAST_DIFFERENT = 12, 200, 5
 PART_BYTES = 32
 _NAME = re.compile("[a-z0-9][a-z0-9._-]{1,39}")
-_HASH = re.compile(f"[0-9a-f]{{{4 * PART_BYTES}}}")
+_LINE = re.compile(f"({_NAME.pattern}) ({'|'.join(ROLES)}) ([0-9a-f]{{{4 * PART_BYTES}}})")
 
 
 class Cost(NamedTuple):
@@ -219,9 +218,9 @@ class Accounts:
             with locked(self._folder, SHORT_WAIT_S):
                 accounts = dict(self._read())
                 change(accounts)
-                stored = [{**asdict(one), "role": one.role.word} for one in accounts.values()]
-                content = {"format": FORMAT, "accounts": stored}
-                replace_file(self._path, json.dumps(content, indent=1).encode() + b"\n")
+                lines = [f"{one.name} {one.role.word} {one.hash}" for one in accounts.values()]
+                content = "\n".join([FIRST_LINE, *lines, ""])
+                replace_file(self._path, content.encode())
         except SurveyRefusedError as error:
             raise self._unusable(Message("another program changes them")) from error
         except AccountsFileError:
@@ -230,19 +229,12 @@ class Accounts:
             raise self._unusable(os_reason(error)) from error
 
     def _parse(self, data: bytes) -> Named:
-        try:
-            content = json.loads(data)
-            if content["format"] != FORMAT:
-                raise ValueError(f"format is {content['format']!r}; it must be {FORMAT!r}")
-            found = [_account(one) for one in content["accounts"]]
-            accounts = {one.name: one for one in found}
-            if len(accounts) != len(found):
-                raise ValueError("two accounts have one name")
-        except (ValueError, LookupError, TypeError, RecursionError) as error:
-            # Of a value that is missing Python says the name alone.
-            words = f"{error} is missing or unknown" if isinstance(error, KeyError) else str(error)
-            reason = Message("the file is damaged, or of another version", details=words[:200])
-            raise self._unusable(reason) from error
+        # Lines end with a line feed alone, the last one too: half a file is damaged.
+        first, *lines = data.decode("ascii", "replace").split("\n")
+        found = [one.groups() for one in map(_LINE.fullmatch, lines[:-1]) if one is not None]
+        accounts = {name: Account(name, ROLES[role], known) for name, role, known in found}
+        if first != FIRST_LINE or lines[-1:] != [""] or len(accounts) != len(lines[:-1]):
+            raise self._unusable(Message("the file is damaged, or of another version"))
         return accounts
 
     def _unusable(self, reason: Message) -> AccountsFileError:
@@ -254,12 +246,3 @@ class Accounts:
                 details=printable(self._path),
             )
         )
-
-
-def _account(values: Mapping[str, Any]) -> Account:
-    account = record_from(Account, {**values, "role": ROLES[values["role"]]}, "")
-    if account.name != checked_name(account.name):
-        raise ValueError(f"the name {account.name!r} has large letters")
-    if not _HASH.fullmatch(account.hash):
-        raise ValueError("this is no hash of a password")
-    return account

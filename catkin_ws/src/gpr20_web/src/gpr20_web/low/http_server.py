@@ -88,6 +88,8 @@ class HttpServer:
         for one in routes:
             by_path.setdefault(one.pattern, {})[one.method] = one
         files = {"path": str(static), "default_filename": "index.html"}
+        # Of the handlers below.
+        settings: Dict[str, Any] = {"find": find, "report": report, **self._pools}
         self._application = web.Application(
             [
                 *((path, _RouteHandler, {"routes": found}) for path, found in by_path.items()),
@@ -96,8 +98,8 @@ class HttpServer:
             ],
             compress_response=True,
             log_function=lambda _handler: None,  # the logs of the surveys say who did what
-            # Of the handlers below.
-            **{"find": find, "report": report, "streams": self.streams, **self._pools},
+            streams=self.streams,
+            **settings,
         )
         self._server: Optional[httpserver.HTTPServer] = None
 
