@@ -64,7 +64,7 @@ class Call:
     """A request that was checked: its person has the right of its route.
 
     Attributes:
-        person: Who asks; None only for routes of Role.NOBODY.
+        person: Who asks; None, only for routes of Role.NOBODY: it is not known.
         address: Where the request came from.
         values: The JSON object of a POST, or the query of a GET.
         parts: What the pattern of the path names.

@@ -15,6 +15,7 @@ from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colou
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_operator.ground.traces import ReadingFailed, SurveyDescribed, SurveysListed
 from gpr20_operator.palette import Theme
+from gpr20_operator.robot.events import Progress
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
 from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
@@ -185,6 +186,19 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
 
 def with_soil(image, permittivity):
     return replace(image, found=replace(image.found, permittivity=permittivity))
+
+
+def test_the_picture_of_survey_is_what_is_measured_until_all_is_and_its_traces_are_here(server):
+    whole = {"state": state_of(SurveyState.FINISHED, survey_id=SURVEY)}
+    whole["progress"] = Progress(SURVEY, 100.0, 40, 40, 0.0)
+    server.run(stored=4)
+    assert server.page.live(str)["ground"]["layer"] == "coverage"
+    server.tick(**whole)
+    assert server.page.live(str)["ground"]["layer"] == "echoes"
+    assert server.pixels(layer="echoes").size
+    server.page = type(server)().page
+    server.tick(**whole)
+    assert server.page.live(str)["ground"]["layer"] == "coverage"
 
 
 def test_the_result_is_for_every_page_when_the_survey_has_ended(server):

@@ -6,7 +6,6 @@ import asyncio
 import errno
 import json
 import os
-import re
 import ssl
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
@@ -28,6 +27,7 @@ from gpr20_web.errors import (
     BadRequestError,
     NotAllowedError,
     NotFoundError,
+    NotLoggedInError,
     SetupError,
     WebError,
 )
@@ -224,13 +224,9 @@ class _PageHandler(web.RequestHandler):
 
     @cached_property
     def language(self) -> Language:
-        """The language that a page asks for, else one that its browser accepts."""
+        """The language that a page asks for."""
         asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
-        accepted = self.request.headers.get("Accept-Language", "")
-        known = {one.value: one for one in languages()}
-        codes = re.split("[,;]", f"{asked},{accepted}")
-        found = (known.get(one.strip().partition("-")[0].lower()) for one in codes)
-        return next(filter(None, found), Language.ENGLISH)
+        return next((one for one in languages() if one.value == asked), Language.ENGLISH)
 
     def text(self, message: Message) -> str:
         """Return a message in the language of the browser."""
@@ -265,17 +261,20 @@ class _RouteHandler(_PageHandler):
             raise NotFoundError(Message("there is no page {path}", path=path))
         self._check_origin()
         address, person = str(self.request.remote_ip), None
-        if route.right is not Role.NOBODY:
+        try:
             person = self.settings["find"](self.get_cookie(COOKIE) or "", address)
-            if person.role < route.right:
-                raise NotAllowedError(
-                    Message(
-                        "{name} has the right {role}; this needs {right}",
-                        name=person.name,
-                        role=person.role.word,
-                        right=route.right.word,
-                    )
+        except NotLoggedInError:
+            if route.right is not Role.NOBODY:
+                raise
+        if person is not None and person.role < route.right:
+            raise NotAllowedError(
+                Message(
+                    "{name} has the right {role}; this needs {right}",
+                    name=person.name,
+                    role=person.role.word,
+                    right=route.right.word,
                 )
+            )
         call = Call(person, address, self._values(), parts, self.language, self.text)
         if route.blocking:
             # Whatever the others wait for, who is not logged in yet gets in.

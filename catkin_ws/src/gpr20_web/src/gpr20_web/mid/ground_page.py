@@ -14,7 +14,7 @@ from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.robot.snapshot import Snapshot, percent_of
 from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.trace.trace import MAX_COORDINATE, Trace
@@ -30,7 +30,7 @@ MOST_PAST = 3
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
 # The answer of a survey may be another one since: somebody has entered what its ground is.
 AGAIN_S = 10.0
-PNG = "image/png"
+PNG, WHOLE = "image/png", 100
 MAX_POLARIZATIONS = 64
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
 THEMES = {one.value: one for one in Theme}
@@ -125,7 +125,11 @@ class GroundPage(WebPage):
         if image is not None and snapshot is not None and not snapshot.running:
             said = headline(image.found)
             result = {"folder": live.folder, "text": text(said)}
-        return {"ground": {"survey": survey, "revision": live.revision}, "result": result}
+        # What is measured, until all is and the traces are here; then what it shows.
+        is_whole = snapshot is not None and percent_of(snapshot) == WHOLE
+        layer = Layer.ECHOES if is_whole and live.shown.radar.count else Layer.COVERAGE
+        ground = {"survey": survey, "revision": live.revision, "layer": layer.value}
+        return {"ground": ground, "result": result}
 
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""

@@ -116,6 +116,7 @@ class Shell:
         for name, page in self.pages.items():
             words.update({f"{name}.{key}": one for key, one in page.words.items()})
         return {
+            "me": None if call.person is None else _me(call.person),
             "language": call.language.value,
             "languages": [[one.value, one.own_name] for one in languages()],
             # With their fields, which the script fills in.

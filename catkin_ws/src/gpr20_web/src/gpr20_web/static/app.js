@@ -49,14 +49,9 @@ class App {
     // First: whoever loads the page again waits for it. The band sends it again, and says so.
     await Promise.allSettled(this.stops.map(([press]) =>
       this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    const asked = (path) => this.server.ask("GET", path, null, LOAD_LIMIT_MS);
-    const nobody = (error) => {
-      if (error.status !== 401) throw error;
-      return null;
-    };
-    const [found, me] = await Promise.all([asked("/api/words"), asked("/api/me").catch(nobody)]);
+    const found = await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
     this.server.language = document.documentElement.lang = found.language;
-    Object.assign(this, found, { me });
+    Object.assign(this, found);
   }
 
   word(name, values = {}) {

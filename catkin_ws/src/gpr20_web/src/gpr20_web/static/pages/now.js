@@ -39,15 +39,13 @@ export default {
     this.showFault(state, app);
   },
 
-  // What is measured until all is, then what it shows.
-  showMap({ ground, job }, app) {
-    const layer = job.percent === 100 ? "echoes" : "coverage";
-    const key = `layer=${layer}&revision=${ground?.revision}&survey=${ground?.survey}`;
+  showMap({ ground }, app) {
+    const key = JSON.stringify(ground);
     if (!ground || key === this.mapKey) return;
     this.mapKey = key;
     this.page.map.hidden = !ground.survey;
     const { theme } = document.documentElement.dataset;
-    const picture = `layer=${layer}&theme=${theme}&revision=${ground.revision}`;
+    const picture = `layer=${ground.layer}&theme=${theme}&revision=${ground.revision}`;
     if (ground.survey) this.page.map.src = app.server.address(`/api/ground/map.png?${picture}`);
   },
 
