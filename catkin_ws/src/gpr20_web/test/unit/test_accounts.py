@@ -6,7 +6,7 @@ import stat
 import unicodedata
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Dict, List, Optional, Tuple
+from typing import List
 
 import pytest
 from case_kit import each_case
@@ -17,7 +17,7 @@ from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.files.folder_lock import locked
-from gpr20_web.calls import ROLES, Role
+from gpr20_web.calls import Role
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low import accounts as module
 from gpr20_web.low.accounts import (
@@ -26,7 +26,6 @@ from gpr20_web.low.accounts import (
     Accounts,
     Cost,
     check_password,
-    checked_name,
     fits,
     hash_of,
 )
@@ -148,53 +147,6 @@ def test_a_damaged_file_is_named_and_is_never_an_empty_list(tmp_path: Path, data
             act()
         assert refused.value.message.remedy is not None
         assert str(tmp_path) not in refused.value.message.sentence()
-
-
-NAMES = st.one_of(st.sampled_from(["ana", "Eva", "leo.1"]), st.text(max_size=45))
-PASSWORDS = st.one_of(st.sampled_from([PASSWORD, OTHER_PASSWORD]), st.text(max_size=210))
-CHANGES = st.tuples(st.booleans(), NAMES, st.sampled_from([*ROLES.values()]), PASSWORDS)
-
-
-@given(st.lists(CHANGES, max_size=12))
-def test_random_changes_leave_what_a_simple_list_of_accounts_says(
-    tmp_path_factory: pytest.TempPathFactory, changes: list
-) -> None:
-    accounts = make_accounts(tmp_path_factory.mktemp("random"))
-    model: Dict[str, Tuple[Role, str]] = {}
-    for removes, name, role, password in changes:
-        after = _expected(model, removes, name, role, password)
-        generations = {one.name: one.generation for one in accounts.all()}
-        try:
-            accounts.remove(name) if removes else accounts.put(name, role, password)
-            assert after is not None
-            model = after
-        except AccountError:
-            assert after is None
-        else:
-            # Whoever is logged in with it is so no longer.
-            found = accounts.find(name)
-            assert found is None or found.generation != generations.get(found.name)
-        assert {one.name: one.role for one in accounts.all()} == {
-            one: role for one, (role, _password) in model.items()
-        }
-    for one, (role, password) in model.items():
-        assert accounts.check(one, password).role is role
-
-
-def _expected(
-    model: Dict[str, Tuple[Role, str]], removes: bool, name: str, role: Role, password: str
-) -> Optional[Dict[str, Tuple[Role, str]]]:
-    """Return what a change leads to; None: it is refused."""
-    try:
-        small = checked_name(name)
-        if not removes:
-            check_password(password, small)
-    except AccountError:
-        return None
-    if removes and small not in model:
-        return None
-    after = {one: kept for one, kept in model.items() if one != small}
-    return after if removes else {**after, small: (role, password)}
 
 
 ANY_TEXT = st.text(st.characters(), max_size=250)

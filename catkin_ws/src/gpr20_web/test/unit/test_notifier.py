@@ -12,13 +12,11 @@ import logging
 import threading
 from functools import partial
 from typing import Any, Dict, Iterator, List, Optional, Tuple
-from urllib.parse import quote
 
 import pytest
 from case_kit import each_case
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
-from run_seed import draws
 from view_kit import snapshot
 from web_kit import ASKED, SILENT, state_of
 
@@ -207,30 +205,22 @@ def test_an_address_that_apprise_does_not_know_is_left_out_and_reported_without_
     assert "address 1" in str(warning) and "secret-word" not in str(warning)
 
 
-SECRETS = st.text("abcdefghijkmnpqrstuvwxyz23456789", min_size=12, max_size=20)
-
-
-@settings(max_examples=draws(6))
-@given(SECRETS, SECRETS, SECRETS, st.sampled_from(["takes it", "refuses", "is away"]))
-def test_no_part_of_an_address_is_in_a_log_a_report_or_an_error(
-    password: str, path: str, value: str, service: str
-) -> None:
+@each_case("service", ["takes it", "refuses", "is away"])
+def test_no_part_of_an_address_is_in_a_log_a_report_or_an_error(service: str) -> None:
     words: List[str] = []
 
     class Everything(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
             words.append(self.format(record))
 
-    handler, root = Everything(), logging.getLogger()
+    handler, root, receiver = Everything(), logging.getLogger(), Receiver()
     level = root.level
     root.addHandler(handler)
     root.setLevel(logging.DEBUG)
-    receiver = Receiver()
     receiver.refusals = 99 if service == "refuses" else 0
     place = "127.0.0.1:9" if service == "is away" else receiver.place
     try:
-        url = f"json://user:{quote(password)}@{place}/{path}?+X-Key={value}"
-        notifier, reported = _notifier(url)
+        notifier, reported = _notifier(f"json://user:pass7word@{place}/path7word?+X-Key=key7word")
         notifier.send(NEWS)
         notifier.close(LIMIT_S)
         words.extend(f"{one!r} {one}" for one in reported)
@@ -239,7 +229,7 @@ def test_no_part_of_an_address_is_in_a_log_a_report_or_an_error(
         root.setLevel(level)
         receiver.close()
     assert (receiver.asked > 0) is (service != "is away")
-    assert not [one for one in words for secret in (password, path, value) if secret in one]
+    assert not [one for one in words if "7word" in one]
 
 
 OTHER = Fault("axis.stuck", Message("Look at the axis."))
