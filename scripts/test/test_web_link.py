@@ -117,6 +117,7 @@ def _let_begin_and_end(link: Link) -> Iterator[None]:
             change_s = now_s + drawn.uniform(*(DOWN_S if link.is_up else UP_S))
             link.toggle()
         yield
+        time.sleep(NOTE_S)
 
 
 @pytest.mark.release

@@ -424,6 +424,16 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     assert "STOP" not in browser.text("form")
 
 
+def test_a_survey_that_cannot_be_read_says_why(site: Site) -> None:
+    browser, folder = site.browser, site.robot.data / "20200101T000000_00000000"
+    folder.mkdir()
+    site.log_in("vera")
+    browser.run("location.hash = arguments[0]", f"surveys/{folder.name}")
+    browser.find("#page .card .warn")
+    assert browser.text("#alerts") == ""
+    folder.rmdir()
+
+
 def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:
     browser = site.browser
     site.log_in("vera")

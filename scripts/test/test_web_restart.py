@@ -56,10 +56,7 @@ class Surveys:
         """Return when the survey has ended and no axis gets pulses, and the page says so."""
         wait_until(lambda: self.operator.code in ENDED, "the survey has ended")
         wait_until(lambda: time.monotonic() - self._last_pulse_s > REST_S)
-        self._site.browser.wait(
-            lambda: "SURVEYING" not in self._site.browser.text("#state"), "the page is back"
-        )
-        self.expect_no_alarm()
+        self.expect_confirmed()
 
     @property
     def _last_pulse_s(self) -> float:
@@ -71,8 +68,10 @@ class Surveys:
         _text, width_px, page_px = browser.run(ALARM)
         assert width_px == page_px
 
-    def expect_no_alarm(self) -> None:
+    def expect_confirmed(self) -> None:
+        """Return when the page sends STOP no more: it would stop the next survey, too."""
         browser = self._site.browser
+        browser.wait(lambda: browser.run("return sessionStorage.stops") == "[]", "it is confirmed")
         browser.wait(lambda: browser.run(ALARM)[0] == "", "the alarm has ended")
         # The login was not lost, and the page not loaded again.
         assert not browser.run("return document.querySelector('form')")
@@ -122,16 +121,14 @@ def test_stop_that_the_node_has_just_taken_is_not_lost_with_it(
 def test_stop_is_confirmed_only_by_a_main_control_that_answers(
     site: Site, surveys: Surveys, kill: bool
 ) -> None:
-    browser = site.browser
     surveys.start()
     process = site.robot.processes()[MAIN_CONTROL]
     # The watchdog kills what does not answer.
     process.kill() if kill else process.suspend()
-    browser.press("#stop")
+    site.browser.press("#stop")
     if not kill:
         surveys.expect_alarm()
-    browser.wait(lambda: browser.run("return sessionStorage.stops") == "[]", "it is confirmed")
-    surveys.expect_no_alarm()
+    surveys.expect_confirmed()
     rests = (*ENDED, SurveyState.IDLE, SurveyState.CONFIGURED)
     wait_until(lambda: surveys.operator.code in rests, "no survey runs")
 

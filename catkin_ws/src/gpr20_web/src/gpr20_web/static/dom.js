@@ -17,10 +17,6 @@ export function button(text, onclick, attributes = {}) {
   return element("button", { type: "button", onclick, ...attributes }, text);
 }
 
-export function field(label, control) {
-  return element("label", { class: "field" }, element("span", {}, label), control);
-}
-
 // Write a text only where it changes: screen readers announce each change.
 export function write(target, text) {
   if (target.textContent !== text) target.textContent = text;

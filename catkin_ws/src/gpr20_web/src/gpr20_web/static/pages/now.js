@@ -14,7 +14,7 @@ export default {
 
   update(state, app) {
     const { page } = this;
-    const { job, band, result } = state;
+    const { job, result } = state;
     const { stored, planned } = job;
     const texts = {
       survey: job.name || job.survey.slice(0, 8),
@@ -31,7 +31,6 @@ export default {
     page.percent.hidden = page.progress.hidden = job.percent === null;
     write(page.percent, `${job.percent} %`);
     page.progress.value = job.percent ?? 0;
-    write(page.left, band.left);
     page.result.hidden = !result;
     if (result) page.result.href = `#surveys/${result.folder}`;
     write(page.result, result ? `${app.word("now.result")}: ${result.text}` : "");
