@@ -84,6 +84,7 @@ window.EventSource = class extends EventSource {
 };
 dispatchEvent(new PageTransitionEvent("pageshow", { persisted: true }));
 """
+IS_OFFERED = "return Boolean(document.getElementById(arguments[0])?.offsetParent)"
 # How wide the alarm is, and how wide the page.
 ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
@@ -208,8 +209,8 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.open(f"{site.address}/")
     assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
-    asked = ["/api/stop", "/api/words", "/api/me"]
-    assert browser.run("return window.asked.slice(0, 6)") == asked * 2
+    asked = ["/api/stop", "/api/words"]
+    assert browser.run("return window.asked.slice(0, 4)") == asked * 2
     browser.wait(lambda: browser.text("#stop-warning") == "", "STOP is confirmed")
     browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)
 
@@ -367,6 +368,25 @@ def test_who_is_in_control_and_a_stop_that_is_not_confirmed_are_in_sight(site: S
     browser.resize(800)
 
 
+def test_who_watches_may_pause_and_stop_and_is_offered_no_more(site: Site) -> None:
+    browser = site.browser
+    client = _survey(site, 30)
+    site.log_in("vera")
+    site.wait_for_state("SURVEYING")
+
+    def offered() -> Set[str]:
+        ids = ("start", "pause", "stop", "control")
+        return {one for one in ids if browser.run(IS_OFFERED, one)}
+
+    browser.wait(lambda: offered() == {"pause", "stop"}, "PAUSE and STOP are there")
+    browser.press("#pause")
+    site.wait_for_state("PAUSED")
+    browser.wait(lambda: offered() == {"stop"}, "RESUME is for others")
+    browser.press("#stop")
+    site.wait_for_state("STOPPED")
+    assert client.wait(60.0) != 0
+
+
 def test_stop_waits_for_no_connection_that_the_ground_holds(site: Site) -> None:
     browser = site.browser
     site.log_in("ada")
@@ -402,6 +422,16 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     browser.run("dispatchEvent(new PageTransitionEvent('pageshow', { persisted: true }))")
     browser.wait_for_text("You are no longer logged in: log in again.", "form")
     assert "STOP" not in browser.text("form")
+
+
+def test_a_survey_that_cannot_be_read_says_why(site: Site) -> None:
+    browser, folder = site.browser, site.robot.data / "20200101T000000_00000000"
+    folder.mkdir()
+    site.log_in("vera")
+    browser.run("location.hash = arguments[0]", f"surveys/{folder.name}")
+    browser.find("#page .card .warn")
+    assert browser.text("#alerts") == ""
+    folder.rmdir()
 
 
 def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:

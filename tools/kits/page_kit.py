@@ -25,7 +25,6 @@ from typing import Any, Dict, Iterator, List, Optional
 
 from robot_kit import free_port
 
-from gpr20_common.low.clock import Clock
 from gpr20_web.calls import Role
 from gpr20_web.low.accounts import Accounts
 
@@ -70,7 +69,7 @@ def new_page(folder: Path, address: str = "127.0.0.1") -> Page:
     subprocess.run(create, check=True, stdout=subprocess.DEVNULL)
     own = folder / "page"
     (page.config / "web.yaml").write_text(f"address: {address}\nport: {page.port}\nfolder: {own}\n")
-    accounts = Accounts(own, Clock())
+    accounts = Accounts(own)
     for name in (NAME, *map(watcher_name, range(MOST_WATCHERS // SESSIONS_OF_ACCOUNT))):
         accounts.put(name, Role.CONTROL, PASSWORD)
     return page

@@ -14,7 +14,6 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_survey.axes import axis_id as frames
 from gpr20_visualization.mid.robot_model import (
-    JOINTS,
     X_JOINT,
     Y_JOINT,
     Z_JOINT,
@@ -31,7 +30,7 @@ URDF = PACKAGE / "urdf" / "gpr20.urdf"
 
 @pytest.fixture
 def model():
-    return RobotModel.of(URDF.read_text(), JOINTS)
+    return RobotModel.of(URDF.read_text())
 
 
 def test_the_frames_are_those_of_the_project(model):
@@ -72,7 +71,7 @@ def test_angles_turn_about_x_then_y_then_z():
 def test_refuses_what_is_not_a_description_of_the_robot():
     for text in ("no XML", "<robot/>", "<robot><joint name='a' type='fixed'/></robot>"):
         with raises_fault(CONFIGURATION, error=RobotModelError):
-            RobotModel.of(text, JOINTS)
+            RobotModel.of(text)
 
 
 NODES = {

@@ -7,15 +7,16 @@ import pytest
 
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
-from gpr20_visualization.mid.line_image import (
+from gpr20_visualization.mid.survey_picture import (
     DELAY_STEP_S,
     MAX_ROWS,
     LineImage,
+    SurveyPicture,
+    area_of,
     grey,
     side_by_side,
     transform_of,
 )
-from gpr20_visualization.mid.survey_picture import SurveyPicture, area_of
 
 FREQUENCIES_HZ = np.linspace(0.6e9, 6.0e9, 101)
 START_US = 1_700_000_000_000_000

@@ -1,4 +1,4 @@
-"""What a page asks and gets: the table of routes is made of these, whatever carries them."""
+"""What a page is, what its script asks and gets: the table of routes is made of these."""
 
 from __future__ import annotations
 
@@ -9,7 +9,13 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.errors import BadRequestError
+
+Text = Callable[[Message], str]
+"""Translates a message into the language of a browser."""
+# Of a text that a page sends.
+MOST_CHARACTERS = 2000
 
 
 class Role(enum.IntEnum):
@@ -58,11 +64,10 @@ class Call:
     """A request that was checked: its person has the right of its route.
 
     Attributes:
-        person: Who asks; None only for routes of Role.NOBODY.
+        person: Who asks; None, only for routes of Role.NOBODY: it is not known.
         address: Where the request came from.
         values: The JSON object of a POST, or the query of a GET.
         parts: What the pattern of the path names.
-        text: Translates a message into the language of the browser.
     """
 
     person: Optional[Person] = None
@@ -70,7 +75,7 @@ class Call:
     values: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, str] = field(default_factory=dict)
     language: Language = Language.ENGLISH
-    text: Callable[[Message], str] = str
+    text: Text = str
 
     @property
     def who(self) -> Person:
@@ -81,15 +86,23 @@ class Call:
 
 
 def text_of(call: Call, name: str) -> str:
-    """Return a text that a page has sent.
+    """Return a text that a page has sent; empty if it has sent none.
 
     Raises:
-        BadRequestError: It is no text.
+        BadRequestError: It is no text, or a long one.
     """
-    value = call.values.get(name)
-    if not isinstance(value, str):
-        raise BadRequestError(Message("{name} must be a text", name=name))
-    return value
+    value = call.values.get(name, "")
+    if isinstance(value, str) and len(value) <= MOST_CHARACTERS:
+        return value
+    raise BadRequestError(
+        Message("{name} is a text of at most {most} characters", name=name, most=MOST_CHARACTERS)
+    )
+
+
+def sentence(text: Text, message: Optional[Message]) -> str:
+    """Return a message as a sentence of its own; empty without one."""
+    shown = "" if message is None else text(message)
+    return shown[:1].upper() + shown[1:]
 
 
 @dataclass(frozen=True)
@@ -161,3 +174,25 @@ class Route:
 
 
 Routes = Tuple[Route, ...]
+
+
+class WebPage:
+    """One page; all but its blocking routes is called in the thread of the server.
+
+    Attributes:
+        routes: What its script asks for.
+        words: The sentences of its script by their names, in every language of the catalogue.
+    """
+
+    routes: Routes = ()
+    words: Mapping[str, Message] = {}
+
+    def on_event(self, event: object) -> None:
+        """Take an event of the robot; most are about something else."""
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Take what is known of the robot now."""
+
+    def live(self, text: Text) -> Mapping[str, Any]:
+        """Return its part of what every browser is sent as it changes."""
+        return {}

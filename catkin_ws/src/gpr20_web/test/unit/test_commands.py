@@ -18,16 +18,8 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.traces import SurveyDescribed
-from gpr20_operator.robot.events import (
-    Answer,
-    AxisStopAnswer,
-    ControlState,
-    Replay,
-    Request,
-    StartPlan,
-)
+from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request, StartPlan
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
-from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.folder.log_record import NOTES, Kind
@@ -37,9 +29,8 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.commands import Commands
+from gpr20_web.mid.commands import Commands, plan_id
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.remote_plan import plan_id
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
 PARAMETERS = SurveyParameters(
@@ -370,12 +361,9 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
                 assert holder is not None and argument.session == holder.session
 
 
-def test_plan_is_shown_before_it_is_started_and_a_replay_offers_nothing() -> None:
+def test_plan_is_shown_before_it_is_started() -> None:
     desk = armed()
     plan = desk.shown["remote"]["plan"]
     assert plan["id"] == plan_id(PLAN)
     assert any("100" in value for _name, value in plan["rows"])
     assert "Hands clear" in plan["warning"]
-    snapshot: Snapshot = replace(desk.model.snapshot(), replay=Replay())
-    desk.commands.refresh(snapshot)
-    assert not any(desk.shown["can"].values())

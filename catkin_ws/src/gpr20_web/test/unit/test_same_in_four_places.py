@@ -5,23 +5,19 @@ from __future__ import annotations
 import contextlib
 import importlib
 import io
-import random
-import string
 from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Tuple
 
 import pytest
 
 pytest.importorskip("rospy")
 
-from run_seed import SEED, draws
 from translations import module_files
 from web_kit import Site
 from window_helpers import close, opened_window
 
 from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.high.answers import message_fields, message_from
-from gpr20_common.message import MOTORS_OFF, Fault, Message
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Fault, Message
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_user_interface.terminal.follower import Display, first_step
@@ -112,19 +108,3 @@ def _differs(places: Any, name: str, fault: Fault) -> Iterator[Tuple[str, str, S
 def test_every_fault_is_the_same_in_all_four_places(places: Any) -> None:
     assert len(FAULTS) > len({fault.code for _name, fault in FAULTS}) > 90
     assert [one for name, fault in FAULTS for one in _differs(places, name, fault)] == []
-
-
-def test_of_an_unknown_code_text_and_remedy_are_shown_and_to_keep_hands_off(places: Any) -> None:
-    draw = random.Random(SEED)
-    for _ in range(draws(10)):
-        how, part, code = ("".join(draw.choices(string.ascii_lowercase, k=9)) for _ in range(3))
-        remedy = f"Straighten the {part}."
-        record = {"sentence": "It is {how}", "values": {"how": how}, "code": f"mast.{code}"}
-        for more in ({}, {"may_move": True}, {"may_move": None}, {"may_move": False}):
-            message = received_message("as sent", {**record, "remedy": remedy, **more})
-            warning = "" if more == {"may_move": False} else HANDS_OFF[places.language]
-            expected = Said(f"mast.{code}", f"It is {how}", f"{warning}{remedy}")
-            assert set(places(message).values()) == {expected}
-    # Nor does one without a remedy leave it out.
-    for said in places(received_message("as sent", {"code": "mast.warped"})).values():
-        assert said.remedy == places.catalogue.text(MOTORS_OFF)

@@ -27,7 +27,6 @@ from gpr20_web.mid.ground_page import PERIOD_S, GroundPage
 
 PLANNED = 40
 ANA = Person("Ana", Role.WATCH, "secret", "10.0.0.7")
-BEN = Person("Ben", Role.WATCH, "other", "10.0.0.8")
 
 
 class Server:
@@ -49,9 +48,9 @@ class Server:
         self.now_s += seconds
         self.page.refresh(self.snapshot)
 
-    def ask(self, path="/api/ground", method="GET", person=ANA, **values):
+    def ask(self, path="/api/ground", method="GET", **values):
         route, parts = route_of(self.page.routes, method, path)
-        answer = route.answer(Call(person, person.address, values, parts))
+        answer = route.answer(Call(ANA, ANA.address, values, parts))
         if not isinstance(answer, Body):
             # As it is sent: nothing in it is infinite or unknown to JSON.
             assert json.loads(json_text(answer)) == answer

@@ -18,8 +18,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import ROLES, Person, Route
 from gpr20_web.errors import NotLoggedInError
 from gpr20_web.low.accounts import Accounts, Cost
-from gpr20_web.low.handlers import COOKIE
-from gpr20_web.low.http_server import HttpServer
+from gpr20_web.low.http_server import COOKIE, HttpServer
 from gpr20_web.low.logins import Logins
 
 STATIC = Path(gpr20_web.__file__).parent / "static"
@@ -148,7 +147,7 @@ def make_logins(accounts: Accounts, clock: Clock) -> Logins:
 
 def make_accounts(folder: Path) -> Accounts:
     """Return the accounts of a folder, with hashes that cost nothing."""
-    return Accounts(folder / "web", Clock(), CHEAP)
+    return Accounts(folder / "web", CHEAP)
 
 
 ASKED = Fault("survey.asked", severity=Severity.NOTE)

@@ -6,11 +6,9 @@ Every fake records what it is asked, so that a test sees whether a request has d
 from __future__ import annotations
 
 import logging
-import re
 import socket
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
-from urllib.parse import unquote
+from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 from asked_storage import Storage
 from result_kit import Requests
@@ -41,16 +39,13 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Person, Role
-from gpr20_web.mid.commands import Commands
+from gpr20_web.mid.commands import Commands, plan_id
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.remote_plan import plan_id
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.mid.watch import Watch
 
 PEOPLE = {Role.WATCH: "vera", Role.CONTROL: "otto"}
 ADDRESS = "127.0.0.1"
@@ -98,9 +93,8 @@ class WholePage:
                 "map": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
                 "surveys": SurveysPage(self.surveys.services, self.surveys.data),
                 "service": ServicePage(nothing, self.clock),
-                "notices": Watch(self.clock, nothing),
-                "login": LoginPage(self.accounts, self.logins, self.clock),
-            }
+            },
+            self.logins,
         )
 
     def close(self) -> None:
@@ -150,7 +144,8 @@ class WholePage:
         for role, name in PEOPLE.items():
             # Whoever has another password or role is logged out.
             if not self.is_logged_in(role):
-                self._tokens[role] = self.logins.begin(self.accounts.put(name, role, PASSWORD))
+                self.accounts.put(name, role, PASSWORD)
+                self._tokens[role] = self.logins.begin(name, PASSWORD, ADDRESS).session
 
     def session(self, role: Role) -> str:
         """Return the session of the person of a role; it may be over."""
@@ -194,7 +189,7 @@ class WholePage:
 
     def done(self) -> Tuple[Any, ...]:
         """Return everything that a request can change."""
-        files = (self.folder / "web" / "accounts.json", *self.surveys.data.rglob("*"))
+        files = (self.folder / "web" / "accounts.txt", *self.surveys.data.rglob("*"))
         return (
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),
@@ -259,17 +254,3 @@ TABLE = (
     Row("POST", "/api/control/take", CONTROL),
     Row("POST", "/api/control/release", CONTROL),
 )
-
-
-def least_right(method: str, path: str) -> Optional[Role]:
-    """Return the least role that a request needs; None: there is no such route.
-
-    Args:
-        method: Of the request.
-        path: Of the request; names in it may be any.
-    """
-    for row in TABLE:
-        pattern = re.sub("{folder}|(?<=files/).*|report-html", "[^/]+", row.path)
-        if row.method == method and re.fullmatch(pattern, unquote(path)):
-            return row.right
-    return None

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import threading
 from pathlib import Path
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
+import numpy as np
 import rospkg
 import rospy
+from geometry_msgs.msg import Point, Quaternion, Transform, TransformStamped, Vector3
 from sensor_msgs.msg import Image, JointState
-from std_msgs.msg import String
+from std_msgs.msg import ColorRGBA, Header, String
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker
 
@@ -19,11 +21,11 @@ from gpr20_common.high.node import run_node
 from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
 from gpr20_msgs.msg import Coordinates
+from gpr20_survey.axes.axis_id import BASE_LINK, MAP
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 from gpr20_survey.trace import trace_message
-from gpr20_visualization.high import messages
-from gpr20_visualization.mid.robot_model import JOINTS, RobotModel, joint_positions
+from gpr20_visualization.mid.robot_model import LinkTransform, RobotModel, joint_positions
 from gpr20_visualization.mid.survey_picture import SurveyPicture, area_of
 
 NODE = "visualization"
@@ -40,6 +42,12 @@ TYPES = {
 }
 # Traces of a replay that starts late come all at once.
 TRACE_QUEUE = 1000
+GREY = "mono8"
+OUTLINE_M, STOP_M = 0.004, 0.008
+OUTLINE, STOPS = ColorRGBA(0.1, 0.5, 0.9, 1.0), ColorRGBA(0.1, 0.7, 0.2, 1.0)
+# Where the robot is on its map: its origin is that of the map.
+ROBOT_PLACE = LinkTransform(MAP, BASE_LINK, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
+Places = Sequence[Tuple[float, float]]
 
 
 class VisualizationNode:
@@ -58,7 +66,7 @@ class VisualizationNode:
             Gpr20Error: The description cannot be used.
         """
         self._urdf = urdf
-        self._model = RobotModel.of(urdf, JOINTS)
+        self._model = RobotModel.of(urdf)
         self._lock = threading.Lock()  # guards everything below
         self._publishers: Dict[str, rospy.Publisher] = {}
         self._survey = SurveyPicture()
@@ -80,11 +88,11 @@ class VisualizationNode:
         stamp = message.header.stamp
         with self._lock:
             if "tf" not in self._publishers:
-                fixed = [messages.ROBOT_PLACE, *self._model.fixed()]
-                self._publish("tf_static", messages.transforms(fixed, stamp))
+                fixed = [ROBOT_PLACE, *self._model.fixed()]
+                self._publish("tf_static", _transforms(fixed, stamp))
                 self._publish(DESCRIPTION, String(self._urdf))
-            self._publish("tf", messages.transforms(self._model.moving(positions), stamp))
-            self._publish("joint_states", messages.joint_state(positions, stamp))
+            self._publish("tf", _transforms(self._model.moving(positions), stamp))
+            self._publish("joint_states", _joint_state(positions, stamp))
             self._publish_area(stamp)
 
     def _survey_description(self, message: String) -> None:
@@ -107,12 +115,12 @@ class VisualizationNode:
             picture = self._survey.add(trace)
             if picture is not None:
                 stamp = ros_time(self._survey.ended_us)
-                self._publish("b_scan", messages.image(picture, stamp))
-                self._publish("stops", messages.stops(self._survey.stops_m, stamp))
+                self._publish("b_scan", _image(picture, stamp))
+                self._publish("stops", _stops(self._survey.stops_m, stamp))
 
     def _publish_area(self, stamp: rospy.Time) -> None:
         if self._corners is not None:
-            self._publish("survey_area", messages.outline(self._corners, stamp))
+            self._publish("survey_area", _outline(self._corners, stamp))
             self._corners = None
 
     def _publish(self, topic: str, message: Any) -> None:
@@ -141,6 +149,67 @@ def robot_description() -> str:
         return text
     package = Path(rospkg.RosPack().get_path("gpr20_visualization"))
     return (package / "urdf" / "gpr20.urdf").read_text(encoding="utf-8")
+
+
+def _transforms(found: Iterable[LinkTransform], stamp: rospy.Time) -> TFMessage:
+    """Return transforms as one message."""
+    return TFMessage(
+        [
+            TransformStamped(
+                Header(stamp=stamp, frame_id=one.parent),
+                one.child,
+                Transform(Vector3(*one.place_m), Quaternion(*one.rotation)),
+            )
+            for one in found
+        ]
+    )
+
+
+def _joint_state(positions: Mapping[str, float], stamp: rospy.Time) -> JointState:
+    """Return the position of the joints [m or rad]."""
+    return JointState(Header(stamp=stamp), list(positions), list(positions.values()), [], [])
+
+
+def _image(picture: np.ndarray, stamp: rospy.Time) -> Image:
+    """Return a grey picture (rows x columns, uint8)."""
+    rows, columns = picture.shape
+    header = Header(stamp=stamp, frame_id=BASE_LINK)
+    return Image(header, rows, columns, GREY, 0, columns, picture.tobytes())
+
+
+def _outline(corners: Places, stamp: rospy.Time) -> Marker:
+    """Return the area of a survey on the ground; none without corners."""
+    return _marker(
+        "survey_area", Marker.LINE_STRIP, Vector3(OUTLINE_M, 0.0, 0.0), OUTLINE, corners, stamp
+    )
+
+
+def _stops(places: Places, stamp: rospy.Time) -> Marker:
+    """Return the measured stops on the ground; none without places."""
+    size = Vector3(STOP_M, STOP_M, STOP_M)
+    return _marker("stops", Marker.SPHERE_LIST, size, STOPS, places, stamp)
+
+
+def _marker(
+    name: str,
+    kind: int,
+    size: Vector3,
+    color: ColorRGBA,
+    places: Places,
+    stamp: rospy.Time,
+) -> Marker:
+    points: List[Point] = [Point(x_m, y_m, 0.0) for x_m, y_m in places]
+    marker = Marker(
+        header=Header(stamp=stamp, frame_id=BASE_LINK),
+        ns=name,
+        type=kind,
+        action=Marker.ADD if points else Marker.DELETE,
+        scale=size,
+        color=color,
+        points=points,
+    )
+    marker.pose.orientation.w = 1.0
+    return marker
 
 
 def main() -> None:

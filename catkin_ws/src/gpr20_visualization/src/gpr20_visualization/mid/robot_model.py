@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Dict, Iterable, List, Mapping, Tuple
+from typing import Dict, List, Mapping, Tuple
 from xml.etree import ElementTree
+
+import numpy as np
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import CONFIGURATION
@@ -61,8 +63,7 @@ class Joint:
         if self.kind == REVOLUTE:
             turned = product(self.rotation, about(self.axis, position))
             return LinkTransform(self.parent, self.child, self.origin_m, turned)
-        moved = rotated(self.rotation, scaled(self.axis, position))
-        x, y, z = (place + way for place, way in zip(self.origin_m, moved))
+        x, y, z = np.add(self.origin_m, np.multiply(rotated(self.rotation, self.axis), position))
         return LinkTransform(self.parent, self.child, (x, y, z), self.rotation)
 
 
@@ -83,15 +84,11 @@ class RobotModel:
     joints: Tuple[Joint, ...]
 
     @classmethod
-    def of(cls, urdf: str, needed: Iterable[str] = ()) -> RobotModel:
-        """Read a description.
-
-        Args:
-            urdf: The text of the URDF.
-            needed: Names of the joints that must be there.
+    def of(cls, urdf: str) -> RobotModel:
+        """Read a description (URDF).
 
         Raises:
-            RobotModelError: It is no URDF, or has a joint that is not supported.
+            RobotModelError: It is none, lacks a joint, or has one that is not supported.
         """
         try:
             robot = ElementTree.fromstring(urdf)
@@ -101,7 +98,7 @@ class RobotModel:
                 Message("robot_description is not a URDF of this robot", details=repr(error))
             ) from error
         names = {joint.name for joint in joints}
-        missing = [name for name in needed if name not in names]
+        missing = [name for name in JOINTS if name not in names]
         if missing:
             raise RobotModelError(Message("robot_description has no joint {name}", name=missing[0]))
         return cls(joints)
@@ -124,34 +121,21 @@ def from_angles(roll_rad: float, pitch_rad: float, yaw_rad: float) -> Quaternion
 
 def about(axis: Vector, angle_rad: float) -> Quaternion:
     """Return the rotation about an axis."""
-    length = math.sqrt(sum(one * one for one in axis))
-    x, y, z = scaled(axis, math.sin(angle_rad / 2.0) / length)
+    x, y, z = np.multiply(axis, math.sin(angle_rad / 2.0) / np.linalg.norm(axis))
     return (x, y, z, math.cos(angle_rad / 2.0))
 
 
 def product(first: Quaternion, second: Quaternion) -> Quaternion:
     """Return the rotation by `second`, then by `first`."""
-    ax, ay, az, aw = first
-    bx, by, bz, bw = second
-    return (
-        aw * bx + ax * bw + ay * bz - az * by,
-        aw * by - ax * bz + ay * bw + az * bx,
-        aw * bz + ax * by - ay * bx + az * bw,
-        aw * bw - ax * bx - ay * by - az * bz,
-    )
+    a, b, first_w, second_w = first[:3], second[:3], first[3], second[3]
+    x, y, z = np.multiply(b, first_w) + np.multiply(a, second_w) + np.cross(a, b)
+    return (x, y, z, first_w * second_w - float(np.dot(a, b)))
 
 
 def rotated(rotation: Quaternion, vector: Vector) -> Vector:
     """Return a vector, rotated."""
     x, y, z, w = rotation
-    back = (-x, -y, -z, w)
-    turned = product(product(rotation, (*vector, 0.0)), back)
-    return turned[:3]
-
-
-def scaled(vector: Vector, factor: float) -> Vector:
-    """Return a vector times a number."""
-    return (vector[0] * factor, vector[1] * factor, vector[2] * factor)
+    return product(product(rotation, (*vector, 0.0)), (-x, -y, -z, w))[:3]
 
 
 def _joint(element: ElementTree.Element) -> Joint:

@@ -9,7 +9,6 @@ import sys
 from pathlib import Path
 
 from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.low.clock import Clock
 from gpr20_common.low.data_folder import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
@@ -26,7 +25,7 @@ def main() -> int:
     """Do what the command line asks; return the exit status."""
     given = _parser().parse_args()
     try:
-        given.act(Accounts(_folder(given), Clock()), given)
+        given.act(Accounts(_folder(given)), given)
         return 0
     except Gpr20Error as error:
         remedy = [] if error.message.remedy is None else [f"-> {error.message.remedy}"]
@@ -70,7 +69,7 @@ def _folder(given: argparse.Namespace) -> Path:
 def _list(accounts: Accounts, given: argparse.Namespace) -> None:
     found = accounts.all()
     if found:
-        say(*(f"{one.name:40} {one.role.word:8} {one.created[:10]}" for one in found))
+        say(*(f"{one.name:40} {one.role.word}" for one in found))
     else:
         say(f"users: there are no accounts in {_folder(given)}", file=sys.stderr)
 

@@ -35,13 +35,11 @@ from gpr20_web.errors import NotNowError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.logins import Logins
-from gpr20_web.low.notifier import Notifier
-from gpr20_web.low.outbox import Outbox
+from gpr20_web.low.notifier import Notifier, Outbox
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.login_page import LoginPage
 from gpr20_web.mid.now_page import NowPage
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
@@ -111,7 +109,7 @@ class WebNode:
         self._thread = threading.Thread(target=self._loop.run_forever, name="page", daemon=True)
         folder = parameters.path
         self._certificate = ensure_certificate(folder, (parameters.address,))
-        self._accounts = Accounts(folder, self._clock)
+        self._accounts = Accounts(folder)
         key, longest_hours = self._certificate.cookie_key, parameters.session_hours
         self._logins = Logins(self._accounts, key, longest_hours, self._clock)
         self._model = SurveyModel(self._clock)
@@ -131,6 +129,7 @@ class WebNode:
             *(self._model, self._control, RemoteAllowance(self._clock)),
             *(self._clock, self._lease, self._note),
         )
+        self._watch = Watch(self._notifier.send)
         self._shell = self._new_shell(data)
         self._server = HttpServer(
             tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
@@ -167,9 +166,8 @@ class WebNode:
                 "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
                 "service": ServicePage(self._storage.examine, self._clock),
-                "notices": Watch(self._clock, self._notifier.send),
-                "login": LoginPage(self._accounts, self._logins, self._clock),
-            }
+            },
+            self._logins,
         )
 
     def _begin(self) -> None:
@@ -223,7 +221,9 @@ class WebNode:
         self._model.set_followed(is_watched)
         for client in (self._control, self._storage):
             client.set_watched(is_watched)
-        self._shell.refresh(self._model.snapshot())
+        snapshot = self._model.snapshot()
+        self._shell.refresh(snapshot)
+        self._watch.refresh(snapshot)
         self._server.streams.beat()
         status = WebStatusReported(
             self._parameters.reached_at(socket.gethostname()),

@@ -1,43 +1,36 @@
 """Who may log in, and as what: a file that the command `users` changes. It is empty at first.
 
-Passwords are kept as hashes by scrypt, each with its cost: another cost can follow.
+Each line is an account: name, role and the hash of its password by scrypt. A file whose hashes cost
+more would have another first line.
 """
 
 from __future__ import annotations
 
-import base64
 import hashlib
 import hmac
-import json
 import re
 import secrets
 import unicodedata
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from gpr20_common.errors import os_reason
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_common.mid.codec import bounded, record_from
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.files.regular_file import read_regular
-from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import ROLES, Role
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low.web_folder import ensure_secret_folder
 
-FILE_NAME = "accounts.json"
-FORMAT = "gpr20-accounts/2"
-MAX_GENERATION = (1 << 53) - 1
+FILE_NAME, FIRST_LINE = "accounts.txt", "gpr20-accounts 1"
 SHORTEST, LONGEST, LEAST_DIFFERENT = 12, 200, 5
-HASH_BYTES = 32
+PART_BYTES = 32
 _NAME = re.compile("[a-z0-9][a-z0-9._-]{1,39}")
-_BASE64 = "([A-Za-z0-9+/]{43}=)"
-_HASH = re.compile(f"scrypt:([0-9]{{1,7}}):([0-9]{{1,2}}):([0-9]{{1,2}}):{_BASE64}:{_BASE64}")
+_LINE = re.compile(f"({_NAME.pattern}) ({'|'.join(ROLES)}) ([0-9a-f]{{{4 * PART_BYTES}}})")
 
 
 class Cost(NamedTuple):
@@ -57,37 +50,47 @@ class Account:
     """Somebody who may log in.
 
     Attributes:
-        hash: Of the password.
-        created: When, ISO 8601.
-        generation: Another one after each change, and by chance, not by counting: the sessions of
-            another generation are over, also of a former account.
+        hash: Of the password: salt and key.
     """
 
     name: str
     role: Role
     hash: str
-    created: str
-    generation: int = bounded(0, MAX_GENERATION)
+
+    @property
+    def generation(self) -> str:
+        """Another one after each change: the sessions of another generation are over."""
+        return hashlib.sha256(f"{self.role.word} {self.hash}".encode()).hexdigest()
 
 
 Named = Dict[str, Account]
 
 
-def hash_of(password: str, cost: Cost = OWASP) -> str:
-    """Return what is kept of a password; at the usual cost it takes a part of a second."""
-    salt = secrets.token_bytes(HASH_BYTES)
-    texts = (base64.b64encode(one).decode() for one in (salt, _key_of(password, salt, cost)))
-    return ":".join(("scrypt", *map(str, cost), *texts))
+def hash_of(password: str, cost: Cost = OWASP, salt: bytes = b"") -> str:
+    """Return what is kept of a password; at the usual cost it takes a part of a second.
 
-
-def fits(password: str, known: str) -> bool:
-    """Return whether a hash is that of a password.
-
-    Raises:
-        ValueError: It is no hash.
+    Args:
+        password: Any text.
+        cost: Of the hash.
+        salt: That of a known hash; empty: a new one.
     """
-    cost, salt, key = _parsed(known)
-    return hmac.compare_digest(_key_of(password, salt, cost), key)
+    salt = salt or secrets.token_bytes(PART_BYTES)
+    key = hashlib.scrypt(
+        # Keyboards write the same letter with an accent in two ways.
+        unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass"),
+        salt=salt,
+        **cost._asdict(),
+        # What it needs, and a little for OpenSSL itself.
+        maxmem=128 * cost.r * (cost.n + cost.p + 2) + (1 << 20),
+        dklen=PART_BYTES,
+    )
+    return (salt + key).hex()
+
+
+def fits(password: str, known: str, cost: Cost = OWASP) -> bool:
+    """Return whether a hash is that of a password."""
+    salt = bytes.fromhex(known)[:PART_BYTES]
+    return hmac.compare_digest(hash_of(password, cost, salt), known)
 
 
 def check_password(password: str, name: str) -> None:
@@ -135,12 +138,12 @@ class Accounts:
 
     Args:
         folder: Of the page.
-        cost: Of the hashes of new passwords.
+        cost: Of the hashes of passwords.
     """
 
-    def __init__(self, folder: Path, clock: Clock, cost: Cost = OWASP) -> None:
+    def __init__(self, folder: Path, cost: Cost = OWASP) -> None:
         self._folder, self._path = folder, folder / FILE_NAME
-        self._clock, self._cost = clock, cost
+        self._cost = cost
         # What was read last, and the mark of its file: STOP waits for no disk.
         self._seen: Tuple[Tuple[int, ...], Named] = (), {}
 
@@ -161,11 +164,11 @@ class Accounts:
         account = self.find(name)
         if account is None:
             hash_of(password, self._cost)  # a name that is not there takes as long
-        elif fits(password, account.hash):
+        elif fits(password, account.hash, self._cost):
             return account
         raise WrongLoginError(Message("name or password is wrong"))
 
-    def put(self, name: str, role: Role, password: str) -> Account:
+    def put(self, name: str, role: Role, password: str) -> None:
         """Make an account, or replace it: whoever is logged in with it is so no longer.
 
         Raises:
@@ -173,11 +176,8 @@ class Accounts:
         """
         name = checked_name(name)
         check_password(password, name)
-        created = iso_text(self._clock.time_of_day_us())
-        generation = secrets.randbelow(MAX_GENERATION)
-        made = Account(name, role, hash_of(password, self._cost), created, generation)
+        made = Account(name, role, hash_of(password, self._cost))
         self._change(lambda accounts: accounts.update({name: made}))
-        return made
 
     def remove(self, name: str) -> None:
         """Remove an account.
@@ -218,9 +218,9 @@ class Accounts:
             with locked(self._folder, SHORT_WAIT_S):
                 accounts = dict(self._read())
                 change(accounts)
-                stored = [{**asdict(one), "role": one.role.word} for one in accounts.values()]
-                content = {"format": FORMAT, "accounts": stored}
-                replace_file(self._path, json.dumps(content, indent=1).encode() + b"\n")
+                lines = [f"{one.name} {one.role.word} {one.hash}" for one in accounts.values()]
+                content = "\n".join([FIRST_LINE, *lines, ""])
+                replace_file(self._path, content.encode())
         except SurveyRefusedError as error:
             raise self._unusable(Message("another program changes them")) from error
         except AccountsFileError:
@@ -229,19 +229,12 @@ class Accounts:
             raise self._unusable(os_reason(error)) from error
 
     def _parse(self, data: bytes) -> Named:
-        try:
-            content = json.loads(data)
-            if content["format"] != FORMAT:
-                raise ValueError(f"format is {content['format']!r}; it must be {FORMAT!r}")
-            found = [_account(one) for one in content["accounts"]]
-            accounts = {one.name: one for one in found}
-            if len(accounts) != len(found):
-                raise ValueError("two accounts have one name")
-        except (ValueError, LookupError, TypeError, RecursionError) as error:
-            # Of a value that is missing Python says the name alone.
-            words = f"{error} is missing or unknown" if isinstance(error, KeyError) else str(error)
-            reason = Message("the file is damaged, or of another version", details=words[:200])
-            raise self._unusable(reason) from error
+        # Lines end with a line feed alone, the last one too: half a file is damaged.
+        first, *lines = data.decode("ascii", "replace").split("\n")
+        found = [one.groups() for one in map(_LINE.fullmatch, lines[:-1]) if one is not None]
+        accounts = {name: Account(name, ROLES[role], known) for name, role, known in found}
+        if first != FIRST_LINE or lines[-1:] != [""] or len(accounts) != len(lines[:-1]):
+            raise self._unusable(Message("the file is damaged, or of another version"))
         return accounts
 
     def _unusable(self, reason: Message) -> AccountsFileError:
@@ -253,31 +246,3 @@ class Accounts:
                 details=printable(self._path),
             )
         )
-
-
-def _account(values: Mapping[str, Any]) -> Account:
-    account = record_from(Account, {**values, "role": ROLES[values["role"]]}, "")
-    if account.name != checked_name(account.name):
-        raise ValueError(f"the name {account.name!r} has large letters")
-    _parsed(account.hash)
-    return account
-
-
-def _parsed(known: str) -> Tuple[Cost, bytes, bytes]:
-    found = _HASH.fullmatch(known)
-    if found is None:
-        raise ValueError("this is no hash of a password")
-    *cost, salt, key = found.groups()
-    return Cost(*map(int, cost)), base64.b64decode(salt), base64.b64decode(key)
-
-
-def _key_of(password: str, salt: bytes, cost: Cost) -> bytes:
-    return hashlib.scrypt(
-        # Keyboards write the same letter with an accent in two ways.
-        unicodedata.normalize("NFC", password).encode("utf-8", "surrogatepass"),
-        salt=salt,
-        **cost._asdict(),
-        # What it needs, and a little for OpenSSL itself.
-        maxmem=128 * cost.r * (cost.n + cost.p + 2) + (1 << 20),
-        dklen=HASH_BYTES,
-    )

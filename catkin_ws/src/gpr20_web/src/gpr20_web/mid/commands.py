@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import uuid
+from dataclasses import asdict
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed
-from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.plan.form import preview
+from gpr20_operator.plan.hold_question import HANDS_CLEAR
+from gpr20_operator.plan.tiles import plan_rows, spacing_warning
+from gpr20_operator.robot.events import Answer, Request, StartPlan
 from gpr20_operator.robot.notices import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, survey_name
 from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_web import faults
-from gpr20_web.calls import Call, Role, Route
+from gpr20_web.calls import Call, Role, Route, Text, WebPage, sentence
 from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import sentence
 from gpr20_web.mid.presses import Presses, log_entry, press_of
-from gpr20_web.mid.remote_plan import plan_id, plan_values
-from gpr20_web.mid.web_page import WebPage
 
+# Of ground of which nothing is known.
+AIR = 1.0
 NOT_POSSIBLE = Message("this is not possible in the present state")
 
 
@@ -52,7 +57,6 @@ class Commands(WebPage):
         "armed": Message("A person at the robot allows remote control for {time}.", time="{time}"),
         "confirm_start": Message("Start this survey?"),
         "confirm_resume": Message("Resume the survey?"),
-        "confirm": Message("Yes"),
         "cancel": Message("No"),
         "sent": Message(
             "{command} was sent. It is not known yet whether it arrived.", command="{command}"
@@ -126,7 +130,7 @@ class Commands(WebPage):
         self._warning = self._stop.warning(snapshot)
         self._presses.refresh(self._clock.now_s())
 
-    def live(self, text: Callable[[Message], str]) -> Mapping[str, Any]:
+    def live(self, text: Text) -> Mapping[str, Any]:
         """Return what may be pressed, what is allowed, and what became of the last command."""
         snapshot, allowance = self._snapshot, self._allowance
         if snapshot is None:
@@ -136,7 +140,6 @@ class Commands(WebPage):
         holder, warning = self._lease.holder, self._warning
         return {
             "can": {
-                "stop": snapshot.replay is None,
                 "pause": snapshot.can_pause,
                 "resume": snapshot.can_resume and allowance.armed,
                 "start": snapshot.can_start and plan is not None,
@@ -146,7 +149,7 @@ class Commands(WebPage):
                 # By the clock of `sent_ms`; rounded, because it is sent only when it changes.
                 "until_ms": round(until_s) * 1000 if allowance.armed else None,
                 "obstacle": sentence(text, allowance.obstacle),
-                "plan": None if plan is None else plan_values(plan, text),
+                "plan": None if plan is None else _plan_values(plan, text),
             },
             "holder": None if holder is None else {"name": holder.name, "mark": holder.mark},
             "command": self._presses.values(text),
@@ -267,3 +270,23 @@ class Commands(WebPage):
 def _check(possible: bool) -> None:
     if not possible:
         raise NotNowError(NOT_POSSIBLE)
+
+
+def plan_id(plan: StartPlan) -> str:
+    """Return what only this plan has: a person starts the plan that was read."""
+    content = json.dumps(asdict(plan), sort_keys=True, default=str)
+    return hashlib.sha256(content.encode()).hexdigest()[:32]
+
+
+def _plan_values(plan: StartPlan, text: Text) -> Mapping[str, Any]:
+    """Return what a person reads of a plan before START."""
+    permittivity = plan.permittivity or AIR
+    known = preview(plan.parameters, permittivity)
+    rows = plan_rows(plan.parameters, permittivity, known, plan.annotation)
+    doubt = spacing_warning(known)
+    return {
+        "id": plan_id(plan),
+        "rows": [[text(name), text(value)] for name, value in rows],
+        "doubt": "" if doubt is None else text(doubt),
+        "warning": text(HANDS_CLEAR),
+    }

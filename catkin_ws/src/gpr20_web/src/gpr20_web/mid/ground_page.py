@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional
+from typing import Any, Callable, Dict, Mapping, Optional, TypeVar
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.grid import Place
 from gpr20_operator.ground.past_surveys import survey_label
+from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
 from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
-from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.palette import Theme
+from gpr20_operator.robot.snapshot import Snapshot, percent_of
 from gpr20_operator.words import local_time
-from gpr20_survey.trace.trace import Trace
-from gpr20_web.calls import Body, Call, Role, Route
-from gpr20_web.errors import BusyError
-from gpr20_web.mid.ground_choice import FLAGS, Values
-from gpr20_web.mid.shown_ground import ShownGround, Text
-from gpr20_web.mid.web_page import WebPage
+from gpr20_survey.folder.survey_folder import FOLDER_NAME
+from gpr20_survey.trace.trace import MAX_COORDINATE, Trace
+from gpr20_web.calls import Body, Call, Role, Route, Text, WebPage
+from gpr20_web.errors import BadRequestError, BusyError
+from gpr20_web.mid.shown_ground import MM_PER_M, GroundChoice, ShownGround
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.
 PERIOD_S = 1.0
@@ -28,7 +30,12 @@ MOST_PAST = 3
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
 # The answer of a survey may be another one since: somebody has entered what its ground is.
 AGAIN_S = 10.0
-PNG = "image/png"
+PNG, WHOLE = "image/png", 100
+MAX_POLARIZATIONS = 64
+ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
+THEMES = {one.value: one for one in Theme}
+LAYERS = {one.value: one for one in (Layer.COVERAGE, Layer.ECHOES, Layer.FOCUSED)}
+Chosen = TypeVar("Chosen")
 
 
 class GroundPage(WebPage):
@@ -97,22 +104,17 @@ class GroundPage(WebPage):
         self._refreshed_s, live = now_s, self._live
         live.traces.note_state(snapshot)
         if now_s - live.used_s <= ROOM_S:
-            # While nobody watches, traces that are missing are not read from the storage.
-            live.refresh(can_read=snapshot.replay is None)
+            live.refresh()
             # The result of a survey that has ended is for every page.
             rests = snapshot.state is not None and not snapshot.running
             if rests or now_s - self._looked_s <= ROOM_S:
-                self._keep_image(live)
+                live.model.keep_image(live.imaging)
         for folder, ground in tuple(self._past.items()):
-            ground.refresh(can_read=True)
+            ground.refresh()
             if now_s - ground.used_s <= ROOM_S:
-                self._keep_image(ground)
+                ground.model.keep_image(ground.imaging)
             if now_s - ground.used_s > FORGOTTEN_S:
                 del self._past[folder]
-
-    def _keep_image(self, ground: ShownGround) -> None:
-        if not self._is_replay:
-            ground.model.keep_image(ground.imaging)
 
     def live(self, text: Text) -> Mapping[str, Any]:
         """Return which pictures of the running survey are the newest, and its result at the end."""
@@ -123,25 +125,23 @@ class GroundPage(WebPage):
         if image is not None and snapshot is not None and not snapshot.running:
             said = headline(image.found)
             result = {"folder": live.folder, "text": text(said)}
-        return {"ground": {"survey": survey, "revision": live.revision}, "result": result}
+        # What is measured, until all is and the traces are here; then what it shows.
+        is_whole = snapshot is not None and percent_of(snapshot) == WHOLE
+        layer = Layer.ECHOES if is_whole and live.shown.radar.count else Layer.COVERAGE
+        ground = {"survey": survey, "revision": live.revision, "layer": layer.value}
+        return {"ground": ground, "result": result}
 
     def _ground(self, call: Call) -> Mapping[str, Any]:
         """Return a survey; if its revision is known already, only what changes all the time."""
-        values = Values(call.values)
-        ground, choice = self._shown(values, call.who.mark), values.choice
-        ground.is_outdated |= values.one("again", FLAGS, False)
+        ground, choice = self._shown(call), _choice(call)
+        ground.is_outdated |= call.values.get("again") == "1"
         found = self._about(ground, call.text)
         if call.values.get("known") != ground.revision:
             found["ground"] = ground.document(choice, call.text)
         return found
 
     def _png(self, call: Call) -> Body:
-        values = Values(call.values)
-        return Body(self._shown(values, call.who.mark).png(call.parts["kind"], values.choice), PNG)
-
-    @property
-    def _is_replay(self) -> bool:
-        return self._snapshot is not None and self._snapshot.replay is not None
+        return Body(self._shown(call).png(call.parts["kind"], _choice(call)), PNG)
 
     def _about(self, ground: ShownGround, text: Text) -> Dict[str, Any]:
         """Return which survey is shown, so that none is taken for another one."""
@@ -151,7 +151,7 @@ class GroundPage(WebPage):
         age_s = self._now_s() - self._traced_s
         return {
             "title": text(self._title(ground)),
-            "past": not is_live or self._is_replay,
+            "past": not is_live,
             "folder": ground.folder if ground.additions.can_mark else "",
             "revision": ground.revision,
             "carriage": None if current is None else [current.x_mm, current.y_mm],
@@ -164,8 +164,6 @@ class GroundPage(WebPage):
         running = "" if snapshot is None else snapshot.running_survey
         if ground is not self._live:
             return ground.traces.band or ground.problem or loading
-        if snapshot is not None and snapshot.replay is not None:
-            return Message("REPLAY: {survey}", survey=snapshot.replay.survey)
         if not ground.survey_id:
             return loading if running else Message("No survey yet.")
         if running == ground.survey_id:
@@ -178,16 +176,18 @@ class GroundPage(WebPage):
             "Last survey: {name}", name=survey_label(listed.name, listed.survey_id, begun)
         )
 
-    def _shown(self, values: Values, person: str) -> ShownGround:
-        """Return the survey that a person's browser asks for; a past one is read first."""
-        folder, live, now_s = values.survey, self._live, self._now_s()
+    def _shown(self, call: Call) -> ShownGround:
+        """Return the survey that a browser asks for; a past one is read first."""
+        folder, live, now_s = call.values.get("survey", ""), self._live, self._now_s()
         live.used_s = now_s
         if folder:
             if folder not in self._past:
-                self._make_room(person)
+                if not FOLDER_NAME.fullmatch(folder):
+                    raise _wrong("survey", folder, "YYYYMMDDTHHMMSS_xxxxxxxx")
+                self._make_room()
                 self._past[folder] = self._new_ground(folder)
             ground = self._past[folder]
-            ground.used_s, ground.used_by = now_s, person
+            ground.used_s = now_s
             # Of the running survey the live one knows more.
             if not ground.survey_id or ground.survey_id != live.survey_id:
                 return ground
@@ -198,24 +198,64 @@ class GroundPage(WebPage):
         imaging = Imaging(self._requests, self._now_s, self._pictures, AGAIN_S)
         return ShownGround(self._source, imaging, self._report, folder)
 
-    def _make_room(self, person: str) -> None:
-        """Forget the past survey that was looked at longest ago, if there are many.
-
-        A person who looks at several in a row takes no room of others.
-        """
+    def _make_room(self) -> None:
+        """Forget the past survey that was looked at longest ago, if there are many."""
         if len(self._past) < MOST_PAST:
             return
-        now_s = self._now_s()
-        free = [
-            one
-            for one in self._past.values()
-            if one.used_by == person or now_s - one.used_s >= ROOM_S
-        ]
-        if not free:
+        oldest = min(self._past.values(), key=lambda one: one.used_s)
+        if self._now_s() - oldest.used_s < ROOM_S:
             raise BusyError(
                 Message(
                     "{count} past surveys are looked at now; wait until one is closed",
                     count=MOST_PAST,
                 )
             )
-        del self._past[min(free, key=lambda one: one.used_s).opened]
+        del self._past[oldest.opened]
+
+
+def _choice(call: Call) -> GroundChoice:
+    """Return what a browser wants to see, checked."""
+    preset = RadarSettings()
+    x_mm = _number(call, "x", -MAX_COORDINATE, MAX_COORDINATE)
+    y_mm = _number(call, "y", -MAX_COORDINATE, MAX_COORDINATE)
+    depth_mm = _number(call, "depth", 0.0, MAX_DEPTH_M * MM_PER_M)
+    settings = RadarSettings(
+        polarization=int(_number(call, "polarization", 0, MAX_POLARIZATIONS) or 0),
+        depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
+        along=_one(call, "along", ALONG, preset.along),
+        layer=_one(call, "layer", LAYERS, preset.layer),
+    )
+    place = None if x_mm is None or y_mm is None else Place(x_mm, y_mm)
+    return GroundChoice(_one(call, "theme", THEMES, Theme.SUN), settings, place)
+
+
+def _number(call: Call, name: str, low: float, high: float) -> Optional[float]:
+    """Return a number between limits; None: there is none."""
+    text = call.values.get(name, "")
+    try:
+        number = float(text) if text else None
+    except ValueError:
+        number = math.nan
+    # Written so that NaN is refused too.
+    if number is None or low <= number <= high:
+        return number
+    raise _wrong(name, text, Message("{low:g} .. {high:g}", low=low, high=high))
+
+
+def _one(call: Call, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
+    """Return what a word stands for; the preset if there is none."""
+    word = call.values.get(name, "")
+    if word and word not in choices:
+        raise _wrong(name, word, ", ".join(choices))
+    return choices.get(word, preset)
+
+
+def _wrong(name: str, value: str, allowed: object) -> BadRequestError:
+    return BadRequestError(
+        Message(
+            "{name} cannot be {value}; allowed: {allowed}",
+            name=name,
+            value=repr(value)[:40],
+            allowed=allowed,
+        )
+    )

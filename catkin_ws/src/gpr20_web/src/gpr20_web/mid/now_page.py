@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed
@@ -17,15 +17,7 @@ from gpr20_operator.robot.snapshot import (
     progress_of,
     survey_name,
 )
-from gpr20_web.mid.web_page import WebPage
-
-Text = Callable[[Message], str]
-
-
-def sentence(text: Text, message: Optional[Message]) -> str:
-    """Return a message as a sentence of its own; empty without one."""
-    shown = "" if message is None else text(message)
-    return shown[:1].upper() + shown[1:]
+from gpr20_web.calls import Text, WebPage, sentence
 
 
 def _at(place: CurrentPosition) -> Message:
@@ -73,7 +65,7 @@ class NowPage(WebPage):
         if snapshot is None:
             return {}
         band, state, fault = self._band(snapshot, text), snapshot.state, None
-        if state is not None and state.is_fault and snapshot.replay is None:
+        if state is not None and state.is_fault:
             card = fault_notice(state)
             fault = {
                 **{"title": text(card.title), "details": list(card.details)},
@@ -109,7 +101,7 @@ class NowPage(WebPage):
         survey_id, name = self._named
         known = state is not None and state.survey_id == survey_id
         return {
-            "running": snapshot.running and snapshot.replay is None,
+            "running": snapshot.running,
             "paused": snapshot.paused,
             "survey": state.survey_id if state is not None else "",
             "name": name if known else "",

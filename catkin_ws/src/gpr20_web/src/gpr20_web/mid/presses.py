@@ -7,14 +7,14 @@ import math
 import re
 from collections import OrderedDict
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Optional
+from typing import Any, Dict, List, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.trace.utc_time import iso_text
-from gpr20_web.calls import Call, text_of
+from gpr20_web.calls import Call, Text, text_of
 from gpr20_web.errors import BadRequestError, NotNowError
 
 # The browser makes a new one for each press.
@@ -122,7 +122,7 @@ class Presses:
         if last is not None and not last.answered and now_s - last.sent_s > ANSWER_S[last.request]:
             last.outcome = Outcome.UNKNOWN
 
-    def values(self, text: Callable[[Message], str]) -> Optional[Mapping[str, Any]]:
+    def values(self, text: Text) -> Optional[Mapping[str, Any]]:
         """Return the last one for browsers."""
         last = self.last
         if last is None:

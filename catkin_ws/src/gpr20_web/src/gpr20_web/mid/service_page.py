@@ -8,14 +8,13 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import summary
-from gpr20_doctor.mid.node_health import NodeHealth
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.robot.notices import node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.calls import Call, Role, Route
-from gpr20_web.mid.now_page import sentence
-from gpr20_web.mid.web_page import Interest, WebPage
+from gpr20_web.calls import Call, Role, Route, WebPage, sentence
+
+# Who looks asks again within this time [s].
+INTEREST_S = 10.0
 
 
 class NoRequests:
@@ -30,7 +29,7 @@ class NoRequests:
 
 
 class ServicePage(WebPage):
-    """Findings and health while somebody looks.
+    """Findings while somebody looks.
 
     Args:
         examine: As for `ServiceModel`.
@@ -39,14 +38,14 @@ class ServicePage(WebPage):
     words: Mapping[str, Message] = {
         "title": Message("Service"),
         "waiting": Message("The checks have not ended yet."),
-        "parts": Message("Parts"),
         "all": Message("All checks"),
     }
 
     def __init__(self, examine: Callable[..., None], clock: Clock) -> None:
         self._model = ServiceModel(NoRequests(), examine, clock)
-        self._interest = Interest(self._model.set_watched, clock)
-        self._snapshot: Optional[Snapshot] = None
+        self._now_s = clock.now_s
+        # When somebody asked last; None: nobody looks.
+        self._asked_s: Optional[float] = None
         self.routes = (Route("GET", "/api/service", Role.WATCH, self._list),)
 
     def on_event(self, event: object) -> None:
@@ -55,18 +54,19 @@ class ServicePage(WebPage):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
-        self._snapshot = snapshot
         self._model.refresh(snapshot)
-        self._interest.refresh()
+        if self._asked_s is not None and self._now_s() - self._asked_s > INTEREST_S:
+            self._asked_s = None
+            self._model.set_watched(False)
 
     def _list(self, call: Call) -> Mapping[str, Any]:
-        self._interest.ask()
-        found, shown = self._model.findings(), self._snapshot
-        nodes = () if shown is None or shown.replay is not None else shown.health.reported
+        if self._asked_s is None:
+            self._model.set_watched(True)
+        self._asked_s = self._now_s()
+        found = self._model.findings()
         return {
             "summary": call.text(summary(found)) if found else "",
             "findings": [_finding(one, call) for one in found],
-            "parts": [_part(one, call) for one in nodes],
         }
 
 
@@ -77,14 +77,4 @@ def _finding(one: Finding, call: Call) -> Mapping[str, Any]:
         "text": sentence(call.text, one.text),
         "remedy": sentence(call.text, one.remedy),
         "wrong": one.level >= Level.UNKNOWN,
-    }
-
-
-def _part(node: NodeHealth, call: Call) -> Mapping[str, Any]:
-    notice = node_notice(node)
-    return {
-        "level": node.level.name.lower(),
-        "title": call.text(notice.title),
-        "text": sentence(call.text, notice.text),
-        "remedy": sentence(call.text, notice.first),
     }

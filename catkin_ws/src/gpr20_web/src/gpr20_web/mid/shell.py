@@ -1,4 +1,4 @@
-"""What every page needs: the words of all of them, the colours of the window, and what is live."""
+"""What is around every page: the login, all words, the colours of the window, what is live."""
 
 from __future__ import annotations
 
@@ -8,9 +8,20 @@ from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.calls import Body, Call, Document, Role, Route, Stream
+from gpr20_web.calls import (
+    Body,
+    Call,
+    Cookie,
+    Document,
+    Person,
+    Role,
+    Route,
+    Stream,
+    WebPage,
+    text_of,
+)
 from gpr20_web.low.event_streams import json_text
-from gpr20_web.mid.web_page import WebPage
+from gpr20_web.low.logins import Logins
 
 # What changes with each trace: nobody reads it faster, and each change costs every browser work.
 # Another level of the band is in `robot`, and is sent at once.
@@ -19,11 +30,11 @@ SELDOM = frozenset({"band", "job", "ground"})
 WORDS: Mapping[str, Message] = {
     "shell.point": DECIMAL_POINT,
     "shell.pages": Message("Pages"),
-    "shell.place_now": Message("Survey"),
-    "shell.place_map": Message("Ground"),
-    "shell.place_surveys": Message("Archive"),
-    "shell.place_more": Message("More"),
     "more.title": Message("More"),
+    "login.name": Message("Name"),
+    "login.password": Message("Password"),
+    "login.log_in": Message("Log in"),
+    "login.log_out": Message("Log out"),
     "shell.language": Message("Language"),
     "shell.sun": Message("Sunlight"),
     "shell.night": Message("Night"),
@@ -52,10 +63,11 @@ class Shell:
 
     Args:
         pages: Each with the name under which its script asks for its words.
+        logins: Begins sessions.
     """
 
-    def __init__(self, pages: Mapping[str, WebPage]) -> None:
-        self.pages = pages
+    def __init__(self, pages: Mapping[str, WebPage], logins: Logins) -> None:
+        self.pages, self._logins = pages, logins
         # By language, until the next refresh.
         self._documents: Dict[str, Document] = {}
 
@@ -75,6 +87,9 @@ class Shell:
         return [
             Route("GET", "/api/words", Role.NOBODY, self._words),
             Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
+            Route("POST", "/api/login", Role.NOBODY, self._log_in, blocking=True),
+            Route("POST", "/api/logout", Role.WATCH, lambda _call: Cookie("")),
+            Route("GET", "/api/me", Role.WATCH, lambda call: _me(call.who)),
             Route("GET", "/api/live", Role.WATCH, self._live),
             *(one for page in self.pages.values() for one in page.routes),
         ]
@@ -101,14 +116,24 @@ class Shell:
         for name, page in self.pages.items():
             words.update({f"{name}.{key}": one for key, one in page.words.items()})
         return {
+            "me": None if call.person is None else _me(call.person),
             "language": call.language.value,
             "languages": [[one.value, one.own_name] for one in languages()],
             # With their fields, which the script fills in.
             "words": {name: call.text(one) for name, one in words.items()},
         }
 
+    def _log_in(self, call: Call) -> Cookie:
+        name, password = text_of(call, "name"), text_of(call, "password")
+        person = self._logins.begin(name, password, call.address)
+        return Cookie(person.session, _me(person))
+
     def _live(self, call: Call) -> Stream:
         return Stream(lambda: self.document(call.language))
+
+
+def _me(person: Person) -> Mapping[str, Any]:
+    return {"name": person.name, "role": int(person.role), "mark": person.mark}
 
 
 def _colours() -> Body:

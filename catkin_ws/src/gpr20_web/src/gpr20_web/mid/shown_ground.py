@@ -6,14 +6,14 @@ import math
 import struct
 import zlib
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple
+from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
-from gpr20_operator.ground.grid import Area
+from gpr20_operator.ground.grid import Area, Place
 from gpr20_operator.ground.model import GroundModel, Shown
 from gpr20_operator.ground.patterns import (
     LAST_SHADE,
@@ -22,7 +22,7 @@ from gpr20_operator.ground.patterns import (
     shade_colours,
     shade_numbers,
 )
-from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.sources import Axis, Picture, RadarSettings
 from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.traces import (
     ReadingFailed,
@@ -34,12 +34,13 @@ from gpr20_operator.ground.traces import (
     TracesRead,
 )
 from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.palette import Theme
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_web.calls import Text
 from gpr20_web.errors import NotFoundError
-from gpr20_web.mid.ground_choice import MM_PER_M, GroundChoice
 
-Text = Callable[[Message], str]
+MM_PER_M = 1000.0
 # What was worked out last; more choices than this at once are worked out again.
 MOST_KEPT = 24
 # A survey that cannot be read is asked for again after so many refreshes.
@@ -55,6 +56,18 @@ NOTHING = Message("there is nothing to show yet")
 BITS, PALETTE, COMPRESSION = 8, 3, 1
 
 
+class GroundChoice(NamedTuple):
+    """What a browser wants to see of a survey; places as in a GroundModel.
+
+    Attributes:
+        settings: All but their permittivity, which is that of the survey.
+    """
+
+    theme: Theme
+    settings: RadarSettings
+    place: Optional[Place]
+
+
 class ShownGround:
     """The running survey, or a past one. Belongs to one thread.
 
@@ -66,7 +79,6 @@ class ShownGround:
 
     Attributes:
         used_s: When a browser asked for it last.
-        used_by: Whose browser that was.
         problem: Why it cannot be shown, or not all of it; None: nothing went wrong.
         is_outdated: Whether its markers are to be read again.
     """
@@ -83,8 +95,9 @@ class ShownGround:
         self.traces = TracePresenter(source, self._note)
         self.additions = AdditionsPresenter(imaging, lambda: "")
         self.model = GroundModel(self.traces.shown, self.additions)
-        self.used_s, self.used_by, self.is_outdated = -math.inf, "", False
+        self.used_s, self.is_outdated = -math.inf, False
         self.problem: Optional[Message] = None
+        # While nobody watches the running survey, its traces are not read from the storage.
         self._can_read = bool(opened)
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
         self._open()
@@ -127,9 +140,9 @@ class ShownGround:
             self.problem, self._is_asked = event.reason, False
         self._follow()
 
-    def refresh(self, can_read: bool) -> None:
-        """Take what has come, and ask for what is missing; that of a replay cannot be read."""
-        self._can_read = can_read
+    def refresh(self) -> None:
+        """Take what has come, and ask for what is missing."""
+        self._can_read = True
         self._refreshes += 1
         if not self._is_asked and self._refreshes >= AGAIN_REFRESHES:
             self._open()

@@ -14,7 +14,7 @@ from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_web.mid.now_page import Text, sentence
+from gpr20_web.calls import Text, sentence
 
 
 def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, Any]:

@@ -16,7 +16,7 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_operator.ground.past_surveys import NO_LIST, PastSurveys
+from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
@@ -35,14 +35,11 @@ from gpr20_survey.results.found import What
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
-from gpr20_web.calls import Body, Call, Role, Route
+from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid import survey_values
-from gpr20_web.mid.now_page import sentence
-from gpr20_web.mid.web_page import WebPage
 
 SURVEYS_PER_PAGE = 50
-MOST_CHARACTERS = 2000
 SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
 MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")
@@ -119,6 +116,7 @@ class SurveysPage(WebPage):
         "text": Message("Text"),
         "found": Message("Found"),
         "candidates": Message("Candidates"),
+        "weak": Message("weaker echo"),
         "find": Message("Search for candidates"),
         "searching": texts.SEARCHING,
         "downloads": Message("Downloads"),
@@ -137,7 +135,7 @@ class SurveysPage(WebPage):
         time_us: Callable[[], int] = time_of_day_us,
     ) -> None:
         self._services, self._data, self._time_us = services, data, time_us
-        self._running, self._replay = "", False
+        self._running = ""
         self._working, self._work_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
             Route(method, pattern, Role.WATCH, answer, blocking=True)
@@ -157,14 +155,12 @@ class SurveysPage(WebPage):
         """Follow which survey runs: nothing is searched meanwhile."""
         if snapshot.running_survey and not self._running and self._working.locked():
             self._services.cancel(self._work_id)
-        self._running, self._replay = snapshot.running_survey, snapshot.replay is not None
+        self._running = snapshot.running_survey
 
     def _folder(self, call: Call) -> Path:
         return folder_of(self._data, call.parts["folder"])
 
     def _past(self, before: str, most: int) -> PastSurveys:
-        if self._replay:
-            raise NotNowError(NO_LIST)
         past = PastSurveys()
         past.set_running(self._running)
         page = self._services.ask(Service.LIST, before=before, max_surveys=most)
@@ -173,7 +169,8 @@ class SurveysPage(WebPage):
 
     def _survey(self, call: Call) -> Tuple[PastSurveys, SurveySummary]:
         folder = self._folder(call).name
-        past = self._past(_just_after(folder), 1)
+        # Of what comes before it in the order of names, the first is the folder itself.
+        past = self._past(f"{folder}~", 1)
         survey = past.find(folder)
         if survey is None:
             raise NotFoundError(Message("there is no survey {survey}", survey=folder))
@@ -186,7 +183,7 @@ class SurveysPage(WebPage):
         raise NotNowError(SURVEY_RUNS if self._running else survey.problem or past.ending(survey))
 
     def _list(self, call: Call) -> Mapping[str, Any]:
-        before, text = _text(call, "before"), _text(call, "text")
+        before, text = text_of(call, "before"), text_of(call, "text")
         if before and not survey_folder.FOLDER_NAME.fullmatch(before):
             raise BadRequestError(Message("before is the folder of a survey"))
         past = self._past(before, SURVEYS_PER_PAGE)
@@ -220,7 +217,7 @@ class SurveysPage(WebPage):
         return {**shown, "problems": [sentence(call.text, one) for one in problems if one]}
 
     def _add_note(self, call: Call) -> Mapping[str, Any]:
-        folder, text = self._folder(call).name, _text(call, "text").strip()
+        folder, text = self._folder(call).name, text_of(call, "text").strip()
         if not text:
             raise BadRequestError(Message("the note is empty"), fault=NOT_ALLOWED)
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
@@ -236,7 +233,7 @@ class SurveysPage(WebPage):
 
     def _add_marker(self, call: Call) -> Mapping[str, Any]:
         place: Dict[str, Any] = {one: call.values.get(one) for one in ("x_mm", "y_mm", "depth_mm")}
-        people = {"text": _text(call, "text"), "author": call.who.name}
+        people = {"text": text_of(call, "text"), "author": call.who.name}
         marker = record_from(Marker, {"marker_id": str(uuid.uuid4()), **place, **people}, "marker")
         self._add_fact(self._folder(call).name, Kind.MARKER, marker.request())
         return {}
@@ -297,23 +294,6 @@ class SurveysPage(WebPage):
             yield
         finally:
             self._working.release()
-
-
-def _just_after(folder: str) -> str:
-    """Return a name that is later than a folder's, and not later than that of the next one."""
-    moment, _, identity = folder.partition("_")
-    number = int(identity, 16) + 1
-    later = f"{int(moment.replace('T', '')) + (number >> 32):014d}"
-    return f"{later[:8]}T{later[8:]}_{number & 0xFFFFFFFF:08x}"
-
-
-def _text(call: Call, name: str) -> str:
-    text = call.values.get(name, "")
-    if isinstance(text, str) and len(text) <= MOST_CHARACTERS:
-        return text
-    raise BadRequestError(
-        Message("{name} is a text of at most {most} characters", name=name, most=MOST_CHARACTERS)
-    )
 
 
 def folder_of(data: Path, name: str) -> Path:

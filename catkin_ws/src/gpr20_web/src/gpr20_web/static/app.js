@@ -1,6 +1,6 @@
 // The frame of the page: login, pages, language, theme, and the band over all of them.
 
-import { button, element, field } from "./dom.js";
+import { button, element, show, write } from "./dom.js";
 import { Live, Server } from "./server.js";
 import { PRESS_LIMIT_MS, Top } from "./top.js";
 import map from "./pages/map.js";
@@ -9,9 +9,8 @@ import now from "./pages/now.js";
 import surveys from "./pages/surveys.js";
 
 const CONTROL = 2;
-// The places at the bottom, each with its pages; the first one opens.
-const PLACES = [[now], [map], [surveys], [more, service]];
-const PAGES = PLACES.flat();
+// The first one opens.
+const PAGES = [now, map, surveys, more, service];
 const TICK_MS = 400;
 const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
@@ -50,14 +49,9 @@ class App {
     // First: whoever loads the page again waits for it. The band sends it again, and says so.
     await Promise.allSettled(this.stops.map(([press]) =>
       this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    const asked = (path) => this.server.ask("GET", path, null, LOAD_LIMIT_MS);
-    const nobody = (error) => {
-      if (error.status !== 401) throw error;
-      return null;
-    };
-    const [found, me] = await Promise.all([asked("/api/words"), asked("/api/me").catch(nobody)]);
+    const found = await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
     this.server.language = document.documentElement.lang = found.language;
-    Object.assign(this, found, { me });
+    Object.assign(this, found);
   }
 
   word(name, values = {}) {
@@ -132,58 +126,36 @@ class App {
   }
 
   showLogin() {
-    const name = element("input", { name: "name", autocomplete: "username", required: true });
-    const password = element("input", {
-      name: "password", type: "password", autocomplete: "current-password", required: true,
-    });
-    const send = async (event) => {
+    this.root.replaceChildren();
+    const login = show("login", this.root, this);
+    this.choices(login.form);
+    // Why somebody has to log in again; it is said until somebody has.
+    const isUndone = this.stops.length > 0;
+    login.why.hidden = !isUndone && !this.kept.getItem("why");
+    login.undone.hidden = !isUndone;
+    login.form.onsubmit = async (event) => {
       event.preventDefault();
+      const [name, password] = [login.name.value, login.password.value];
       try {
-        this.me = await this.post("/api/login", { name: name.value, password: password.value });
+        this.me = await this.post("/api/login", { name, password });
         this.kept.removeItem("why");
         this.enter();
       } catch (error) {
-        password.value = "";
+        login.password.value = "";
         this.report(error);
       }
     };
-    this.root.replaceChildren(
-      element(
-        "form",
-        { class: "card login", onsubmit: send },
-        element("h1", {}, "GPR-20"),
-        this.why(),
-        field(this.word("login.name"), name),
-        field(this.word("login.password"), password),
-        element("button", { class: "primary" }, this.word("login.log_in")),
-        ...this.choices(),
-      ),
-    );
   }
 
-  // Why somebody has to log in again; it is said until somebody has.
-  why() {
-    const isUndone = this.stops.length > 0;
-    if (!isUndone && !this.kept.getItem("why")) return null;
-    return element(
-      "div",
-      { class: "card danger", role: "alert" },
-      isUndone ? element("strong", {}, this.word("commands.stop_undone")) : null,
-      element("p", {}, this.word("shell.over")),
-    );
-  }
-
-  choices() {
-    const language = element(
-      "select",
-      { onchange: () => this.change("language", language.value) },
-      ...this.languages.map(([code, own]) =>
-        element("option", { value: code, lang: code, selected: code === this.language }, own)),
-    );
-    const night = document.documentElement.dataset.theme === "night";
-    const theme = button(this.word(night ? "shell.sun" : "shell.night"), () =>
-      this.change("theme", night ? "sun" : "night"));
-    return [field(this.word("shell.language"), language), theme];
+  // Language and theme.
+  choices(root) {
+    const { language, theme } = show("choices", root, this);
+    language.append(...this.languages.map(([code, own]) =>
+      element("option", { value: code, lang: code, selected: code === this.language }, own)));
+    language.onchange = () => this.change("language", language.value);
+    const other = document.documentElement.dataset.theme === "night" ? "sun" : "night";
+    write(theme, this.word(`shell.${other}`));
+    theme.onclick = () => this.change("theme", other);
   }
 
   change(name, value) {
@@ -226,22 +198,19 @@ class App {
     if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
     document.body.dataset.page = page.name;
-    const place = PLACES.find((one) => one.includes(page));
-    this.top.places.replaceChildren(...PLACES.map((one) =>
-      this.link(one[0], this.word(`shell.place_${one[0].name}`), one === place)));
+    const isPlace = page !== service;
+    for (const link of document.querySelectorAll("#pages a")) {
+      const isCurrent = link.hash === `#${isPlace ? page.name : "more"}`;
+      if (isCurrent) link.setAttribute("aria-current", "page");
+      else link.removeAttribute("aria-current");
+    }
     const title = this.word(`${page.name}.title`);
     document.title = `${title} – GPR-20`;
     const section = element("section", { "aria-labelledby": "page-title" });
-    const isPlace = place !== PLACES[3] || page === more;
     const head = element("h1", { id: "page-title", class: isPlace ? "unseen" : null }, title);
     this.root.replaceChildren(head, section);
     page.show(section, this);
     if (this.state.band) page.update?.(this.state, this);
-  }
-
-  link(page, text, isCurrent = false) {
-    const current = isCurrent ? "page" : null;
-    return element("a", { href: `#${page.name}`, "aria-current": current }, text);
   }
 
   async logOut() {
@@ -255,24 +224,7 @@ class App {
 
   update(state) {
     this.top.update(state);
-    this.notify(state);
     this.page?.update?.(state, this);
-  }
-
-  // What a person must learn who does not look; what was so before the page was opened is known.
-  notify({ notice, robot }) {
-    const id = notice?.id ?? null;
-    const isNew = notice && this.noticed !== undefined && id !== this.noticed;
-    this.noticed = id;
-    if (!isNew || globalThis.Notification?.permission !== "granted") return;
-    const title = robot.name ? `${robot.name}: ${notice.title}` : notice.title;
-    const body = [notice.text, notice.remedy].filter(Boolean).join("\n");
-    try {
-      new Notification(title, { body, tag: "gpr20" }).onclick = () => window.focus();
-    } catch (error) {
-      // Some telephones have the permission but not this way to use it; the band says it.
-      if (!(error instanceof TypeError)) throw error;
-    }
   }
 }
 

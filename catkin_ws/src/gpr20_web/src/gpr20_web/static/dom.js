@@ -17,43 +17,48 @@ export function button(text, onclick, attributes = {}) {
   return element("button", { type: "button", onclick, ...attributes }, text);
 }
 
-// A labelled field; `input` is an attribute object of <input>, or an element.
-export function field(label, input) {
-  const control = input instanceof Element ? input : element("input", input);
-  return element("label", { class: "field" }, element("span", {}, label), control);
-}
-
 // Write a text only where it changes: screen readers announce each change.
 export function write(target, text) {
   if (target.textContent !== text) target.textContent = text;
 }
 
+// Fill in the words of a part of index.html; return its named elements.
+export function parts(root, app) {
+  for (const one of root.querySelectorAll("[data-word]"))
+    one.textContent = app.word(one.dataset.word);
+  for (const one of root.querySelectorAll("[data-label]"))
+    one.setAttribute("aria-label", app.word(one.dataset.label));
+  const named = [...root.querySelectorAll("[data-part]")];
+  return Object.fromEntries(named.map((one) => [one.dataset.part, one]));
+}
+
+// Show a template of index.html at the end of an element; return its named elements.
+export function show(name, root, app) {
+  const content = document.getElementById(name).content.cloneNode(true);
+  const found = parts(content, app);
+  root.append(content);
+  return found;
+}
+
 // Ask before something is done; resolves to whether it was confirmed.
 export function ask(app, title, lines, yes) {
   return new Promise((resolve) => {
+    const asked = show("ask", document.body, app);
     const close = (answer) => {
-      sheet.close();
-      sheet.remove();
+      asked.sheet.close();
+      asked.sheet.remove();
       resolve(answer);
     };
-    const sheet = element(
-      "dialog",
-      { "aria-labelledby": "sheet-title", oncancel: () => close(false) },
-      element("h2", { id: "sheet-title" }, title),
-      ...lines,
-      element(
-        "div",
-        { class: "row" },
-        // What is asked covers the page: the robot can be stopped from here too.
-        button(app.word("commands.stop"), () => {
-          app.top.stopNow();
-          close(false);
-        }, { class: "stop-now" }),
-        button(app.word("commands.cancel"), () => close(false)),
-        button(yes ?? app.word("commands.confirm"), () => close(true), { class: "primary" }),
-      ),
-    );
-    document.body.append(sheet);
-    sheet.showModal();
+    write(asked.title, title);
+    asked.lines.append(...lines);
+    write(asked.yes, yes);
+    asked.sheet.oncancel = () => close(false);
+    asked.stop.onclick = () => {
+      app.top.stopNow();
+      close(false);
+    };
+    asked.no.onclick = () => close(false);
+    asked.yes.onclick = () => close(true);
+    asked.sheet.showModal();
   });
 }

@@ -61,20 +61,14 @@ export class Server {
     for (const [one, whose] of this.asked) if (by === null || whose === by) one.abort();
   }
 
-  picture(address, by) {
-    const image = new Image();
-    const request = {};
-    const loaded = new Promise((resolve, reject) => {
-      image.onload = () => resolve({ address, image });
-      image.onerror = () => resolve({ address: "", image: null });
-      request.abort = () => {
-        reject(new DOMException(address, "AbortError"));
-        image.src = "";
-      };
+  // A picture; null if there is none.
+  picture(path, by) {
+    return this.request(path, {}, REQUEST_LIMIT_MS, by, async (response) =>
+      createImageBitmap(await response.blob()),
+    ).catch((error) => {
+      if (error.status) return null;
+      throw error;
     });
-    this.asked.set(request, by);
-    image.src = address;
-    return loaded.finally(() => this.asked.delete(request));
   }
 
   // Let the browser save what takes too long to be made for a plain link.

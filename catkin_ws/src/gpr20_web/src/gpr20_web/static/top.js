@@ -1,10 +1,10 @@
 // The band on every page: state, sign, what to do, PAUSE or RESUME, STOP, remote control.
 
-import { ask, button, element, write } from "./dom.js";
+import { ask, element, parts, show, write } from "./dom.js";
 import { nowMs } from "./server.js";
 
 const SIGNS = {
-  working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■", replay: "⟲",
+  working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■",
 };
 // Before 5 s: it was on its way for a while, and the tick may be late.
 const STALE_MS = 4500;
@@ -15,35 +15,19 @@ const STOP_AGAIN_MS = 1000;
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
 export class Top {
-  constructor(root, bottom, app) {
+  constructor(header, bottom, app) {
     this.app = app;
     // The last press of this page, until it is shown what became of it.
     this.press = null;
-    const word = (name) => app.word(name);
-    this.sign = element("span", { class: "sign", "aria-hidden": "true" });
-    this.title = element("strong", { id: "state" });
-    this.words = element("span", { class: "words" });
-    this.chip = element("span", { class: "chip simulated", hidden: true }, word("now.simulated"));
-    this.age = element("p", { class: "age", role: "status", hidden: true });
-    this.band = element("div", { class: "band" }, this.sign,
-      element("div", { role: "status" }, this.title, this.chip, this.words));
-    this.pause = button("", () => this.pauseOrResume(), { id: "pause", hidden: true });
-    this.start = button(word("commands.start"), () => this.begin(), { id: "start", hidden: true });
-    const note = element("small", { id: "stop-note" }, word("commands.not_emergency"));
-    this.stop = button(word("commands.stop"), () => this.stopNow(),
-      { id: "stop", "aria-describedby": note.id });
-    this.warning = document.getElementById("stop-warning");
-    this.said = element("p", { class: "said", role: "status" });
     // Folded on the page SURVEY, for those who may.
-    this.remote = [element("span"), element("span")];
-    this.take = button("", () => this.takeOrRelease(), { id: "take" });
-    this.control = element("details", { id: "control", hidden: !app.mayControl },
-      element("summary", {}, word("commands.control")),
-      element("p", {}, this.remote[0], " ", this.remote[1], " ", this.take));
-    this.places = element("nav", { id: "pages", "aria-label": word("shell.pages") });
-    root.replaceChildren(this.band, this.age, this.said);
-    bottom.replaceChildren(
-      element("div", { class: "commands" }, this.start, this.pause, this.stop, note), this.places);
+    const control = show("control-template", element("div"), app);
+    Object.assign(this, parts(header, app), parts(bottom, app), control);
+    this.control.hidden = !app.mayControl;
+    this.warning = document.getElementById("stop-warning");
+    this.pause.onclick = () => this.pauseOrResume();
+    this.start.onclick = () => this.begin();
+    this.stop.onclick = () => this.stopNow();
+    this.take.onclick = () => this.takeOrRelease();
     for (const [press] of app.stops) this.repeatStop(press);
   }
 
@@ -60,7 +44,6 @@ export class Top {
     write(this.pause, this.app.word(paused ? "commands.resume" : "commands.pause"));
     this.pause.hidden = !(state.job.running && (!paused || this.app.mayControl));
     this.start.hidden = !this.app.mayControl || !can.start;
-    this.stop.hidden = !can.stop;
     this.showCommand(state);
     if (!state.stop_open) this.endStop(state.command?.press);
     this.tick();
@@ -118,8 +101,8 @@ export class Top {
     let who = remote.armed ? app.word("commands.nobody") : "";
     if (app.inControl) who = app.word("commands.you");
     else if (holder) who = app.word("commands.other", { name: holder.name });
-    write(this.remote[0], allowed);
-    write(this.remote[1], who);
+    write(this.allowed, allowed);
+    write(this.who, who);
     this.take.id = app.inControl ? "release" : "take";
     write(this.take, app.word(`commands.${this.take.id}`));
   }

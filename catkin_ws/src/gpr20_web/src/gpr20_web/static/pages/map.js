@@ -1,6 +1,6 @@
 // GROUND: the survey from above, and the section below a place; candidates and markers.
 
-import { button, element, field, write } from "../dom.js";
+import { button, element, show, write } from "../dom.js";
 import { Plot } from "../plot.js";
 
 const PERIOD_MS = 1000;
@@ -19,37 +19,23 @@ class Ground {
     const [page, folder = ""] = window.location.hash.split("/");
     if (app.ground?.survey !== folder) app.ground = { survey: folder, layer: "echoes" };
     this.choice = app.ground;
-    this.title = element("strong", { role: "status" });
-    this.age = element("span", {});
-    this.head = element("p", { class: "card" }, this.title, " ", this.age);
-    this.notes = element("p");
-    this.lines = element("p", { class: "card" });
-    this.counts = element("p", { class: "muted" });
+    Object.assign(this, show("map", root, app));
     this.above = this.plot(this.word("title"), false);
     this.section = this.plot(this.word("along"), true);
-    const pictures = element("div", { class: "columns" }, this.above.canvas, this.section.canvas);
+    this.pictures.append(this.above.canvas, this.section.canvas);
     this.resized = new ResizeObserver(() => this.draw());
-    this.resized.observe(pictures);
-    this.depth = element("input", {
-      type: "range", min: 0, step: STEP_MM, max: DEEPEST_MM,
-      oninput: () => this.change({ depth: this.depth.value }),
-    });
-    this.depthField = field(this.word("depth", { depth: 0 }), this.depth);
-    this.follow = button(this.word("follow"), () => this.change({ x: "", y: "" }));
-    this.controls = element("div", { class: "row" });
-    this.addChoice("layer", ["echoes", "focused"].map((one) => [one, this.word(one)]));
-    this.polarization = this.addChoice("polarization", []);
-    this.addChoice("along", ["x", "y"].map((one) => [one, this.word(one)]));
-    const back = element("a", { class: "button", href: page }, this.word("back"));
-    // Without a survey the title says all there is to say.
-    this.body = element("div", { hidden: true },
-      pictures,
-      element("div", { class: "row" }, this.depthField, folder ? back : this.follow),
-      this.lines,
-      element("details", {}, element("summary", {}, this.word("options")), this.controls),
-      this.counts, this.notes, this.markCard(),
-    );
-    root.append(this.head, this.body);
+    this.resized.observe(this.pictures);
+    Object.assign(this.depth, { step: STEP_MM, max: DEEPEST_MM });
+    this.depth.oninput = () => this.change({ depth: this.depth.value });
+    for (const name of ["layer", "along", "polarization"]) {
+      this[name].onchange = () => this.change({ [name]: this[name].value });
+      if (this.choice[name]) this[name].value = this.choice[name];
+    }
+    this.follow.onclick = () => this.change({ x: "", y: "" });
+    this.follow.hidden = Boolean(folder);
+    this.back.hidden = !folder;
+    this.back.href = page;
+    this.add.onclick = () => this.addMarker();
     this.poll();
   }
 
@@ -71,32 +57,16 @@ class Ground {
     return plot;
   }
 
-  addChoice(name, options) {
-    const select = element(
-      "select", { onchange: () => this.change({ [name]: select.value }) },
-      ...options.map(([value, text]) =>
-        element("option", { value, selected: value === (this.choice[name] ?? "") }, text)),
-    );
-    this.controls.append(field(this.word(name), select));
-    return select;
-  }
-
-  markCard() {
-    this.marks = element("ul", {});
-    const text = element("input", { maxlength: 500 });
-    this.add = button(this.word("add"), async () => {
-      const { place: [x_mm, y_mm], depth_mm } = this.shown;
-      const path = `/api/surveys/${this.about.folder}/markers`;
-      try {
-        await this.app.post(path, { x_mm, y_mm, depth_mm, text: text.value });
-        text.value = "";
-        this.poll("1");
-      } catch (error) {
-        this.app.report(error);
-      }
-    });
-    return element("div", { class: "card" }, element("h2", {}, this.word("marks")), this.marks,
-      element("div", { class: "row" }, field(this.word("text"), text), this.add));
+  async addMarker() {
+    const { place: [x_mm, y_mm], depth_mm } = this.shown;
+    const path = `/api/surveys/${this.about.folder}/markers`;
+    try {
+      await this.app.post(path, { x_mm, y_mm, depth_mm, text: this.text.value });
+      this.text.value = "";
+      this.poll("1");
+    } catch (error) {
+      this.app.report(error);
+    }
   }
 
   // A slider that is dragged changes faster than pictures come.
@@ -181,11 +151,11 @@ class Ground {
       [ground.bar.length, "bar", `bar.png?${query}`],
     ].filter(([is]) => is);
     const before = this.images;
-    const made = wanted.map(async ([, name, path]) => {
-      const { server } = this.app;
-      const address = server.address(`/api/ground/${path}&revision=${revision}`);
+    const made = wanted.map(async ([, name, query]) => {
+      const path = `/api/ground/${query}&revision=${revision}`;
       const known = before.get(name);
-      return [name, known?.address === address ? known : await server.picture(address, this)];
+      if (known?.path === path && known.image) return [name, known];
+      return [name, { path, image: await this.app.server.picture(path, this) }];
     });
     return new Map(await Promise.all(made));
   }
@@ -198,7 +168,7 @@ class Ground {
     write(this.age, age);
     this.depth.max = shown.deepest_mm ?? DEEPEST_MM;
     this.depth.value = shown.depth_mm;
-    write(this.depthField.firstChild, this.word("depth", { depth: shown.depth_mm }));
+    write(this.depthText, this.word("depth", { depth: shown.depth_mm }));
     const rotations = shown.polarizations ?? [];
     if (this.polarization.length !== rotations.length)
       this.polarization.replaceChildren(...rotations.map((one, number) =>

@@ -1,8 +1,7 @@
 // SURVEYS: the stored surveys, what people add to them, and downloads.
 
-import { ask, button, element, field, write } from "../dom.js";
+import { ask, button, element, show, write } from "../dom.js";
 
-const FINDS = ["nothing", "scrap", "device"];
 const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
 const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
@@ -19,20 +18,10 @@ export default {
   show(root, app) {
     this.app = app;
     this.folder = "";
-    const hint = this.word("hint");
-    this.text = element("input", { type: "search", placeholder: hint, maxlength: 200 });
-    this.rows = element("ul", { class: "list" });
-    this.none = element("p", { class: "muted", role: "status" });
-    this.older = button(this.word("older"), () => this.read(), { hidden: true });
-    this.details = element("div");
-    this.text.addEventListener("input", () => this.search(TYPED_MS));
-    root.append(
-      element(
-        "div", { class: "columns" },
-        element("div", {}, field(this.word("search"), this.text), this.rows, this.none, this.older),
-        this.details,
-      ),
-    );
+    Object.assign(this, show("surveys", root, app));
+    this.text.placeholder = this.word("hint");
+    this.text.oninput = () => this.search(TYPED_MS);
+    this.older.onclick = () => this.read();
     this.search(0);
     const [, folder] = window.location.hash.split("/");
     if (folder) this.open(folder);
@@ -114,10 +103,26 @@ export default {
     return this.act(async () => {
       const survey = await this.app.get(this.path());
       if (folder !== this.folder) return;
-      this.details.replaceChildren(
-        this.summary(survey), this.candidates(survey), this.found(survey),
-        this.notes(survey), this.downloads(survey),
-      );
+      this.details.replaceChildren();
+      const card = show("survey", this.details, this.app);
+      write(card.title, survey.title);
+      card.chips.append(...this.chips(survey));
+      card.lines.append(
+        ...paragraphs(survey.lines), ...paragraphs(survey.problems, { class: "warn" }));
+      card.ground.href = `#map/${folder}`;
+      card.ground.hidden = !survey.can_open;
+      this.candidates(card, survey);
+      // One that cannot be read has none of these.
+      const { found = [], notes = [] } = survey;
+      card.finds.append(...paragraphs(found));
+      card.finds.hidden = !found.length;
+      card.notes.append(...notes.map(([name, text]) =>
+        element("div", {}, element("dt", {}, name), element("dd", { class: "lines" }, text))));
+      card.form.onsubmit = (event) => {
+        event.preventDefault();
+        this.add("/notes", { text: card.text.value });
+      };
+      this.downloads(card, survey);
       const headings = [...this.details.querySelectorAll("h2")];
       headings.find((one) => one.textContent === heading)?.focus();
     });
@@ -130,34 +135,15 @@ export default {
       await this.open(folder, this.word(rest.slice(1)));
   },
 
-  card(title, ...content) {
-    const heading = element("h2", { tabindex: -1 }, title);
-    return element("section", { class: "card" }, heading, ...content);
-  },
-
-  summary(survey) {
-    const problems = paragraphs(survey.problems, { class: "warn" });
-    const lines = paragraphs(survey.lines);
-    const link = element(
-      "a", { class: "button", href: `#map/${survey.folder}` }, this.app.word("map.title"),
-    );
-    return this.card(
-      survey.title, element("p", {}, ...this.chips(survey)), ...lines, ...problems,
-      survey.can_open ? element("div", { class: "row" }, link) : "",
-    );
-  },
-
   // What nobody has found yet is searched for; else the answer is the one that is known.
-  candidates({ candidates, can_search: can }) {
-    const said = element("p", { role: "status" });
-    const again = button(this.word("find"), () => this.work(again, said, "searching", async () => {
+  candidates(card, { candidates, can_search: can }) {
+    card.find.hidden = !can || Boolean(candidates);
+    card.find.onclick = () => this.work(card.find, card.searching, "searching", async () => {
       const path = this.path("/candidates");
       const found = await this.app.server.ask("POST", path, {}, SEARCH_LIMIT_MS);
-      if (card.isConnected) card.replaceWith(this.candidates({ ...found, can_search: true }));
-    }), { hidden: !can || Boolean(candidates) });
-    const shown = candidates ? this.places(candidates) : [];
-    const card = this.card(this.word("candidates"), ...shown, said, again);
-    return card;
+      if (card.find.isConnected) this.candidates(card, { ...found, can_search: true });
+    });
+    card.candidates.replaceChildren(...(candidates ? this.places(candidates) : []));
   },
 
   // Ask for what takes a while, and may be refused with a reason.
@@ -176,7 +162,8 @@ export default {
         element("th", { scope: "row" }, String(place.number)),
         element(
           "td", {},
-          place.place, element("br"), place.found,
+          place.place, place.doubtful ? ` – ${this.word("weak")}` : "",
+          element("br"), place.found,
           element("details", {}, element("summary", {}, place.line), ...paragraphs(place.why)),
           button(this.word("found"), () => this.ask(place, list), {
             "aria-label": `${this.word("found")} ${place.number}`,
@@ -199,55 +186,26 @@ export default {
 
   // What was found at a place of this list.
   async ask({ id, place }, list) {
-    const what = element(
-      "select", {}, ...FINDS.map((one) => element("option", { value: one }, this.word(one))),
-    );
-    const depth = element("input", { type: "number", step: "any", min: 0, max: 10000 });
-    const lines = [
-      element("p", {}, place), field(this.word("found"), what), field(this.word("depth"), depth),
-    ];
-    if (await ask(this.app, this.word("found"), lines, this.word("add")))
+    const lines = element("div");
+    const find = show("find", lines, this.app);
+    write(find.place, place);
+    if (await ask(this.app, this.word("found"), [lines], this.word("add")))
       this.add("/found", {
-        candidate: id, list, what: what.value,
-        depth_mm: depth.value === "" ? null : Number(depth.value),
+        candidate: id, list, what: find.what.value,
+        depth_mm: find.depth.value === "" ? null : Number(find.depth.value),
       });
   },
 
-  found({ found }) {
-    return found.length ? this.card(this.word("found"), ...paragraphs(found)) : "";
-  },
-
-  notes({ notes }) {
-    const shown = (notes ?? []).map(([name, text]) =>
-      element("div", {}, element("dt", {}, name), element("dd", { class: "lines" }, text)));
-    const text = element("textarea", { required: true, maxlength: 2000, rows: 2 });
-    const send = (event) => {
-      event.preventDefault();
-      this.add("/notes", { text: text.value });
-    };
-    return this.card(
-      this.word("notes"), element("dl", {}, ...shown),
-      element("form", { onsubmit: send },
-        field(this.word("text"), text), element("button", {}, this.word("add"))),
-    );
-  },
-
-  downloads({ bytes, can_search: can }) {
-    if (bytes === undefined) return "";
-    const said = element("p", { role: "status" });
-    const made = MADE.map((one) => {
-      const save = () => this.app.server.save(this.path(`/made/${one}`));
-      const make = () => this.work(making, said, "making", save);
-      const making = button(this.word(one), make, { disabled: !can });
-      return making;
-    });
+  downloads(card, { bytes, can_search: can }) {
+    card.downloads.hidden = bytes === undefined;
     const size = this.app.number(Math.ceil(bytes / 1e4) / 100);
-    const whole = element(
-      "a", { href: this.app.server.address(this.path("/zip")), download: true, class: "button" },
-      `${this.word("whole")} (${size} MB)`,
-    );
-    return this.card(
-      this.word("downloads"), element("div", { class: "row" }, whole, ...made), said,
-    );
+    card.whole.href = this.app.server.address(this.path("/zip"));
+    write(card.whole, `${this.word("whole")} (${size} MB)`);
+    for (const one of MADE) {
+      const save = () => this.app.server.save(this.path(`/made/${one}`));
+      const make = () => this.work(making, card.making, "making", save);
+      const making = button(this.word(one), make, { disabled: !can });
+      card.files.append(making);
+    }
   },
 };
