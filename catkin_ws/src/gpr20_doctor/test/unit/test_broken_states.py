@@ -26,7 +26,7 @@ from test_robot_checks import facts, report, stale
 from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
-from gpr20_doctor.low import masters, programs
+from gpr20_doctor.low import masters, processes
 from gpr20_doctor.low.masters import NodeState, state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid import findings as all_findings
@@ -140,7 +140,7 @@ def computer():
         path = f"{name}/bin:{os.environ['PATH']}"
         stack.enter_context(mock.patch.dict(os.environ, {"PATH": path}))
         for module, limit in (
-            *((all_findings, "LIMIT_S"), (programs, "ANSWER_LIMIT_S")),
+            *((all_findings, "LIMIT_S"), (processes, "ANSWER_LIMIT_S")),
             (masters, "ANSWER_LIMIT_S"),
         ):
             stack.enter_context(mock.patch.object(module, limit, 60.0))

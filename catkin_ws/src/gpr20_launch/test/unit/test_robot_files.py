@@ -14,7 +14,7 @@ from robot_check_examples import AXES, checked
 
 from gpr20_common.mid.codec import record_from
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
-from gpr20_launch.mid.templates import templates
+from gpr20_launch.mid.written_files import templates
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder import manifest, signature

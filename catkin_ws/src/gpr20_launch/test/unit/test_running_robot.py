@@ -12,8 +12,9 @@ import pytest
 from case_kit import each_case
 from wait_kit import wait_until
 
+from gpr20_doctor.low.processes import Process, is_working, process_of
+from gpr20_launch.low import launched_nodes
 from gpr20_launch.low.launched_nodes import LaunchedNodes
-from gpr20_launch.low.processes import Process, is_working, process_of
 
 
 def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
@@ -127,10 +128,10 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
 def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
     process = start(WORD, "__name:=storage")
     found, others = process_of(process.pid), nodes()
-    assert found.parent == os.getpid() and found.command[0] == sys.executable
+    assert found.parent == os.getpid() and found.words[0] == sys.executable
     process.kill()
     process.wait()
     assert process_of(process.pid) is None and not is_working(process.pid)
     # It ended after it was looked at.
-    monkeypatch.setattr(others, "_name", lambda _number: "/storage")
+    monkeypatch.setattr(launched_nodes, "process_of", lambda _number: found)
     others.kill(process.pid, "/storage")

@@ -14,7 +14,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NodeSoftware, software_difference
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
-from gpr20_doctor.low.programs import answer_of
+from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import SERVER, Machine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title

@@ -23,8 +23,7 @@ from gpr20_launch.high.check_launch import built_axes, message_field, say_proble
 from gpr20_launch.mid.old_launch import old_robot
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
-from gpr20_launch.mid.signing_key import ensure_key
-from gpr20_launch.mid.templates import templates
+from gpr20_launch.mid.written_files import ensure_key, templates
 from gpr20_survey.folder.data_folder import DataFolder
 
 

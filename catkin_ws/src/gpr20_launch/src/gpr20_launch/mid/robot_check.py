@@ -19,8 +19,7 @@ from gpr20_common.mid.codec import plain
 from gpr20_common.mid.extension import is_extension
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
-from gpr20_launch.mid.axis_checks import check_axes
-from gpr20_launch.mid.pin_checks import HEIGHT_FILE, check_pins
+from gpr20_launch.mid.axis_checks import HEIGHT_FILE, check_axes, check_pins
 from gpr20_launch.mid.robot_files import (
     AXES_FILE,
     ROBOT,
