@@ -63,7 +63,7 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     try:
         found, robot, machine = _find(given)
         if given.json:
-            print(as_json(found, catalogue), flush=True)
+            print(as_json(found, catalogue), flush=True)  # noqa: T201
         else:
             say(*lines(found, catalogue), flush=True)
         if given.bundle is not None:

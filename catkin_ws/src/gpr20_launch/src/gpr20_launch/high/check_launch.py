@@ -65,7 +65,7 @@ def main() -> int:
         return 1
     # The standard output is the configuration.
     say_problems(found, sys.stderr)
-    print(json.dumps(sections))
+    print(json.dumps(sections))  # noqa: T201
     return 0
 
 

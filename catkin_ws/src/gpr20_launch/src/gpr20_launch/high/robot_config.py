@@ -81,7 +81,7 @@ def _check(folder: Path, given: argparse.Namespace) -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(Reading(folder, built_axes()), use, message_field)
     if given.json:
-        print(json.dumps([one.record() for one in found], ensure_ascii=False))
+        print(json.dumps([one.record() for one in found]))  # noqa: T201
     elif found:
         say_problems(found, sys.stdout)
     else:
