@@ -79,6 +79,10 @@ def key_of(module):
     return own if own in OUR_KEYS else KEYS.get(module, module)
 
 
+# A robot does not need them, and they are large: docs/ros.md says how to install them.
+PROGRAMS_OF_PEOPLE = {"diagnostic_aggregator", "rviz"}
+
+
 def depends(name, kinds="exec_depend|depend"):
     """Return the dependencies of a package."""
     text = (PACKAGES[name] / "package.xml").read_text()
@@ -108,6 +112,14 @@ def test_a_package_depends_on_what_it_imports_and_on_nothing_else(name):
         spare = depends(name, "exec_depend") - imported - {"message_runtime"} - INDIRECT_KEYS
         launched = "".join(path.read_text() for path in PACKAGES[name].glob("**/*.launch"))
         assert {one for one in spare if one not in launched} == set()
+
+
+@each_case("name", PACKAGES)
+def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
+    for path in PACKAGES[name].glob("**/*.launch"):
+        named = set(re.findall(r'pkg="(\w+)"|\$\(find (\w+)\)|rosrun (\w+)', path.read_text()))
+        used = {one for names in named for one in names if one} - {name} - PROGRAMS_OF_PEOPLE
+        assert used <= depends(name)
 
 
 def test_the_pip_packages_of_rosdep_are_those_of_the_requirements():
