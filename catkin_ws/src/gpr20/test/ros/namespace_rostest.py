@@ -12,12 +12,10 @@ import unittest
 from pathlib import Path
 
 import rosbag
-import rosgraph
-import rosnode
 import rospkg
 import rospy
 import rostest
-from survey_client import LIMIT_S, SurveyClient, bits, json_traces, run, wait_until
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until
 
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
@@ -173,27 +171,6 @@ class NamespaceTest(unittest.TestCase):
         self.assertIn("FINISHED", after["survey"])
         self.assertEqual((after["alarm"], after["locked"]), ("", True))
         self.assertEqual((after["on_map"], after["visited"]), (TRACES, TRACES))
-
-    def test_4_a_replay_has_a_window_and_no_client_starts_anything_there(self):
-        client = ["rosrun", "gpr20_user_interface", "run_survey"]
-        launch = ["gpr20", "replay.launch", f"survey:={self.folders['/robot1']}", "ui:=true"]
-        nodes = rosgraph.Master(rospy.get_name())
-        with process(
-            *["roslaunch", *launch, "paused:=true"], stdout=subprocess.DEVNULL
-        ) as launched:
-            wait_until(lambda: self.window_of(nodes), "there is no window")
-            status, said = run(*client, "--wait", "10", "__ns:=replay", env=ENVIRONMENT)
-            self.assertEqual(status, 1, said)
-            self.assertIn("No contact with the main control", said)
-            self.assertIsNone(launched.poll())
-            # It ends with its window.
-            rosnode.kill_nodes(self.window_of(nodes))
-            launched.wait(LIMIT_S)
-
-    def window_of(self, nodes):
-        published, _subscribed, _services = nodes.getSystemState()
-        names = {name for _topic, names in published for name in names}
-        return [name for name in names if name.startswith("/replay/user_interface")]
 
 
 if __name__ == "__main__":

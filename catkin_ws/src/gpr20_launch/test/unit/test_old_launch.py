@@ -101,10 +101,7 @@ def test_minus_one_or_nothing_means_no_endstop(tmp_path):
 
 X_NODE = node(params({key: X[key] for key in NAMES if key != "dir_pin"}) + "{}", "x")
 X_NODE += node(params(Y), "y") + node(params(Z), "z")
-EXPRESSIONS = [
-    *("__import__('os').getpid()", "1/0", "9**9", "'a'*9", "[1][0]", "int(", "arg('pin')"),
-    *("(" * 300, "1" * 600, "(lambda: 13)()", "int.real"),
-]
+EXPRESSIONS = ["__import__('os').getpid()", "int(", "(" * 300]
 # Beside what is inside of the node of x; what must be said.
 UNREAD = [
     ('<param name="dir_pin" value="$(env PIN)"/>', "", "$(env PIN)"),
