@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 from asked_storage import Storage
 from matplotlib.figure import Figure
-from planned_survey import AXES, TRAVEL
 from result_kit import Now
 from storage_kit import Kit
 from surveys_kit import Services
-from trace_examples import SURVEY, make_trace
+from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
 from web_kit import route_of
 
