@@ -34,7 +34,7 @@ from gpr20_height_sensor.high.height_node import HeightNode
 from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
 from gpr20_height_sensor.mid.height_driver import HeightParameters
 from gpr20_imaging.high.imaging_node import ImagingNode
-from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.imaging import ImagingParameters
 from gpr20_main_control.high.main_control_node import MainControlNode
 from gpr20_main_control.high.survey_topics import SurveyTopics

@@ -26,7 +26,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
 from gpr20_analysis.work import no_progress
-from gpr20_imaging.low.analysis_worker import Analysis
+from gpr20_imaging.mid.worker import Analysis
 from gpr20_operator.ground.traces import SurveyRead
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
