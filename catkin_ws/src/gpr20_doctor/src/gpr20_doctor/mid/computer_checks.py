@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Iterator, Mapping
 
 from gpr20_common.faults import DISK_FULL, DISK_REFUSES, NOT_SET_UP
-from gpr20_common.low.data_folder import state_folder
+from gpr20_common.low.yaml_file import state_folder
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults

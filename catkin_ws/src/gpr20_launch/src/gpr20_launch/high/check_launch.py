@@ -20,8 +20,8 @@ import rospkg
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
 from gpr20_common.faults import NOT_SET_UP, OTHER_LAUNCH
-from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
+from gpr20_common.low.yaml_file import DEFAULT_FOLDER
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
 from gpr20_doctor.low.processes import Process, process_of

@@ -14,8 +14,7 @@ import rosgraph
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.low.data_folder import robot_folder
-from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.low.yaml_file import read_yaml, robot_folder
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import printable, say
 from gpr20_launch.faults import NOT_CHECKED

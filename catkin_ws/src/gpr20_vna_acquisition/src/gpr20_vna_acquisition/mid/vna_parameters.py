@@ -8,9 +8,14 @@ from typing import Any, Dict, Sequence, Tuple, Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.checks import Text, instrument_address, ipv4_address, number_between
+from gpr20_common.mid.checks import (
+    Text,
+    instrument_address,
+    ipv4_address,
+    is_extension,
+    number_between,
+)
 from gpr20_common.mid.codec import bounded
-from gpr20_common.mid.extension import is_extension
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.ms2026c import (
