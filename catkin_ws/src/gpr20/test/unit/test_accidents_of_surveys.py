@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import time
 
 import pytest
 from failing_disk import FailingDisk, Failure
-from robot_in_process import RobotInProcess
 from stored_surveys import (
     TRACES,
     check_acknowledged,
@@ -23,11 +21,8 @@ from stored_surveys import (
 
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import survey_archive
 from gpr20_survey.faults import CLOCK_WRONG
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import recover
 from gpr20_survey.plan.survey_state import SurveyState
 
 HOUR_S = 3600
@@ -124,23 +119,3 @@ def test_a_clock_that_is_set_while_a_survey_is_paused_is_said_then(robot, set_cl
     robot.wait(lambda: robot.status.status.full_message.fault_code == CLOCK_WRONG.as_warning().code)
     robot.go_on()
     check_said(robot, CLOCK_WRONG.as_warning())
-
-
-# The antennas.
-
-
-def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(world):
-    robot = RobotInProcess(world, reference_interval_s=10.0)
-    robot.calls.at("sweep", 3, lambda: world.fault("LOOSE_PLUG"))
-    robot.calls.at("sweep", 4, lambda: setattr(robot.clock, "more_s", robot.clock.more_s + 11.0))
-    with contextlib.closing(robot):
-        robot.begin()
-        check_pause(robot, faults.DRIFTED.code, "drifted by 3.", "20.0 deg")
-        robot.go_on()
-        check_state(robot, SurveyState.FINISHED)
-        assert [one["index"] for one in json_traces(robot)] == list(range(TRACES))
-        records = recover(folder_of(robot)).found.records
-        visits = [one.values for one in records if one.kind == Kind.DRIFT.value]
-        flags = [(one["exceeded"], one["accepted"]) for one in visits]
-        assert flags[:2] == [(True, False), (False, True)]
-        assert all(abs(one["gain_db"] + 3.1) < 0.2 for one in visits[-1]["rotations"])

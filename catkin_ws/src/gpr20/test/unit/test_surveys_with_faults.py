@@ -74,17 +74,6 @@ def test_a_fault_pauses_the_survey_and_once_it_is_gone_the_survey_ends_complete(
     check_resumed(robot)
 
 
-def test_settings_that_are_refused_from_the_start_fail_the_survey_before_it_moves(world, robot):
-    before = world.position()
-    world.fault("REFUSE_SETTINGS")
-    robot.begin()
-    message = check_state(robot, SurveyState.FAILED).message
-    assert message.fault_code == "vna.settings", message
-    # It has 201 points since it was switched on.
-    assert "201" in str(message) and "51" in str(message)
-    assert world.position() == before
-
-
 def bits(values):
     return np.array(values, np.float64).tobytes()
 
