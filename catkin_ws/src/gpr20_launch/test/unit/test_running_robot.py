@@ -105,11 +105,13 @@ def test_the_nodes_of_this_launch_are_found_by_their_full_names(start):
     assert nodes(parent=1).find() == {}
 
 
-def test_only_the_process_that_is_the_node_is_killed(start):
-    storage = start(WORD, "__name:=storage")
-    nodes(parent=1).kill(storage.pid, "/storage")
-    nodes().kill(storage.pid, "/control")
-    assert storage.poll() is None
+def test_only_the_process_that_is_the_node_is_killed(start, monkeypatch):
+    storage, killed = start(WORD, "__name:=storage"), []
+    with monkeypatch.context() as noted:
+        noted.setattr(launched_nodes.os, "kill", lambda *given: killed.append(given))
+        nodes(parent=1).kill(storage.pid, "/storage")
+        nodes().kill(storage.pid, "/control")
+    assert not killed
     nodes().kill(storage.pid, "/storage")
     assert storage.wait() == -signal.SIGKILL
     nodes().kill(storage.pid, "/storage")
