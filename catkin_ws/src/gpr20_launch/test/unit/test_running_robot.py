@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
 from case_kit import each_case
 from wait_kit import wait_until
@@ -131,6 +132,8 @@ def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypa
     process = start(WORD, "__name:=storage")
     found, others = process_of(process.pid), nodes()
     assert found.parent == os.getpid() and found.words[0] == sys.executable
+    created_s = psutil.Process(process.pid).create_time()
+    assert found.started_s == pytest.approx(created_s, abs=2.0)
     process.kill()
     process.wait()
     assert process_of(process.pid) is None and not is_working(process.pid)
