@@ -18,7 +18,8 @@ from wait_kit import wait_until
 
 pytestmark = pytest.mark.timeout(900)
 TRACES = 7 * 7 * 2
-SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
+# It lasts longer than a look at all of its processes takes.
+SMALL = ["--x-points", "6", "--y-points", "6"]  # 72 traces
 # A target is found if its candidate is this close [mm]; its depth is exact to the resolution.
 NEAR_MM, NEAR_DEPTH_MM = 10.0, 5.0
 PLACE = r"x (\d+), y (\d+), depth (\d+)"
@@ -143,4 +144,4 @@ def test_nobody_else_reaches_a_survey_and_ctrl_c_stops_it_cleanly_to_be_resumed(
 
     resume = (ROOT / "scripts/survey.sh", "--resume", survey.parent)
     printed_by(*resume, env=user_environment(tmp_path))
-    assert json.loads(survey.read_text())["stored_traces"] == 18
+    assert json.loads(survey.read_text())["stored_traces"] == 72
