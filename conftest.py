@@ -22,12 +22,7 @@ settings.load_profile("any_speed")
 # For another Python: what a test draws is examined under Debian's.
 settings.register_profile("few_examples", settings.get_profile("any_speed"), max_examples=20)
 
-pytest_plugins = [
-    "pytest_gpr20.workspace",
-    "pytest_gpr20.processes",
-    "pytest_gpr20.rostest_items",
-    "pytest_gpr20.abilities",
-]
+pytest_plugins = ["pytest_gpr20"]
 
 
 @pytest.fixture(scope="session")

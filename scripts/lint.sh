@@ -18,7 +18,7 @@ MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits} benchmarks)$
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
 "${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py ros2/*/*.py \
-    tools/*.py tools/{checks,kits,site}/*.py tools/{pictures,fault_suite,pytest_gpr20}
+    tools/*.py tools/{checks,kits,site}/*.py tools/fault_suite
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py
 

@@ -41,9 +41,8 @@ DEBIAN_DEV_PACKAGES=(
     debhelper git iproute2 logrotate nftables openbox procps python3-psutil xdotool xvfb
 )
 
-# ROS 2's compiler of interfaces, with which the tests build those of ros2/, and the browser in
-# which they open the page of gpr20_web: Ubuntu 20.04 has neither as a package of apt.
-[ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(chromium chromium-driver rosidl-core)
+# The browser in which the tests open the page of gpr20_web: Ubuntu 20.04 has it not in apt.
+[ -n "$(ros_setup_file)" ] || DEBIAN_DEV_PACKAGES+=(chromium chromium-driver)
 
 dev=no robot=no analysis=no scikit_rf=no check=no
 for argument in "$@"; do

@@ -18,7 +18,7 @@ from collections import Counter
 import pytest
 from robot_kit import LAUNCH, MASTER, NODES, LaunchedRobot, end
 from run_seed import SEED
-from stock_readers import mcap_traces
+from storage_kit import mcap_traces
 from stored_surveys import TRACES, check_places
 from trace_examples import assert_same_numbers
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple, Sequence
 
 import pytest
-from pytest_gpr20.workspace import without_ros
+from pytest_gpr20 import without_ros
 from user_shell import ROOT, printed_by
 
 EVERYTHING = sorted(path.parts[-3] for path in ROOT.glob("catkin_ws/src/*/test/unit"))

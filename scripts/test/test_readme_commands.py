@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import contextlib
+import ipaddress
 import json
 import os
 import re
 import signal
 import subprocess
 
+import psutil
 import pytest
 from robot_kit import free_port
-from user_shell import LIMIT_S, ROOT, printed_by, user_environment
+from user_shell import LIMIT_S, NODES, ROOT, printed_by, user_environment
 from wait_kit import wait_until
 
 pytestmark = pytest.mark.timeout(900)
 TRACES = 7 * 7 * 2
-SMALL = ["--x-points", "3", "--y-points", "3"]  # 18 traces
+# It lasts longer than a look at all of its processes takes.
+SMALL = ["--x-points", "6", "--y-points", "6"]  # 72 traces
 # A target is found if its candidate is this close [mm]; its depth is exact to the resolution.
 NEAR_MM, NEAR_DEPTH_MM = 10.0, 5.0
 PLACE = r"x (\d+), y (\d+), depth (\d+)"
@@ -59,6 +63,19 @@ def test_the_first_command_runs_a_survey_to_its_end(whole_survey):
     assert f"rosbag play --prefix=/replay {folder}/survey.bag" in printed
 
 
+def listening_addresses(process):
+    """Return the addresses at which a program and all that it has started can be reached."""
+    found = []
+    for one in (process, *process.children(recursive=True)):
+        with contextlib.suppress(psutil.NoSuchProcess, psutil.ZombieProcess):
+            found += [
+                each.laddr.ip
+                for each in one.net_connections(kind="inet")
+                if each.status in (psutil.CONN_LISTEN, psutil.CONN_NONE) and each.laddr
+            ]
+    return found
+
+
 def printed_lines(printed, begin, end):
     """Return the indented lines between two headings."""
     return [line.strip() for line in printed.split(begin)[1].split(end)[0].splitlines()[1:]]
@@ -96,13 +113,12 @@ def test_it_ends_with_a_report_beside_the_survey_that_says_it_is_simulated(whole
     assert f"file://{report}" in printed.split("Check it")[1]
     text = report.read_text(encoding="utf-8")
     assert "SIMULATED" in text
-    # Pictures of the image, not only of the data.
     assert "Maximum projections, 0°" in text
     # Nothing of it runs.
     assert processes_about(str(folder.parent)) == []
 
 
-def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(tmp_path):
+def test_nobody_else_reaches_a_survey_and_ctrl_c_stops_it_cleanly_to_be_resumed(tmp_path):
     # As a terminal does: the signal goes to the whole foreground group.
     process = subprocess.Popen(
         [str(ROOT / "scripts/survey.sh"), *SMALL],
@@ -113,6 +129,10 @@ def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(t
         start_new_session=True,
     )
     wait_until(lambda: any(tmp_path.glob("*/traces/*.json")), alive=[process])
+    addresses = listening_addresses(psutil.Process(process.pid))
+    # A node of ROS has two servers, one for calls and one for topics.
+    assert len(addresses) >= 2 * len(NODES)
+    assert all(ipaddress.ip_address(one).is_loopback for one in addresses), addresses
     os.killpg(process.pid, signal.SIGINT)
     printed, _nothing = process.communicate(timeout=LIMIT_S)
     assert process.returncode == 130, printed
@@ -124,4 +144,4 @@ def test_ctrl_c_stops_the_survey_cleanly_ends_everything_and_it_can_be_resumed(t
 
     resume = (ROOT / "scripts/survey.sh", "--resume", survey.parent)
     printed_by(*resume, env=user_environment(tmp_path))
-    assert json.loads(survey.read_text())["stored_traces"] == 18
+    assert json.loads(survey.read_text())["stored_traces"] == 72

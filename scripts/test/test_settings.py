@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 
 import pytest
 from case_kit import each_case
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from run_seed import draws
 from user_shell import ROOT
 
 SHIPPED = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
@@ -94,19 +90,3 @@ def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path)
         done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / name))
         assert done.returncode == 2 and done.stdout == ""
         assert reason in done.stderr
-
-
-LINES = st.sampled_from(
-    [SIMULATED, *(line for line, _reason in WRONG), "", "# robot:=gpr20", "GPR20_ROBOT="]
-)
-
-
-@settings(max_examples=draws(6))
-@given(st.lists(LINES, max_size=4))
-def test_no_lines_that_never_name_the_real_robot_start_it(machine, lines):
-    done = machine("\n".join(lines))
-    assert "robot:=gpr20" not in done.stdout
-    started = done.stdout != ""
-    assert started == (done.returncode == 0)
-    if started:
-        assert re.findall("<robot:=(.*?)>", done.stdout) == ["simulated"]

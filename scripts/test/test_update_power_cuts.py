@@ -20,7 +20,7 @@ from pathlib import Path
 
 import pytest
 import update_kit
-from power_cut_disk import PowerCutDisk, PowerCutError, can_be_cut
+from failing_disk import PowerCutDisk, PowerCutError, can_be_cut
 
 CUTS = int(os.environ.get("GPR20_UPDATE_CUTS", "30"))
 SEED = int(os.environ.get("GPR20_UPDATE_SEED", "31"))

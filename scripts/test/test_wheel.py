@@ -10,8 +10,8 @@ import zipfile
 
 import numpy as np
 import pytest
-from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit
+from trace_examples import METADATA, POINTS, planned_trace
 from user_shell import ROOT, printed_by
 
 pytestmark = pytest.mark.release

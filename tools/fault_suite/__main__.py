@@ -27,8 +27,7 @@ import time
 from pathlib import Path
 from typing import Any, Callable, List, Optional, Sequence
 
-from failing_disk import FOR_EVER, Failure
-from power_cut_disk import PowerCutDisk, PowerCutError, can_be_cut
+from failing_disk import FOR_EVER, Failure, PowerCutDisk, PowerCutError, can_be_cut
 
 from fault_suite.judge import Ledger, judged
 from fault_suite.worker import Call, Event, Step, Worker, new_course

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Counter, Dict, Iterable, Iterator, List, Sequence, Set
 
-from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
-from storage_kit import with_bag
+from storage_kit import bag_traces, mcap_traces, torn_mcap_traces, with_bag
 from trace_examples import SURVEY, assert_same_numbers
 
 from fault_suite.worker import IS_COMPLETE, TRACES, Call, Event, Worker, new_storage

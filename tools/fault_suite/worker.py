@@ -16,9 +16,8 @@ from pathlib import Path
 from typing import Any, Collection, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple
 
 from failing_disk import MORE_CALLS, FailingDisk, Failure
-from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import Kit, text_message
-from trace_examples import SURVEY
+from trace_examples import METADATA, POINTS, SURVEY, planned_trace
 
 from gpr20_survey.errors import ProcessingError, StorageFailedError
 from gpr20_survey.folder.log_record import Kind

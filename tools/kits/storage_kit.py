@@ -1,19 +1,30 @@
-"""What the tests of the storage share: traces, messages without ROS, a storage to fill."""
+"""What the tests of the storage share: traces, messages without ROS, a storage to fill, keys.
+
+What it has recorded is read by readers that are not this project's.
+"""
 
 from __future__ import annotations
 
 import json
+import struct
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Callable, Container, Dict, Iterable, List, Optional
+from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Optional
 
+import zstandard
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, NonSeekingReader, make_reader
+from rosbags.highlevel import AnyReader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
+from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.durable_files import Readers, ensure_folders
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.signature import NAMESPACE
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.recording.bag import make_bag
@@ -144,3 +155,57 @@ class Kit:
             if trace.index not in stored:
                 self.processing.store(trace)
         self.processing.close_survey(SURVEY, "finished")
+
+
+TRACE = "gpr20_msgs/msg/Trace"
+
+
+def bag_traces(path: Path) -> Iterator[Any]:
+    """Yield the messages of the traces in a bag that has its index."""
+    with AnyReader([path]) as reader:
+        connections = [one for one in reader.connections if one.topic == "/trace"]
+        # Without any, the reader would return every message.
+        if connections:
+            for connection, _time, raw in reader.messages(connections):
+                yield reader.deserialize(raw, connection.msgtype)
+
+
+def mcap_traces(path: Path) -> Iterator[Any]:
+    """Yield the messages of the traces in an MCAP file that has ended."""
+    with path.open("rb") as file:
+        yield from _messages_of(make_reader(file, validate_crcs=True))
+
+
+def torn_mcap_traces(path: Path) -> Iterator[Any]:
+    """Yield the same, read forward, without the index, up to where the file was torn."""
+    with path.open("rb") as file:
+        try:
+            yield from _messages_of(NonSeekingReader(file))
+        except (McapError, EOFError, struct.error, ValueError, zstandard.ZstdError):
+            # Torn here; what was acknowledged must have come before.
+            return
+
+
+def _messages_of(reader: McapReader) -> Iterator[Any]:
+    types = get_typestore(Stores.ROS1_NOETIC)
+    for schema, _channel, message in reader.iter_messages(["/trace"], log_time_order=False):
+        if schema is not None and TRACE not in types.types:
+            types.register(get_types_from_msg(schema.data.decode(), TRACE))
+        yield types.deserialize_ros1(message.data, TRACE)
+
+
+def make_key(path: Path, passphrase: str = "") -> None:
+    """Make a key of the kind that `robot_config key` makes."""
+    made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", passphrase, "-C", "robot", "-f", path))
+    assert made.yes, made.complaint
+
+
+def fingerprint(path: Path) -> str:
+    """Return the fingerprint of a key."""
+    return ssh_keygen.use_key(path, ("-l",)).split()[1]
+
+
+def signers_line(path: Path, signer: str = "robot") -> str:
+    """Return the line of a signers file that accepts a key."""
+    kind, key = ssh_keygen.use_key(path, ("-y", "-P", "")).split()[:2]
+    return f'{signer} namespaces="{NAMESPACE}" {kind} {key}\n'

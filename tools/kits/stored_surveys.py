@@ -9,8 +9,7 @@ from typing import Any, Dict, List, Sequence
 
 import numpy as np
 from robot_in_process import RobotInProcess
-from stock_readers import bag_traces, mcap_traces, torn_mcap_traces
-from storage_kit import with_bag
+from storage_kit import bag_traces, mcap_traces, torn_mcap_traces, with_bag
 from trace_examples import assert_same_numbers
 
 from gpr20_common.catalogue import FOLDER, read_translations

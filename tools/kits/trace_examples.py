@@ -1,17 +1,20 @@
-"""Good traces, and how to compare them with what was stored, for tests."""
+"""Good traces, a survey with a whole plan, and how to compare them with what was stored."""
 
 from __future__ import annotations
 
 import json
 import math
-from dataclasses import astuple
+from dataclasses import asdict, astuple
 from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict
 
 import numpy as np
 
-from gpr20_survey.axes.axis_id import AXES, ZeroEpoch
+from gpr20_survey.axes import axis_id
+from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
+from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
@@ -44,7 +47,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "quality": ("level low",),
         "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
         "aux": (AuxValue("soil_temperature", 18.5, "\N{DEGREE SIGN}C", STARTED_US),),
-        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(AXES)),
+        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(axis_id.AXES)),
     }
     return Trace(**{**fields, **changes})
 
@@ -94,3 +97,36 @@ def read_json(path: Path) -> Dict[str, Any]:
         raise ValueError(f"{name} is not JSON")
 
     return json.loads(path.read_text("ascii"), parse_constant=refuse)
+
+
+TRAVEL = RobotTravel(Travel(0.0, 650.0, 0.01), Travel(0.0, 800.0, 0.01), Travel(-90.0, 90.0, 1.8))
+PARAMETERS = SurveyParameters(
+    "127.0.0.1", 6e8, 6e9, 5, x_start_mm=10.0, x_stop_mm=20.0, x_points=3,
+    y_start_mm=10.0, y_stop_mm=20.0, y_points=3, polarizations_deg=(0.0,),
+)  # fmt: skip
+POINTS = survey_points(PARAMETERS, TRAVEL)
+AXES = {
+    name: {"min_coord": one.lower, "max_coord": one.upper, "step_size": one.step}
+    for name, one in zip("xyz", (TRAVEL.x, TRAVEL.y, TRAVEL.z))
+}
+METADATA = json.dumps(
+    {
+        "planned_traces": len(POINTS),
+        "simulated": True,
+        "parameters": asdict(PARAMETERS),
+        "axes": AXES,
+    }
+)
+
+
+def planned_trace(index: int, survey_id: str = SURVEY, **changes: Any) -> Trace:
+    """Return the trace of a planned point, with some fields changed."""
+    point = POINTS[index]
+    fields = {
+        "survey_id": survey_id,
+        "timestamp_us": STARTED_US + 10**6 * (index + 2),
+        "x_coord_mm": point.x_mm,
+        "y_coord_mm": point.y_mm,
+        "z_coord_deg": point.z_deg,
+    }
+    return make_trace(index, **{**fields, **changes})

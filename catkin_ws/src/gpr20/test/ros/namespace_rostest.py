@@ -12,12 +12,10 @@ import unittest
 from pathlib import Path
 
 import rosbag
-import rosgraph
-import rosnode
 import rospkg
 import rospy
 import rostest
-from survey_client import LIMIT_S, SurveyClient, bits, json_traces, run, wait_until
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until
 
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
@@ -153,45 +151,6 @@ class NamespaceTest(unittest.TestCase):
         found = verify_survey(client.folder(survey_id))
         self.assertEqual((found.status, found.faults, found.unproven), (INCOMPLETE, [], 0))
         self.assertGreaterEqual(found.stored, visited[-1])
-
-    def test_3_a_window_shows_a_bag_that_is_played_and_its_end(self):
-        bag = str(self.folders["/robot1"] / "survey.bag")
-        with Window.open("/replay/robot1", "--replay") as window:
-            self.assertIn("Waiting for a recording", window.shown()["survey"])
-            # It does not wait until the window has connected.
-            player = ("rosbag", "play", "-q", "-d", "2", "-r", "4", "--prefix=/replay", bag)
-            with process(*player, stdout=subprocess.DEVNULL) as played:
-                wait_until(lambda: window.shown()["on_radar"] == TRACES, "traces are missing")
-                shown = window.shown()
-                self.assertTrue(shown["replay"] and not shown["stop"], shown)
-                played.wait(LIMIT_S)
-            wait_until(lambda: window.shown()["replay"].startswith("REPLAY ENDED"), "no end")
-            after = window.shown()
-        self.assertIn(f"Survey of {self.folders['/robot1'].name[:4]}-", after["survey"])
-        self.assertIn("FINISHED", after["survey"])
-        self.assertEqual((after["alarm"], after["locked"]), ("", True))
-        self.assertEqual((after["on_map"], after["visited"]), (TRACES, TRACES))
-
-    def test_4_a_replay_has_a_window_and_no_client_starts_anything_there(self):
-        client = ["rosrun", "gpr20_user_interface", "run_survey"]
-        launch = ["gpr20", "replay.launch", f"survey:={self.folders['/robot1']}", "ui:=true"]
-        nodes = rosgraph.Master(rospy.get_name())
-        with process(
-            *["roslaunch", *launch, "paused:=true"], stdout=subprocess.DEVNULL
-        ) as launched:
-            wait_until(lambda: self.window_of(nodes), "there is no window")
-            status, said = run(*client, "--wait", "10", "__ns:=replay", env=ENVIRONMENT)
-            self.assertEqual(status, 1, said)
-            self.assertIn("No contact with the main control", said)
-            self.assertIsNone(launched.poll())
-            # It ends with its window.
-            rosnode.kill_nodes(self.window_of(nodes))
-            launched.wait(LIMIT_S)
-
-    def window_of(self, nodes):
-        published, _subscribed, _services = nodes.getSystemState()
-        names = {name for _topic, names in published for name in names}
-        return [name for name in names if name.startswith("/replay/user_interface")]
 
 
 if __name__ == "__main__":

@@ -55,19 +55,6 @@ POISON = {
     "/height_sensor/time_scale": 3.0,
 }
 
-# A node that is ended while its main thread has rospy's lock of the master.
-ENDED_WHILE_IT_STARTS = """
-import os, signal
-signal.signal(signal.SIGINT, signal.SIG_DFL)
-import rosgraph, rospy
-from gpr20_common.high.node import run_node
-def build():
-    with rospy.core.xmlrpcapi(rosgraph.get_master_uri())._lock:
-        os.kill(os.getpid(), signal.SIGINT)
-        signal.sigtimedwait([], 1.0)
-run_node("ended_while_it_starts", build)
-"""
-
 
 def description(node):
     if node == "/main_control":  # it describes the whole robot
@@ -162,10 +149,6 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertEqual(recorded["analyzer"]["max_frequency_hz"], 6e9)
         self.assertEqual(recorded["site"]["site"], "El Carmen ñ")
         self.assertIsNone(recorded["site"]["latitude_deg"])
-
-    def test_4_ctrl_c_ends_a_node_that_is_starting(self):
-        status, said = run(sys.executable, "-c", ENDED_WHILE_IT_STARTS)
-        self.assertEqual((status, said), (-signal.SIGINT, ""))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ import numpy as np
 import rosbag
 import roslib.message
 import rospy
-import rosservice
 import rostest
 from mcap_ros1.reader import read_ros1_messages
 from rosgraph_msgs.msg import Log
@@ -30,7 +29,7 @@ from tf2_msgs.msg import TFMessage
 
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
-from gpr20_msgs.srv import AddFact, DailyCheck, ExportSurvey, FocusSurvey
+from gpr20_msgs.srv import AddFact, ExportSurvey, FocusSurvey
 from gpr20_survey.axes import axis_id as frames
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan import annotation
@@ -38,7 +37,6 @@ from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.candidates import NO_CLEARANCE
 
-ANSWER = ["success", "message", "fault"]
 # Of a user's own node; extra_topic/storage.yaml names it.
 OWN_TOPIC = "/soil_probe/moisture"
 # What nobody needs in a recording, or may come only from a node itself.
@@ -245,18 +243,7 @@ class WholeSurveyTest(unittest.TestCase):
         for topic, frame in PLACED.items():
             self.assertEqual({one.frame_id for one, _at in self.heard.headers[topic]}, {frame})
 
-    def test_4_every_service_answers_whether_it_has_succeeded_and_why_not(self):
-        usual = re.compile(".*/(get_loggers|set_logger_level)")
-        names = [one for one in rosservice.get_service_list() if not usual.fullmatch(one)]
-        self.assertLessEqual({"/start_survey", "/store_data", "/get_data"}, set(names))
-        for name in names:
-            service = rosservice.get_service_class_by_name(name)
-            self.assertLessEqual(set(ANSWER), set(service._response_class.__slots__), name)
-            plain = not service._request_class.__slots__
-            if plain and service._response_class.__slots__ == ANSWER:
-                self.assertEqual(service._type, "gpr20_msgs/Command", name)
-
-    def test_5_nobody_warned_of_anything(self):
+    def test_4_nobody_warned_of_anything(self):
         alarming = [
             f"{one.name}: {one.msg}"
             for one in self.heard.messages["/rosout"]
@@ -266,16 +253,6 @@ class WholeSurveyTest(unittest.TestCase):
             and "before handshake header received" not in one.msg
         ]
         self.assertEqual(alarming, [])
-
-    def test_6_the_daily_check_says_that_a_simulated_robot_sees_no_plate(self):
-        step = rospy.ServiceProxy("daily_check", DailyCheck)
-        answers = [step(step=number) for number in range(3)]
-        self.assertEqual([one.success for one in answers], [True] * 3, answers)
-        self.assertFalse(answers[-1].good)
-        self.assertIn("No echo of the metal plate", answers[-1].message)
-        history = self.client.data / "daily_checks" / "history.jsonl"
-        (line,) = [json.loads(one) for one in history.read_text().splitlines()]
-        self.assertEqual((line["simulated"], line["good"]), (True, False))
 
 
 if __name__ == "__main__":

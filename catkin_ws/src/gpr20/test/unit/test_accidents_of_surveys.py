@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import contextlib
 import errno
 import time
 
 import pytest
 from failing_disk import FailingDisk, Failure
-from robot_in_process import RobotInProcess
 from stored_surveys import (
     TRACES,
     check_acknowledged,
@@ -23,16 +21,11 @@ from stored_surveys import (
 
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
-from gpr20_axis_driver.faults import AxisBusyError
-from gpr20_main_control import faults
 from gpr20_main_control.mid.survey import survey_archive
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.recovery import recover
 from gpr20_survey.plan.survey_state import SurveyState
 
-HOUR_S, DAY_S = 3600, 86_400
+HOUR_S = 3600
 
 
 def check_verified(robot):
@@ -126,63 +119,3 @@ def test_a_clock_that_is_set_while_a_survey_is_paused_is_said_then(robot, set_cl
     robot.wait(lambda: robot.status.status.full_message.fault_code == CLOCK_WRONG.as_warning().code)
     robot.go_on()
     check_said(robot, CLOCK_WRONG.as_warning())
-
-
-def test_a_clock_that_is_behind_the_traces_of_a_stopped_survey_is_said(robot, set_clock):
-    robot.calls.at("sweep", 5, robot.control.stop)
-    survey_id = robot.begin()
-    check_state(robot, SurveyState.STOPPED)
-    set_clock(-DAY_S)
-    robot.go_on(survey=survey_id)
-    check_said(robot, CLOCK_WRONG.as_warning())
-
-
-# The antennas.
-
-
-def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(world):
-    robot = RobotInProcess(world, reference_interval_s=10.0)
-    robot.calls.at("sweep", 3, lambda: world.fault("LOOSE_PLUG"))
-    robot.calls.at("sweep", 4, lambda: setattr(robot.clock, "more_s", robot.clock.more_s + 11.0))
-    with contextlib.closing(robot):
-        robot.begin()
-        check_pause(robot, faults.DRIFTED.code, "drifted by 3.", "20.0 deg")
-        robot.go_on()
-        check_state(robot, SurveyState.FINISHED)
-        assert [one["index"] for one in json_traces(robot)] == list(range(TRACES))
-        records = recover(folder_of(robot)).found.records
-        visits = [one.values for one in records if one.kind == Kind.DRIFT.value]
-        flags = [(one["exceeded"], one["accepted"]) for one in visits]
-        assert flags[:2] == [(True, False), (False, True)]
-        assert all(abs(one["gain_db"] + 3.1) < 0.2 for one in visits[-1]["rotations"])
-
-
-# What people and other programs do.
-
-
-def test_no_other_node_moves_an_axis_of_a_survey_or_sets_its_zero(robot):
-    refused = []
-
-    def ask():
-        for axis, part in robot.axes.items():
-            with pytest.raises(AxisBusyError, match="/main_control"), part.ownership.use("/other"):
-                raise AssertionError(f"{axis} belongs to nobody")
-            refused.append(axis)
-
-    robot.calls.at("sweep", 3, ask)
-    robot.begin()
-    check_state(robot, SurveyState.FINISHED)
-    assert refused == list(AxisId)
-    assert len({tuple(one["zero_epochs"]) for one in check_complete(robot)}) == 1
-
-
-def test_a_frozen_control_costs_a_move_but_no_coordinate(robot):
-    def freeze():
-        robot.calls.frozen_s += 3.0
-
-    robot.calls.at("sweep", 2, lambda: robot.calls.at("step x", 300, freeze))
-    # The carriage is on its way for long.
-    robot.begin(x_stop_mm=230.0)
-    check_state(robot, SurveyState.FINISHED)
-    assert SurveyState.PAUSED not in [one.state for one in robot.history]
-    assert len({tuple(one["zero_epochs"]) for one in check_complete(robot)}) == 1

@@ -1,4 +1,4 @@
-"""What sourcing a workspace does: where ROS listens, and in which Python its nodes run."""
+"""What sourcing a workspace does: where ROS listens."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ HOOKS = Path(__file__).resolve().parents[2] / "env-hooks"
 ROBOT = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
 ROS_DEFAULT = "http://localhost:11311"
 ON_THE_SERVER = "http://10.20.0.2:11311"
-SYSTEM = "/usr/bin:/bin"
 
 
 def shell(script, environment):
@@ -94,38 +93,3 @@ def test_a_terminal_changes_between_loopback_and_two_machines(sourced, tmp_path)
     link_up = f"echo 'echo 10.20.0.2' > {tmp_path}/hostname"
     ended = sourced("192.168.1.7", ROBOT, before=f'. "$HOOK"; {link_up}')
     assert ended.stdout.split() == ["10.20.0.2", ON_THE_SERVER]
-
-
-@pytest.fixture
-def path_after(tmp_path):
-    """Source install spaces in turn in one shell; return PATH, relative to their folder."""
-
-    def source(*names, before=SYSTEM):
-        hook = HOOKS / "60.gpr20_venv.sh"
-        lines = [f'CATKIN_ENV_HOOK_WORKSPACE="{tmp_path / name}"; . "{hook}"' for name in names]
-        ended = shell("\n".join([*lines, 'echo "$PATH"']), {"PATH": before})
-        return ended.stdout.strip().replace(f"{tmp_path}/", "").split(":")
-
-    for name in ("one", "other"):
-        program = tmp_path / name / "venv/bin/python3"
-        program.parent.mkdir(parents=True)
-        program.touch(mode=0o755)
-    (tmp_path / "without").mkdir()
-    return source
-
-
-@each_case(
-    "names, first",
-    [
-        (("one",), ["one/venv/bin"]),
-        (("without",), []),
-        (("one", "other"), ["other/venv/bin"]),
-        (("one", "other", "other", "one"), ["one/venv/bin"]),
-        (("one", "other", "without"), []),
-    ],
-)
-def test_the_python_of_the_install_space_that_was_sourced_last_comes_first(
-    path_after, names, first
-):
-    assert path_after(*names) == [*first, *SYSTEM.split(":")]
-    assert path_after(*names, before="/home/user/.venv/bin:/bin")[: len(first)] == first

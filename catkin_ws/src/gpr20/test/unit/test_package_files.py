@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 import yaml
 from case_kit import each_case
-from setuptools import find_packages
 
 from gpr20_doctor.mid.software_checks import MODULES, NEEDED
 
@@ -116,7 +115,7 @@ def test_a_package_depends_on_what_it_imports_and_on_nothing_else(name):
 
 @each_case("name", PACKAGES)
 def test_launch_files_start_and_find_only_packages_that_are_depended_on(name):
-    for path in PACKAGES[name].glob("*.launch"):
+    for path in PACKAGES[name].glob("**/*.launch"):
         named = set(re.findall(r'pkg="(\w+)"|\$\(find (\w+)\)|rosrun (\w+)', path.read_text()))
         used = {one for names in named for one in names if one} - {name} - PROGRAMS_OF_PEOPLE
         assert used <= depends(name)
@@ -169,26 +168,3 @@ def test_every_file_of_a_package_is_installed(name):
             assert path.stem in words, f"{path}: catkin_add_env_hooks({path.stem} ...)"
         elif len(path.parts) > 1 and top not in BUILD_FOLDERS:
             assert top in words, f"{path}: install(DIRECTORY {top} ...)"
-
-
-@each_case("name", [one for one in PACKAGES if (PACKAGES[one] / "setup.py").exists()])
-def test_setup_py_finds_every_python_package_and_names_every_data_file(name):
-    (call,) = (
-        node
-        for node in ast.walk(ast.parse((PACKAGES[name] / "setup.py").read_text()))
-        if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "generate_distutils_setup"
-    )
-    written = {one.arg: one.value for one in call.keywords}
-    assert written.pop("packages").func.id == "find_packages"
-    given = {key: ast.literal_eval(value) for key, value in written.items()}
-    inside = [path for path in files_of(name) if path.parts[0] == "src"]
-    modules = {".".join(path.parts[1:-1]) for path in inside if path.suffix == ".py"}
-    assert set(find_packages(str(PACKAGES[name] / "src"))) == modules, "an __init__.py is missing"
-    named = {
-        path
-        for package, patterns in given.get("package_data", {}).items()
-        for pattern in patterns
-        for path in PACKAGES[name].glob(f"src/{package.replace('.', '/')}/{pattern}")
-    }
-    data = {PACKAGES[name] / path for path in inside if path.suffix != ".py"}
-    assert data <= named, "add it to package_data in setup.py"

@@ -13,11 +13,10 @@ import numpy as np
 import pytest
 from asked_storage import Storage
 from matplotlib.figure import Figure
-from planned_survey import AXES, TRAVEL
 from result_kit import Now
 from storage_kit import Kit
 from surveys_kit import Services
-from trace_examples import SURVEY, make_trace
+from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
 from web_kit import route_of
 
@@ -27,7 +26,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
 from gpr20_analysis.work import no_progress
-from gpr20_imaging.low.analysis_worker import Analysis
+from gpr20_imaging.mid.worker import Analysis
 from gpr20_operator.ground.traces import SurveyRead
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service

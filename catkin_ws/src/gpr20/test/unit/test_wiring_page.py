@@ -7,8 +7,6 @@ from pathlib import Path
 
 import yaml
 
-from gpr20_height_sensor.mid.height_driver import HeightParameters
-
 ROOT = Path(__file__).resolve().parents[5]
 PAGE = (ROOT / "docs/first_real_survey.md").read_text(encoding="utf-8")
 PICTURE = (ROOT / "docs/images/wiring.svg").read_text(encoding="utf-8")
@@ -29,12 +27,3 @@ def test_table_and_picture_have_the_pins_of_every_axis():
     rows = re.findall(r"^\| (\d+) \| ([XYZ] \w+) \|", PAGE, re.MULTILINE)
     assert {signal: int(pin) for pin, signal in rows} == configured_pins()
     assert [one for one in configured_pins().items() if ">{} {}<".format(*one) not in PICTURE] == []
-
-
-def test_the_converter_is_on_the_pins_of_the_configured_bus():
-    parameters = HeightParameters()
-    assert (parameters.spi_bus, parameters.spi_device, parameters.channel) == (0, 0, 0)
-    # CE0 of SPI0 is pin 24 of the header of a Raspberry Pi.
-    assert "| 24 | SPI0 CE0 | CS of the MCP3008 |" in PAGE
-    assert "output to CH0" in PICTURE
-    assert parameters.reference_voltage_v == 3.3

@@ -9,10 +9,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, Callable, Dict, Mapping, Optional
 
-import planned_survey
-from planned_survey import AXES, TRAVEL
+import trace_examples
 from storage_kit import NOW_NS, Kit, text_message
-from trace_examples import STARTED_US, SURVEY, make_trace
+from trace_examples import AXES, STARTED_US, SURVEY, TRAVEL, make_trace
 
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
@@ -23,7 +22,7 @@ from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_json import sealed
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
-SURVEY_PARAMETERS = replace(planned_survey.PARAMETERS, polarizations_deg=(0.0, 90.0))
+SURVEY_PARAMETERS = replace(trace_examples.PARAMETERS, polarizations_deg=(0.0, 90.0))
 PARAMETERS = asdict(SURVEY_PARAMETERS)
 POINTS = survey_points(SURVEY_PARAMETERS, TRAVEL)
 

@@ -17,7 +17,7 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.homing import TRAVEL_MARGIN
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import load_extension
+from gpr20_common.mid.checks import load_extension
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from case_kit import each_case
 
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.mid import node_facts
 
 

@@ -1,1 +1,32 @@
-"""What is wrong with the robot and its computers, and what to do about it."""
+"""Finds what is wrong with a robot and with this computer; here the arguments of the program."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+DEFAULT_WAIT_S = 4.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments."""
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    parser.add_argument("--quick", action="store_true", help="without the test of the VNA")
+    parser.add_argument(
+        "--wait",
+        type=float,
+        default=DEFAULT_WAIT_S,
+        metavar="S",
+        help="wait at most this long until every part of the robot has reported [s]; default "
+        f"{DEFAULT_WAIT_S:g}",
+    )
+    parser.add_argument(
+        "--ns", default=os.environ.get("ROS_NAMESPACE", ""), help="namespace of the robot"
+    )
+    parser.add_argument(
+        "--bundle",
+        type=Path,
+        metavar="FILE.zip",
+        help="also write one file for remote help: findings, versions, settings, errors",
+    )

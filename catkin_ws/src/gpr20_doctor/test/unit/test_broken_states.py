@@ -26,7 +26,7 @@ from test_robot_checks import facts, report, stale
 from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
-from gpr20_doctor.low import masters, programs
+from gpr20_doctor.low import masters, processes
 from gpr20_doctor.low.masters import NodeState, state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid import findings as all_findings
@@ -140,7 +140,7 @@ def computer():
         path = f"{name}/bin:{os.environ['PATH']}"
         stack.enter_context(mock.patch.dict(os.environ, {"PATH": path}))
         for module, limit in (
-            *((all_findings, "LIMIT_S"), (programs, "ANSWER_LIMIT_S")),
+            *((all_findings, "LIMIT_S"), (processes, "ANSWER_LIMIT_S")),
             (masters, "ANSWER_LIMIT_S"),
         ):
             stack.enter_context(mock.patch.object(module, limit, 60.0))
@@ -268,9 +268,6 @@ STATES = {
     "a file of the configuration was edited under a robot that runs": State(
         "edited robot.other_launch", "Outside a survey, start the robot again", edit
     ),
-    "a program was edited under a robot that runs": State(
-        "edited robot.other_launch", "start the robot again", swap("proc/stat", "btime 0\n")[0]
-    ),
     "two axes use one pin": State(
         "config_files config.wrong",
         "correct what the message names",
@@ -295,9 +292,6 @@ STATES = {
     "the addresses are those of other computers": State(
         *(ADDRESS, "GPR20_ROBOT and GPR20_SERVER"),
         *(lambda one: one.set("192.0.2.5", "192.0.2.6"), lambda one: one.set(*OWN)),
-    ),
-    "ROS_IP is that of another computer": State(
-        ADDRESS, "gpr20-run doctor", variable("ROS_IP", "192.0.2.9"), variable("ROS_IP", OWN[0])
     ),
     "the parts listen on an address that is gone": State(
         *(ADDRESS, "Check the link"),
@@ -327,9 +321,6 @@ STATES = {
     ),
     "the user may not use the SPI bus": State(
         "spi computer.not_set_up", "usermod -aG spi", has("denied", "spidev"), has("denied", "none")
-    ),
-    "the user may not use the pins": State(
-        "gpio computer.not_set_up", "usermod -aG gpio", has("denied", "gpiomem")
     ),
     "the user may not write the logs": State(
         "volumes disk.refuses", "chown", has("denied", "/logs"), has("denied", "none")

@@ -35,7 +35,7 @@ from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.plan.survey_state import SurveyState
 
-ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey")
+ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey", "/b/restart_survey")
 
 
 class Server(SimpleXMLRPCServer):

@@ -14,7 +14,7 @@ from gpr20_common import faults as common_faults
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.low.masters import MasterState, NodeState
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, as_json, exit_status, findings, lines
 from gpr20_doctor.mid.machine import Machine, MachineReport
@@ -127,21 +127,6 @@ def test_another_software_than_the_one_installed_here_is_found(host, code):
     found = findings(facts(), MachineReport(software=updated))[0]
     assert (found.level, found.text.fault_code) == (Level.WARNING, code)
     assert "0.1.0 (abc)" in str(found.text) and "0.1.0 (new)" in str(found.text)
-
-
-@each_case(
-    "state, code, advice",
-    [
-        (NodeState.HANGS, "robot.part_lost", "Wait one minute"),
-        (NodeState.GONE, "robot.not_running", "Wait one minute"),
-        (NodeState.ANSWERS, "robot.part_silent", "Wait one minute"),
-    ],
-)
-def test_a_silent_part_is_judged_by_what_it_answers(state, code, advice):
-    robot = replace(stale(HEIGHT), evidence=Evidence(nodes={HEIGHT: state}))
-    (fault,) = [one for one in findings(robot, None) if one.level is Level.FAULT]
-    assert fault.text.fault_code == code and "Height sensor" in str(fault.text)
-    assert advice in str(fault.remedy)
 
 
 NOT_THERE = unheard("http://x:1", Evidence())

@@ -1,7 +1,8 @@
-"""The faults that the imaging node can report."""
+"""What the imaging node refuses, what fails in it, and the faults that it reports."""
 
 from __future__ import annotations
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Fault, Message
 
 OTHER_COMPUTER = Fault(
@@ -15,3 +16,9 @@ STICK = Fault(
         "write-protected. Then export again."
     ),
 )
+
+
+class ImagingError(Gpr20Error):
+    """A request to the imaging node was refused or failed."""
+
+    fault = OTHER_COMPUTER

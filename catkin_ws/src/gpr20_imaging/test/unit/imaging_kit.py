@@ -13,9 +13,9 @@ import numpy as np
 from candidate_examples import candidate, candidate_list
 
 from gpr20_common.message import Fault, Message
-from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.faults import ImagingError
 from gpr20_imaging.low import stick_files
-from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.worker import serve
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog

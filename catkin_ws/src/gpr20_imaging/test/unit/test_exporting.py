@@ -14,9 +14,9 @@ from imaging_kit import store_survey
 
 from gpr20_common.faults import FILE_DAMAGED, IN_USE, NOT_ALLOWED, NOT_SET_UP
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ImagingError
-from gpr20_imaging.low import stick_files, usb_volumes
-from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.low import stick_files
+from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid import exporting
 from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
 from gpr20_survey.results.volume import ExportPart
@@ -297,10 +297,10 @@ def test_mounted_sticks_are_listed_and_disks_of_the_system_are_not(sticks, tmp_p
 def test_a_stick_that_is_not_there_and_a_broken_list_are_errors(sticks, monkeypatch):
     with raises_fault(faults.STICK):
         sticks.volumes.find("/media/BLUE")
-    assert isinstance(UsbVolumes(usb_volumes.list_block_devices).mounted(), list)
+    assert isinstance(UsbVolumes(stick_files.list_block_devices).mounted(), list)
     for text in ("", "[]", '{"blockdevices": [1]}', '{"blockdevices": 3}'):
         with raises_fault(NOT_SET_UP):
             UsbVolumes(lambda text=text: text).mounted()
-    monkeypatch.setattr(usb_volumes, "COMMAND", ("no-such-lsblk",))
+    monkeypatch.setattr(stick_files, "COMMAND", ("no-such-lsblk",))
     with raises_fault(NOT_SET_UP):
-        UsbVolumes(usb_volumes.list_block_devices).mounted()
+        UsbVolumes(stick_files.list_block_devices).mounted()

@@ -18,7 +18,7 @@ from gpr20_analysis import faults as analysis_faults
 from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import ASKED_FOR, BUSY, DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.faults import ImagingError
 from gpr20_imaging.low import worker_process
 from gpr20_imaging.low.worker_process import OOM_SCORE, WorkerProcess, memory_limit_bytes
 from gpr20_imaging.mid import imaging as imaging_module

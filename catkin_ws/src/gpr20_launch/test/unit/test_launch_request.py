@@ -13,8 +13,8 @@ from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
 from gpr20_launch.mid.robot_files import Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
-from gpr20_survey.faults import FOLDER_MOVED, NO_DATA_DISK, OTHER_DATA_FOLDER
-from gpr20_survey.folder.data_folder import file_system_of, read_marker
+from gpr20_survey.faults import FOLDER_MOVED, OTHER_DATA_FOLDER
+from gpr20_survey.folder.data_folder import read_marker
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PACKAGES = Path(__file__).resolve().parents[3]
@@ -139,12 +139,3 @@ def test_a_launch_marks_the_data_folder_and_never_makes_one_in_its_place(home):
     assert not folder.exists()
     (home / "moved").rename(folder)
     assert sections(data=str(folder))["storage"]["data"] == str(folder)
-
-
-def test_a_data_disk_that_is_not_there_refuses_the_launch(home):
-    if file_system_of(home).device != file_system_of(Path("/")).device:
-        pytest.skip("the temporary folder is not on the disk of the system")
-    (home / "storage.yaml").write_text("data_disk: true")
-    with raises_fault(NO_DATA_DISK, home / "surveys", error=LaunchRefusedError):
-        sections(config=str(home), data=f"{home}/surveys")
-    assert not (home / "surveys").exists()

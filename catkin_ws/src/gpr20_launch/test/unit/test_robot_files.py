@@ -8,13 +8,11 @@ from pathlib import Path
 import pytest
 import yaml
 from case_kit import each_case
-from hypothesis import given
-from hypothesis import strategies as st
 from robot_check_examples import AXES, checked
 
 from gpr20_common.mid.codec import record_from
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
-from gpr20_launch.mid.templates import templates
+from gpr20_launch.mid.written_files import templates
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder import manifest, signature
@@ -97,26 +95,6 @@ def test_a_file_of_another_name_is_refused_and_what_editors_leave_is_not_read(tm
         assert any(str(folder) in one.file for one in Reading(folder, AXES).problems)
 
 
-@given(
-    st.sampled_from([*FILES, AXES_FILE]),
-    st.dictionaries(
-        st.text(max_size=8),
-        st.recursive(
-            st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
-            lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=4), inner),
-            max_leaves=5,
-        ),
-        max_size=4,
-    ),
-)
-def test_any_content_is_read_or_refused_with_its_file(tmp_path_factory, name, values):
-    folder = tmp_path_factory.mktemp("robot")
-    (folder / name).write_text(yaml.safe_dump(values))
-    found = checked(folder, part="robot")
-    assert all(one.message.remedy is not None for one in found)
-    assert all(name in one.file for one in found if one.refuses)
-
-
 @pytest.fixture
 def robot_config(tmp_path, run):
     """Return a function that runs the command in a folder and returns status and output.
@@ -192,13 +170,6 @@ def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_c
     verify = ("-Y", "verify", "-n", signature.NAMESPACE, *signed, "-I", line.split()[0])
     assert ssh_keygen.ask(verify, content).yes
     assert fingerprint in printed
-
-
-def test_a_key_that_storage_yaml_names_is_made_there(tmp_path, robot_config):
-    own = f"signing_key: {tmp_path}/own\n"
-    (tmp_path / "storage.yaml").write_text(own)
-    assert robot_config("key")[0] == 0
-    assert (tmp_path / "own").is_file() and (tmp_path / "storage.yaml").read_text() == own
 
 
 def test_another_data_folder_is_used_after_somebody_has_accepted_it(

@@ -8,12 +8,14 @@ import subprocess
 import sys
 from pathlib import Path
 
+import psutil
 import pytest
 from case_kit import each_case
 from wait_kit import wait_until
 
+from gpr20_doctor.low.processes import Process, is_working, process_of
+from gpr20_launch.low import launched_nodes
 from gpr20_launch.low.launched_nodes import LaunchedNodes
-from gpr20_launch.low.processes import Process, is_working, process_of
 
 
 def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
@@ -104,11 +106,13 @@ def test_the_nodes_of_this_launch_are_found_by_their_full_names(start):
     assert nodes(parent=1).find() == {}
 
 
-def test_only_the_process_that_is_the_node_is_killed(start):
-    storage = start(WORD, "__name:=storage")
-    nodes(parent=1).kill(storage.pid, "/storage")
-    nodes().kill(storage.pid, "/control")
-    assert storage.poll() is None
+def test_only_the_process_that_is_the_node_is_killed(start, monkeypatch):
+    storage, killed = start(WORD, "__name:=storage"), []
+    with monkeypatch.context() as noted:
+        noted.setattr(launched_nodes.os, "kill", lambda *given: killed.append(given))
+        nodes(parent=1).kill(storage.pid, "/storage")
+        nodes().kill(storage.pid, "/control")
+    assert not killed
     nodes().kill(storage.pid, "/storage")
     assert storage.wait() == -signal.SIGKILL
     nodes().kill(storage.pid, "/storage")
@@ -127,10 +131,12 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
 def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
     process = start(WORD, "__name:=storage")
     found, others = process_of(process.pid), nodes()
-    assert found.parent == os.getpid() and found.command[0] == sys.executable
+    assert found.parent == os.getpid() and found.words[0] == sys.executable
+    created_s = psutil.Process(process.pid).create_time()
+    assert found.started_s == pytest.approx(created_s, abs=2.0)
     process.kill()
     process.wait()
     assert process_of(process.pid) is None and not is_working(process.pid)
     # It ended after it was looked at.
-    monkeypatch.setattr(others, "_name", lambda _number: "/storage")
+    monkeypatch.setattr(launched_nodes, "process_of", lambda _number: found)
     others.kill(process.pid, "/storage")

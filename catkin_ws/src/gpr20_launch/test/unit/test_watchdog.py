@@ -11,6 +11,7 @@ import pytest
 from case_kit import each_case
 
 from gpr20_common.low.links import limited_server
+from gpr20_doctor.low.masters import is_here
 from gpr20_launch.low import launched_nodes
 from gpr20_launch.low.launched_nodes import LaunchedNodes
 from gpr20_launch.mid.watchdog import PERIOD_S, STALL_S, Watchdog
@@ -196,11 +197,9 @@ def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(
     assert answer() is ALIVE
     node.running.clear()
     with monkeypatch.context() as lost:
-        lost.setattr(launched_nodes, "_is_own", lambda _uri: False)
+        lost.setattr(launched_nodes, "is_here", lambda _host: False)
         assert answer() is UNKNOWN
-    assert not launched_nodes._is_own("http://192.0.2.1:9/")
-    assert not launched_nodes._is_own("http://no-such-host.invalid:9/")
-    assert launched_nodes._is_own(node.uri)
+    assert not is_here("192.0.2.1") and not is_here("no-such-host.invalid")
     node.running.set()
     # It is ending: nothing listens at its address.
     nodes = LaunchedNodes(1, "", (), master.uri, ANSWER_LIMIT_S)
@@ -212,18 +211,19 @@ def test_a_refusal_a_lost_address_and_another_process_of_the_name_say_nothing(
 
 
 @pytest.fixture
-def systemd(tmp_path, monkeypatch):
+def systemd(monkeypatch):
     """Return a systemd's socket, whose abstract address its services are given."""
-    monkeypatch.setenv("NOTIFY_SOCKET", f"@{tmp_path}/notify")
+    # Linux allows 108 bytes: the folder of a test may be longer.
+    monkeypatch.setenv("NOTIFY_SOCKET", f"@gpr20_test_notify_{os.getpid()}")
     with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
         listener.settimeout(100.0)
-        listener.bind(f"\0{tmp_path}/notify")
+        listener.bind(f"\0gpr20_test_notify_{os.getpid()}")
         yield listener
 
 
 def test_systemd_guards_until_the_launch_has_ended_and_on_after_an_error(monkeypatch, systemd):
     watchdog = pytest.importorskip("gpr20_launch.high.watchdog")
-    fake = mock.Mock(is_roslaunch=True)
+    fake = mock.Mock(is_launch=True)
     for name in ("process_of", "Watchdog"):
         monkeypatch.setattr(watchdog, name, lambda *_all: fake)
     monkeypatch.setattr(watchdog.rosgraph, "myargv", lambda: ["", "--launch=/l", "--limit=9"])

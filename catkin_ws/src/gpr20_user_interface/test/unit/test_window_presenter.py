@@ -1,6 +1,5 @@
 """What the window asks its robot for, and which robot that is."""
 
-import random
 from dataclasses import replace
 
 import pytest
@@ -8,7 +7,6 @@ from view_kit import configured, snapshot, state_of
 from window_helpers import click, enter, hold_to_start, show, start
 
 from gpr20_common.message import verbatim
-from gpr20_doctor.low.masters import robots_on_master
 from gpr20_operator.plan.form import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
@@ -144,15 +142,6 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     enter(window, "x_spacing_mm", "20")
     assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), configured(""))
     assert window.control.start.lines[0].whole == "132 traces"
-
-
-def test_only_a_main_control_that_starts_surveys_is_a_robot():
-    both = ("start_survey", "stop_survey")
-    services = [f"{robot}/{name}" for robot in ("", "/robot1", "/field/a") for name in both]
-    services += ["/robot2/start_survey", "/robot3/stop_survey", "/robot4/restart_survey"]
-    for seed in range(5):
-        random.Random(seed).shuffle(services)
-        assert robots_on_master(services) == {"/", "/robot1", "/field/a"}
 
 
 def test_the_band_names_the_robot_that_stop_stops(opened):

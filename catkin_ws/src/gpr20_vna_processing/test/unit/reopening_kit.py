@@ -11,10 +11,8 @@ from annotation_examples import EXAMPLE
 from log_examples import marker
 from mcap.reader import make_reader
 from mcap_ros1.decoder import DecoderFactory
-from planned_survey import METADATA, POINTS, planned_trace
-from stock_readers import bag_traces
-from storage_kit import OTHER_SURVEY, Kit, text_message, with_bag
-from trace_examples import SURVEY, assert_same_numbers, read_json
+from storage_kit import OTHER_SURVEY, Kit, bag_traces, text_message, with_bag
+from trace_examples import METADATA, POINTS, SURVEY, assert_same_numbers, planned_trace, read_json
 
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.markers import markers_of

@@ -17,8 +17,7 @@ from fault_kit import raises_fault
 from log_examples import DONE, KILLED, NOW, add_marker, ended_at_call
 from reopening_kit import TRACES, resume, traces_in_bag, tree
 from run_seed import SEED, draws
-from stock_readers import bag_traces, mcap_traces
-from storage_kit import Kit, bag_messages, text_message, with_bag
+from storage_kit import Kit, bag_messages, bag_traces, mcap_traces, text_message, with_bag
 from trace_examples import SURVEY, assert_same_numbers
 from wait_kit import wait_until
 

@@ -18,11 +18,10 @@ from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
 from log_examples import NOW, add_marker, marker
-from planned_survey import METADATA
 from reopening_kit import TRACES, noted, texts
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY
+from trace_examples import METADATA, SURVEY
 
 from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey

@@ -1,10 +1,8 @@
 """The storage signs what it closes, and nothing that somebody else has changed."""
 
 import pytest
-from planned_survey import METADATA, planned_trace
-from signing_kit import make_key, signers_line
-from storage_kit import Kit
-from trace_examples import SURVEY
+from storage_kit import Kit, make_key, signers_line
+from trace_examples import METADATA, SURVEY, planned_trace
 
 from gpr20_analysis.read.signature import Signature, check_signature
 from gpr20_survey.folder.log_record import Kind

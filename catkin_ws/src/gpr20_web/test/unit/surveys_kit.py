@@ -7,9 +7,8 @@ from types import SimpleNamespace
 
 from candidate_examples import candidate
 from map_kit import focused
-from planned_survey import METADATA, POINTS, planned_trace
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import STARTED_US, SURVEY
+from trace_examples import METADATA, POINTS, STARTED_US, SURVEY, planned_trace
 from web_kit import route_of
 
 from gpr20_imaging.mid.imaging import Imaging

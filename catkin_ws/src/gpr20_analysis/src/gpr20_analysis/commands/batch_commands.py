@@ -122,7 +122,7 @@ def _batch(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 if state != FAILED:
                     _put(folders[number], left[number].result)
     if chosen.json:
-        print(json.dumps({"surveys": list(map(vars, jobs))}, indent=2, default=str))
+        print(json.dumps({"surveys": list(map(vars, jobs))}, indent=2, default=str))  # noqa: T201
     else:
         for job in jobs:
             say(f"{job.state:12}  {job.survey}", *(f"    {line}" for line in job.said))

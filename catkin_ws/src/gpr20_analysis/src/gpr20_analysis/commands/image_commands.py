@@ -90,7 +90,7 @@ def _answer(
 
 def _print(found: Answer, chosen: argparse.Namespace, catalogue: Catalogue) -> None:
     if chosen.json:
-        print(json.dumps(json.loads(json_text(found.found)), indent=2))
+        print(json.dumps(json.loads(json_text(found.found)), indent=2))  # noqa: T201
         return
     notes = [labelled(DOUBTS if one.fault_code else NOTES, one) for one in found.found.notes]
     for line in [*notes, permittivity_line(found.image)]:

@@ -59,7 +59,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     for step in first_steps(reason):
         say(shown(step), file=sys.stderr)
     if "--json" in given:
-        print(json.dumps({"error": json_fields(reason)}))
+        print(json.dumps({"error": json_fields(reason)}))  # noqa: T201
     return REFUSED
 
 

@@ -77,8 +77,8 @@ def _namespace(name: str) -> str:
 
 def _add_doctor(parser: argparse.ArgumentParser) -> None:
     with _needing_ros():
-        from gpr20_doctor.mid import arguments
-    arguments.add_arguments(parser)
+        from gpr20_doctor import add_arguments
+    add_arguments(parser)
 
 
 def _doctor(chosen: argparse.Namespace, catalogue: Catalogue) -> int:

@@ -38,7 +38,7 @@ def _info(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.json:
         lists = {name: survey.attrs.get(name, []) for name in LIST_ATTRIBUTES}
         lists["warnings"] = [str(one) for one in warnings_of(survey)]
-        print(json.dumps({**summarize(survey), **lists}, indent=2))
+        print(json.dumps({**summarize(survey), **lists}, indent=2))  # noqa: T201
     else:
         print_rows(summary_of(survey), catalogue)
         for one in warnings_of(survey):
@@ -73,7 +73,7 @@ def _verify(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.json:
         record = {**found.record(), "status": status, "signature": signed.record()}
         record["repair"] = [json_fields(one) for one in repaired]
-        print(json.dumps(record, indent=2))
+        print(json.dumps(record, indent=2))  # noqa: T201
         return status
     lines = [Message("FAULT: {sentence}", sentence=fault) for fault in found.faults]
     notes = [*repaired, *found.notes, *([] if signed.state else [signed.message])]

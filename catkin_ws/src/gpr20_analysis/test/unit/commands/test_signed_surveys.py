@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from signing_kit import fingerprint, make_key, signers_line
+from storage_kit import fingerprint, make_key, signers_line
 from survey_kit import contents, make_survey
 
 from gpr20_analysis import faults

@@ -9,7 +9,7 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from run_seed import SEED, draws
-from signing_kit import fingerprint, make_key, signers_line
+from storage_kit import fingerprint, make_key, signers_line
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.signature import Signature, check_signature

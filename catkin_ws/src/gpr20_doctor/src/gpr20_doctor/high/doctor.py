@@ -17,11 +17,10 @@ from gpr20_common.catalogue import Catalogue, language_from_environment, read_ca
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_doctor import faults
+from gpr20_doctor import DEFAULT_WAIT_S, add_arguments, faults
 from gpr20_doctor.high.graph import Graph
 from gpr20_doctor.low.masters import MasterState, NodeState, state_of
 from gpr20_doctor.low.processes import Processes
-from gpr20_doctor.mid.arguments import DEFAULT_WAIT_S, add_arguments
 from gpr20_doctor.mid.bundle import write_bundle
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, examine, exit_status, findings, lines
@@ -64,7 +63,7 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     try:
         found, robot, machine = _find(given)
         if given.json:
-            print(as_json(found, catalogue), flush=True)
+            print(as_json(found, catalogue), flush=True)  # noqa: T201
         else:
             say(*lines(found, catalogue), flush=True)
         if given.bundle is not None:

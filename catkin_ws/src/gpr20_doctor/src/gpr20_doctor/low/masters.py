@@ -1,4 +1,4 @@
-"""ROS masters: whether they answer, which robots they have, and whether their nodes answer."""
+"""Addresses, ROS masters and nodes: what is where, and whether it answers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from urllib.parse import urlsplit
 
 from gpr20_common.errors import NodeGoneError, NodeSilentError
 from gpr20_common.low.links import NO_ANSWER, NodeProbe, limited_server, value_of
-from gpr20_doctor.low.network import addresses_of
 
 CALLER = "/doctor"
 # A master or a node that lives answers within this time [s].
@@ -65,16 +64,27 @@ def _without_answer(uri: str) -> MasterState:
     return MasterState.HANGS
 
 
-def robots_on_master(services: Iterable[str]) -> FrozenSet[str]:
-    """Return the namespaces of the robots, from the full names of all services."""
-    names = set(services)
-    first = SERVICES[0]
-    spaces = {name[: -len(first)] for name in names if name.endswith(f"/{first}")}
-    return frozenset(
-        space.rstrip("/") or "/"
-        for space in spaces
-        if all(f"{space}{service}" in names for service in SERVICES)
-    )
+def is_here(name: str) -> bool:
+    """Return whether a name or an IPv4 address is that of this computer."""
+    return any(map(_is_own, addresses_of(name)))
+
+
+def _is_own(address: str) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            # Only an own address can be bound.
+            probe.bind((address, 0))
+        except OSError:
+            return False
+    return True
+
+
+def addresses_of(name: str) -> FrozenSet[str]:
+    """Return the IPv4 addresses of a name or address; none if nobody knows it."""
+    try:
+        return frozenset(str(one[4][0]) for one in socket.getaddrinfo(name, 0, socket.AF_INET))
+    except (OSError, UnicodeError):
+        return frozenset()
 
 
 def robots_at(uri: str) -> Tuple[str, ...]:
@@ -83,9 +93,13 @@ def robots_at(uri: str) -> Tuple[str, ...]:
         _publishers, _subscribers, services = value_of(
             limited_server(uri, ANSWER_LIMIT_S).getSystemState(CALLER)
         )
-        return tuple(sorted(robots_on_master(name for name, _nodes in services)))
     except NO_ANSWER:
         return ()
+    offered = [
+        {name[: -len(one)] for name, _nodes in services if name.endswith(f"/{one}")}
+        for one in SERVICES
+    ]
+    return tuple(sorted(space.rstrip("/") or "/" for space in set.intersection(*offered)))
 
 
 def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:

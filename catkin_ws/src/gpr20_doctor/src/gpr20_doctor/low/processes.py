@@ -1,41 +1,62 @@
-"""What runs on a computer, also what nobody can ask: ROS masters, launches and nodes."""
+"""What runs on a computer, also what nobody can ask, as /proc shows it (proc(5)); and asking it."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import subprocess
+import threading
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Dict, List, NamedTuple, Optional, Tuple
+from typing import Callable, List, Optional, Sequence, Tuple, TypeVar
 from urllib.parse import urlsplit
 
-from gpr20_doctor.low.network import is_here
+from gpr20_doctor.low.masters import is_here
 
 DEFAULT_MASTER = "http://localhost:11311"
 LAUNCHES = ("roslaunch", "roscore", "rostest")
-# States of a process that does nothing (proc(5)): stopped, traced, ended.
-HALTED = frozenset("TtZX")
-# Of the words after the name, which is in brackets and may hold blanks (proc(5)).
+PROC = Path("/proc")
+# States of a process that does nothing: stopped, traced, ended; and of a thread that uses the
+# processor, waits for it, or waits for a disk.
+HALTED, WORKING = frozenset("TtZX"), frozenset("RD")
+# Of the words after the name, which is in brackets and may hold blanks.
 STATE, PARENT, START = 0, 1, 19
+# Of a program that has nothing to do but to say what it knows, on a busy computer.
+ANSWER_LIMIT_S = 4.0
+# What a check that fails raises.
+FAILURES = (OSError, ValueError, LookupError)
+
+Found = TypeVar("Found")
 
 
-class Process(NamedTuple):
-    """A process.
+@dataclass(frozen=True)
+class Process:
+    """A process: its id, that of its parent, and the words of its command line.
 
     Attributes:
-        number: Its process id.
-        words: Of its command line.
-        variables: Its environment; none where it belongs to somebody else.
         state: Such as S, or T if it was stopped.
-        parent: Process id of its parent.
-        started_s: When it was started, in seconds since 1970.
+        start: When it was started, in ticks of the system since its start.
+        folder: Where it is shown.
     """
 
     number: int
-    words: Tuple[str, ...]
-    variables: Tuple[str, ...]
-    state: str
     parent: int
-    started_s: float
+    words: Tuple[str, ...]
+    state: str = "S"
+    start: int = 0
+    folder: Path = PROC / "0"
+
+    @cached_property
+    def variables(self) -> Tuple[str, ...]:
+        """Its environment; none if it has ended, or belongs to somebody else."""
+        return _words(self.folder / "environ")
+
+    @property
+    def started_s(self) -> float:
+        """When it was started, in seconds since 1970."""
+        text = (self.folder.parent / "stat").read_text()
+        return int(text.partition("btime ")[2].split()[0]) + self.start / os.sysconf("SC_CLK_TCK")
 
     def argument(self, prefix: str) -> str:
         """Return what follows a prefix in the first word that has it; empty: none has."""
@@ -45,6 +66,11 @@ class Process(NamedTuple):
         """Return the first of some variables that is set."""
         return next(filter(None, (_after(f"{one}=", self.variables) for one in names)), "")
 
+    @property
+    def is_launch(self) -> bool:
+        """Whether it is roslaunch, with or without an interpreter; `roscore` is it, too."""
+        return self.runs(*LAUNCHES)
+
     def runs(self, *programs: str) -> bool:
         """Return whether it is one of some programs, with or without an interpreter."""
         return any(Path(word).name in programs for word in self.words[:3])
@@ -53,6 +79,16 @@ class Process(NamedTuple):
     def node(self) -> str:
         """The name that roslaunch gave it, without its namespace; empty: it is no node."""
         return self.argument("__name:=")
+
+    @property
+    def full_name(self) -> str:
+        """The name of a node with its namespace."""
+        return f"/{self.variable('ROS_NAMESPACE').strip('/')}/{self.node}".replace("//", "/")
+
+    def may_be_node(self, name: str) -> bool:
+        """Whether it can be the node with this full name; rosrun starts a program of that name."""
+        base = name.rpartition("/")[2]
+        return self.node == base or any(Path(one).name.endswith(base) for one in self.words[:2])
 
     @property
     def master(self) -> str:
@@ -69,9 +105,7 @@ class Processes:
         Args:
             root: Root of the file system.
         """
-        self._root = root
-        found = filter(None, map(_process, (root / "proc").glob("[0-9]*")))
-        self._all: Dict[int, Process] = {one.number: one for one in found}
+        self._all = {one.number: one for one in all_processes(root / "proc")}
 
     @property
     def nodes(self) -> List[Process]:
@@ -104,7 +138,7 @@ class Processes:
     def launch_of(self, process: Process) -> Optional[Process]:
         """Return the roslaunch above a process; None: there is none, or it is not known."""
         above: Optional[Process] = process
-        while above is not None and not above.runs(*LAUNCHES):
+        while above is not None and not above.is_launch:
             above = self._all.get(above.parent)
         return above
 
@@ -119,7 +153,7 @@ class Processes:
             folder = one.argument("config:=") or one.variable("GPR20_CONFIG")
             if folder and one.runs("roslaunch") and one.master == plain_uri(master):
                 with contextlib.suppress(OSError):  # where another user is, nobody else may see
-                    working = os.readlink(str(self._root / f"proc/{one.number}/cwd"))
+                    working = os.readlink(str(one.folder / "cwd"))
                     found.add(Path(working) / Path(folder).expanduser())
         return found.pop() if len(found) == 1 else None
 
@@ -129,17 +163,87 @@ def plain_uri(master: str) -> str:
     return master.rstrip("/").replace("//127.0.0.1:", "//localhost:")
 
 
-def _process(folder: Path) -> Optional[Process]:
+def all_processes(proc: Path = PROC) -> List[Process]:
+    """Return the processes that run now."""
+    found = (process_of(int(path.name), proc) for path in proc.glob("[0-9]*"))
+    return [one for one in found if one is not None]
+
+
+def process_of(number: int, proc: Path = PROC) -> Optional[Process]:
+    """Return what is known about a process; None if there is none on this computer."""
+    folder = proc / str(number)
+    fields = _fields(folder / "stat")
+    if not fields:
+        return None
+    words = _words(folder / "cmdline")
+    return Process(number, int(fields[PARENT]), words, fields[STATE], int(fields[START]), folder)
+
+
+def is_working(number: int) -> bool:
+    """Return whether a thread of the process runs, waits for a processor, or for a disk."""
+    tasks = (PROC / str(number)).glob("task/*/stat")
+    return any(WORKING.intersection(_fields(one)[:1]) for one in tasks)
+
+
+def answer_of(
+    command: Sequence[str],
+    limit_s: float = ANSWER_LIMIT_S,
+    statuses: Sequence[int] = (0,),
+) -> str:
+    """Return what a program prints.
+
+    Args:
+        command: The program and its arguments.
+        limit_s: Within which it must end [s].
+        statuses: Exit statuses of an answer.
+
+    Raises:
+        FileNotFoundError: It is not installed.
+        OSError: It failed or was late.
+    """
     try:
-        status = (folder / "stat").read_text(errors="replace")
-        boot_s = int((folder.parent / "stat").read_text().partition("btime ")[2].split()[0])
+        ended = subprocess.run(
+            command, capture_output=True, timeout=limit_s, text=True, errors="replace"
+        )
+    except subprocess.TimeoutExpired as error:
+        raise TimeoutError(str(error)) from error
+    if ended.returncode not in statuses:
+        raise OSError(ended.stderr.strip() or f"{command[0]} ended with {ended.returncode}")
+    return ended.stdout
+
+
+def in_time(work: Callable[[], Found], limit_s: float) -> Found:
+    """Return what some work finds that cannot be interrupted if it hangs, such as on a disk.
+
+    Raises:
+        TimeoutError: It took longer.
+        OSError, ValueError, LookupError: The work raised it.
+    """
+    found: List[Found] = []
+    failed: List[Exception] = []
+
+    def run() -> None:
+        try:
+            found.append(work())
+        except FAILURES as error:
+            failed.append(error)
+
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    thread.join(limit_s)
+    if failed:
+        raise failed[0]
+    if not found:
+        raise TimeoutError(f"no answer within {limit_s:g} s")
+    return found[0]
+
+
+def _fields(path: Path) -> List[str]:
+    try:
+        text = path.read_text(errors="replace")
     except OSError:
-        return None  # it has just ended
-    fields = status[status.rindex(")") + 2 :].split()
-    started_s = boot_s + int(fields[START]) / os.sysconf("SC_CLK_TCK")
-    words, variables = _words(folder / "cmdline"), _words(folder / "environ")
-    number, parent = int(folder.name), int(fields[PARENT])
-    return Process(number, words, variables, fields[STATE], parent, started_s)
+        return []  # the process or the thread has just ended
+    return text.rpartition(")")[2].split()
 
 
 def _after(prefix: str, words: Tuple[str, ...]) -> str:
@@ -148,6 +252,7 @@ def _after(prefix: str, words: Tuple[str, ...]) -> str:
 
 def _words(path: Path) -> Tuple[str, ...]:
     try:
-        return tuple(path.read_bytes().decode(errors="replace").split("\0"))
+        content = path.read_bytes()
     except OSError:
         return ()  # it has just ended, or belongs to somebody else
+    return tuple(os.fsdecode(one) for one in content.split(b"\0") if one)

@@ -20,7 +20,7 @@ from gpr20_common.catalogue import language_from_code, read_catalogue
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
-from gpr20_doctor.low.programs import FAILURES
+from gpr20_doctor.low.processes import FAILURES
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_facts import RobotFacts

@@ -16,11 +16,9 @@ from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import own_software
-from gpr20_doctor.low.programs import FAILURES, in_time
+from gpr20_doctor.low.processes import FAILURES, in_time
 from gpr20_doctor.mid import (
-    clock_checks,
-    disk_checks,
-    hardware_checks,
+    computer_checks,
     network_checks,
     process_checks,
     robot_checks,
@@ -55,10 +53,10 @@ CHECKS: Mapping[str, Check] = {
     "memory": process_checks.check_memory,
     "addresses": network_checks.check_addresses,
     "firewall": network_checks.check_firewall,
-    "hardware": hardware_checks.check_hardware,
-    "power": hardware_checks.check_power,
-    "volumes": disk_checks.check_volumes,
-    "date": clock_checks.check_date,
+    "hardware": computer_checks.check_hardware,
+    "power": computer_checks.check_power,
+    "volumes": computer_checks.check_volumes,
+    "date": computer_checks.check_date,
 }
 
 

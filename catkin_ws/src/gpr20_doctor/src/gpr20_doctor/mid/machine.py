@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.low.data_folder import DEFAULT_FOLDER, configured, data_folder, robot_folder
+from gpr20_common.low.yaml_file import DEFAULT_FOLDER, configured, data_folder, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.low.network import is_here
+from gpr20_doctor.low.masters import is_here
 from gpr20_doctor.low.processes import DEFAULT_MASTER, Processes
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.node_health import axis_node

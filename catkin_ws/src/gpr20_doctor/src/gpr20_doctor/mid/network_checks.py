@@ -8,8 +8,8 @@ from typing import Iterator, Optional, Sequence
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor import faults
-from gpr20_doctor.low.network import is_here
-from gpr20_doctor.low.programs import answer_of
+from gpr20_doctor.low.masters import is_here
+from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import ADDRESSES, Machine
 

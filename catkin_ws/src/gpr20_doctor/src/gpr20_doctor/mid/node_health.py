@@ -39,8 +39,6 @@ NOT_NEEDED = (MAIN_CONTROL, IMAGING, WEB, VISUALIZATION)
 OFFSETS = 5
 
 
-# What drives the hardware, on a computer of its own if there are two.
-DRIVERS = (*map(axis_node, AxisId), HEIGHT_SENSOR)
 _TITLES: Dict[str, Message] = {
     MAIN_CONTROL: Message("Main control"),
     ANALYZER: Message("VNA driver"),

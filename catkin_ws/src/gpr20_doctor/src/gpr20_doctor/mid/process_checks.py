@@ -87,7 +87,7 @@ def check_memory(machine: Machine) -> Iterator[Finding]:
 
 
 def _numbers(some: List[Process]) -> str:
-    return " ".join(str(one.number) for one in sorted(some))
+    return " ".join(map(str, sorted(one.number for one in some)))
 
 
 def _sizes(path: Path) -> Dict[str, int]:

@@ -20,18 +20,19 @@ from gpr20_common.message import Message, Severity
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
 from gpr20_doctor.low.processes import Processes
-from gpr20_doctor.mid.clock_checks import check_clocks
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
-from gpr20_survey.faults import NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
+from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.calibration import CalibrationStatus
 
 Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
 # A node reports once a second; who has just begun to listen has not heard all of them [s].
 STARTING_S = 5.0
+# A message is under way for some of it; times of traces are wrong by the rest [s].
+OFFSET_LIMIT_S = 1.0
 # The part itself says why it is silent.
 SILENT = (NodeState.HANGS, NodeState.GONE)
 WAIT = Message("Wait until all parts of the robot have started.")
@@ -114,6 +115,25 @@ def _calibration(name: str) -> Finding:
     advice = MAKE_SURE if status is CalibrationStatus.NOT_REPORTED else None
     fault = None if good else NOT_CALIBRATED
     return Finding.of("calibration", text, fault, mild=not none, advice=advice)
+
+
+def check_clocks(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
+    """Compare the clocks of the nodes with this one."""
+    offsets_s = facts.clock_offsets_s
+    if not offsets_s:
+        return
+    node = max(offsets_s, key=lambda one: abs(offsets_s[one]))
+    if abs(offsets_s[node]) <= OFFSET_LIMIT_S:
+        yield Finding.of("clocks", Message("Clocks of the computers"))
+        return
+    text = Message(
+        "The clock of {node} differs from this computer's by {offset_s:.1f} s.",
+        node=node_title(node),
+        offset_s=abs(offsets_s[node]),
+        details=facts.software[node].host if node in facts.software else "",
+    )
+    advice = Message("Set the clocks of both computers, but not during a survey: install chrony.")
+    yield Finding.of("clocks", text, CLOCK_WRONG, mild=True, advice=advice)
 
 
 def evidence_of(namespace: str, state: MasterState, master: str, here: Processes) -> Evidence:

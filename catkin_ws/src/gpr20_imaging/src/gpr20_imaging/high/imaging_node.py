@@ -14,10 +14,10 @@ from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import time_of_day_us
-from gpr20_common.low.data_folder import data_folder
+from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
-from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.low.worker_process import WorkerProcess
 from gpr20_imaging.mid.imaging import Imaging, ImagingParameters
 from gpr20_msgs.msg import ImagingProgress, Volume

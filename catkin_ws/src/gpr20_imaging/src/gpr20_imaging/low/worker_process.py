@@ -16,7 +16,7 @@ from typing import IO, Any, Callable, Optional, Sequence
 
 from gpr20_common.message import Message
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.faults import ImagingError
 
 WORKER = (sys.executable, "-m", "gpr20_imaging.mid.worker")
 # Lowest priority for processor and disk; killed with the thread that started it.

@@ -14,9 +14,8 @@ from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ImagingError
-from gpr20_imaging.low.stick_files import StickFolder
-from gpr20_imaging.low.usb_volumes import UsbVolumes
+from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.low.stick_files import StickFolder, UsbVolumes
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.folder_zip import add_folder
 from gpr20_survey.results.volume import ExportPart, Volume
@@ -68,7 +67,7 @@ class Exporter:
     """Writes files of a survey to a stick.
 
     Args:
-        analysis: As `gpr20_imaging.low.analysis_worker.Analysis`.
+        analysis: As `gpr20_imaging.mid.worker.Analysis`.
         volumes: The sticks.
         report: Called with what is being done.
     """

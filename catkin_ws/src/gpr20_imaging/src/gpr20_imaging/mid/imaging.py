@@ -15,7 +15,7 @@ from gpr20_common.catalogue import language_from_code
 from gpr20_common.faults import ASKED_FOR, BUSY, NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_imaging import faults
-from gpr20_imaging.errors import ImagingError
+from gpr20_imaging.faults import ImagingError
 from gpr20_imaging.low.worker_process import WorkerProcess
 from gpr20_imaging.mid.exporting import ExportRequest
 from gpr20_survey.errors import storing

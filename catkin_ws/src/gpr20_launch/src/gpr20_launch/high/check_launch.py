@@ -20,13 +20,13 @@ import rospkg
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, NodeSilentError
 from gpr20_common.faults import NOT_SET_UP, OTHER_LAUNCH
-from gpr20_common.low.data_folder import DEFAULT_FOLDER
 from gpr20_common.low.links import NodeProbe
+from gpr20_common.low.yaml_file import DEFAULT_FOLDER
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
+from gpr20_doctor.low.processes import Process, process_of
 from gpr20_doctor.mid.software_checks import NEEDED, missing_modules
 from gpr20_launch.faults import LaunchRefusedError
-from gpr20_launch.low.processes import Process, process_of
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Problem, Reading, Use
@@ -65,7 +65,7 @@ def main() -> int:
         return 1
     # The standard output is the configuration.
     say_problems(found, sys.stderr)
-    print(json.dumps(sections))
+    print(json.dumps(sections))  # noqa: T201
     return 0
 
 
@@ -145,7 +145,7 @@ def refusal(master: str, nodes: Mapping[str, int], here: Sequence[Process]) -> s
     """Return which nodes answer, by their process ids, and the command that ends those here."""
     names = ", ".join(f"{name} (process {number})" for name, number in nodes.items())
     parents = {one.parent: process_of(one.parent) for one in here}
-    launches = [number for number, one in parents.items() if one is not None and one.is_roslaunch]
+    launches = [number for number, one in parents.items() if one is not None and one.is_launch]
     # What outlived its roslaunch is ended by itself.
     ends = sorted({one.parent if one.parent in launches else one.number for one in here})
     remedy = "It was started on another computer; end it there."

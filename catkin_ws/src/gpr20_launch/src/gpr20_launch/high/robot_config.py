@@ -14,8 +14,7 @@ import rosgraph
 
 from gpr20_common.errors import ConfigurationError, Gpr20Error, os_reason
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.low.data_folder import robot_folder
-from gpr20_common.low.yaml_file import read_yaml
+from gpr20_common.low.yaml_file import read_yaml, robot_folder
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import printable, say
 from gpr20_launch.faults import NOT_CHECKED
@@ -23,8 +22,7 @@ from gpr20_launch.high.check_launch import built_axes, message_field, say_proble
 from gpr20_launch.mid.old_launch import old_robot
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
-from gpr20_launch.mid.signing_key import ensure_key
-from gpr20_launch.mid.templates import templates
+from gpr20_launch.mid.written_files import ensure_key, templates
 from gpr20_survey.folder.data_folder import DataFolder
 
 
@@ -82,7 +80,7 @@ def _check(folder: Path, given: argparse.Namespace) -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     found = check_robot(Reading(folder, built_axes()), use, message_field)
     if given.json:
-        print(json.dumps([one.record() for one in found], ensure_ascii=False))
+        print(json.dumps([one.record() for one in found]))  # noqa: T201
     elif found:
         say_problems(found, sys.stdout)
     else:

@@ -17,8 +17,8 @@ import rosgraph
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.terminal_text import enable_line_buffering, say
+from gpr20_doctor.low.processes import process_of
 from gpr20_launch.low.launched_nodes import LaunchedNodes
-from gpr20_launch.low.processes import process_of
 from gpr20_launch.mid.watchdog import PERIOD_S, Watchdog
 
 # For each step of a request to a node [s].
@@ -37,7 +37,7 @@ def main() -> int:
         signal.signal(number, lambda _signal, _frame: stop.set())
     roslaunch = os.getppid()
     parent = process_of(roslaunch)
-    if parent is None or not parent.is_roslaunch:
+    if parent is None or not parent.is_launch:
         # It may have ended while this process started.
         _say("no roslaunch has started this process; nothing to watch")
         return 1

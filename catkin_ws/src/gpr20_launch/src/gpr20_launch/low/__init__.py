@@ -1,1 +1,1 @@
-"""Files and processes."""
+"""The nodes of a launch."""

@@ -11,7 +11,8 @@ from typing import Collection, Dict, Optional, Tuple
 from urllib.parse import urlsplit
 
 from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
-from gpr20_launch.low.processes import PROC, is_working, process_of
+from gpr20_doctor.low.masters import is_here
+from gpr20_doctor.low.processes import Process, all_processes, is_working, process_of
 
 CALLER = "/watchdog"
 
@@ -41,9 +42,8 @@ class LaunchedNodes:
 
     def find(self) -> Dict[int, str]:
         """Return the full name of each node, by its process id."""
-        numbers = [int(path.name) for path in PROC.iterdir() if path.name.isdigit()]
-        named = {number: self._name(number) for number in numbers if number != os.getpid()}
-        found = {number: name for number, name in named.items() if name}
+        named = {one.number: self._name(one) for one in all_processes()}
+        found = {number: name for number, name in named.items() if name and number != os.getpid()}
         self._confirmed = {key: one for key, one in self._confirmed.items() if key in found.items()}
         return found
 
@@ -60,7 +60,8 @@ class LaunchedNodes:
                 # A process that has just died may be known to the master under the same name.
                 return None
         except socket.timeout:
-            return False if known and _is_own(known[0]) else None
+            # A computer loses its address with the cable of a link.
+            return False if known and is_here(urlsplit(known[0]).hostname or "") else None
         except NO_ANSWER:
             return None
         self._confirmed[number, name] = uri, server
@@ -71,27 +72,17 @@ class LaunchedNodes:
 
     def kill(self, number: int, name: str) -> None:
         """End the process, if it is still that of the node."""
-        if self._name(number) == name:
+        process = process_of(number)
+        if process is not None and self._name(process) == name:
             with contextlib.suppress(ProcessLookupError):  # it has just ended
                 os.kill(number, signal.SIGKILL)
 
-    def _name(self, number: int) -> str:
-        process = process_of(number)
-        if process is None or process.parent != self._parent:
+    def _name(self, process: Process) -> str:
+        if process.parent != self._parent or not process.node:
             return ""
-        is_ours = self._word in process.command or process.node in self._others
-        return process.node if is_ours else ""
+        is_ours = self._word in process.words or process.full_name in self._others
+        return process.full_name if is_ours else ""
 
     def _find(self, name: str) -> Tuple[str, xmlrpc.client.ServerProxy]:
         uri = str(value_of(self._master.lookupNode(CALLER, name)))
         return uri, limited_server(uri, self._time_limit_s)
-
-
-def _is_own(uri: str) -> bool:
-    """Return whether this computer has an address, which it loses with the cable of a link."""
-    with socket.socket() as probe:
-        try:
-            probe.bind((urlsplit(uri).hostname, 0))
-        except OSError:
-            return False
-    return True

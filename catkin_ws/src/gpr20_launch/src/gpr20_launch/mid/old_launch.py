@@ -28,7 +28,7 @@ UNREAD = "UNREAD, write it"
 NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
-_SUBSTITUTION = re.compile(r"\$\(\s*(\w+)(?:\s+([^()]*?))?\s*\)")
+_SUBSTITUTION = re.compile(r"\$\(([^()]*)(\)?)")
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
 TO_CHECK = ["pins", "endstop_levels", "directions", "travel", "emergency_stop"]
 
@@ -63,21 +63,18 @@ class _Scope:
         """Return a text with its args; the folder of a package is looked for around the file."""
 
         def value(match: re.Match[str]) -> str:
-            kind, name = match.group(1), match.group(2) or ""
+            kind, _space, name = match.group(1).strip().partition(" ")
             around = list(self.file.absolute().parents)[:4]
             packages = [one for one in around if one.name == name]
             packages += [one / name for one in around if os.path.isdir(one / name)]
             known = {"arg": self.arguments.get(name), "dirname": around[0]}
             found = {**known, "find": next(iter(packages), None)}.get(kind)
-            if found is None:
+            if found is None or not match.group(2):
                 # Also env and eval: only the original's computer knows what they are.
-                raise _refused(f"{match.group(0)} is not known here")
+                raise _refused(f"{match.group()} is not known here")
             return str(found)
 
-        result = _SUBSTITUTION.sub(value, text)
-        if "$(" in result:
-            raise _refused(f"{result[:200]} is not known here")
-        return result
+        return _SUBSTITUTION.sub(value, text)
 
     def uses(self, element: ElementTree.Element) -> bool:
         used = [self.text(element, "if", "1").lower(), self.text(element, "unless", "0").lower()]
@@ -95,12 +92,13 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     robot = OldRobot()
     read(path, robot)
     axes: Dict[str, Dict[str, Any]] = {axis: {} for axis in AXIS_SECTIONS}
-    for axis, own in axes.items():
-        places = {key: f"{axis}/{key}" for key in NAMES if f"{axis}/{key}" in robot.values}
-        own.update({key: robot.values.pop(place) for key, place in places.items()})
+    for place in list(robot.values):
+        axis, _slash, key = place.partition("/")
+        if axis in axes:
+            axes[axis][key] = robot.values.pop(place)
     if not any(axes.values()):
-        reason = next(iter(robot.unread), "give the launch file that starts the nodes of the axes")
-        raise _refused(f"{path} sets no parameter of an axis: {reason}")
+        reasons = "; ".join(robot.unread) or "give the one that starts the nodes of the axes"
+        raise _refused(f"{path} sets no parameter of an axis: {reasons}")
     for axis, own in axes.items():
         # Another robot has other values, and its axis node has no defaults.
         missing = [key for key in NAMES if key in {*defaults[axis]} - {*own}]
@@ -196,12 +194,11 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
         content = parse_yaml(scope.substituted(text))
         _load(content, inner.join(scope.text(element, "param")), robot)
     elif element.tag == "include":
-        if "pass_all_args" in element.attrib:
-            raise _refused("it passes all args")
         path = Path(scope.text(element, "file"))
+        given = scope.arguments if scope.text(element, "pass_all_args") == "true" else {}
         used = [one for one in element.findall("arg") if scope.uses(one)]
-        arguments = {one.get("name", ""): scope.text(one, "value") for one in used}
-        _follow(_root(path), replace(inner, file=path, arguments=arguments), robot)
+        own = {one.get("name", ""): scope.text(one, "value") for one in used}
+        _follow(_root(path), replace(inner, file=path, arguments={**given, **own}), robot)
 
 
 def _plain(text: str) -> Union[int, float, bool, str]:

@@ -13,14 +13,13 @@ from typing import Any, Callable, Dict, Iterator, Tuple, get_args
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.data_folder import DEFAULT_FOLDER
+from gpr20_common.low.yaml_file import DEFAULT_FOLDER
 from gpr20_common.message import Message, verbatim
+from gpr20_common.mid.checks import is_extension
 from gpr20_common.mid.codec import plain
-from gpr20_common.mid.extension import is_extension
 from gpr20_common.terminal_text import printable
 from gpr20_launch import faults
-from gpr20_launch.mid.axis_checks import check_axes
-from gpr20_launch.mid.pin_checks import HEIGHT_FILE, check_pins
+from gpr20_launch.mid.axis_checks import HEIGHT_FILE, check_axes, check_pins
 from gpr20_launch.mid.robot_files import (
     AXES_FILE,
     ROBOT,

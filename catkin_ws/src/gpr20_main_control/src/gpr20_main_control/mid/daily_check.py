@@ -20,7 +20,7 @@ import numpy as np
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.low.clock import Clock, time_of_day_us
-from gpr20_common.low.data_folder import data_folder, state_folder
+from gpr20_common.low.yaml_file import data_folder, state_folder
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import plain, record_from
 from gpr20_main_control.errors import DeviceError, RequestRefusedError

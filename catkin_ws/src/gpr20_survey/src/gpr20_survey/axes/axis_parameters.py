@@ -11,9 +11,8 @@ from typing import Any, Dict, Iterator, Literal, Optional
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
-from gpr20_common.mid.checks import number_between
+from gpr20_common.mid.checks import is_extension, number_between
 from gpr20_common.mid.codec import bounded
-from gpr20_common.mid.extension import is_extension
 
 # Pins of the 40-pin header that carry a GPIO line, in BOARD numbering (Raspberry Pi 4).
 BOARD_PINS = frozenset(

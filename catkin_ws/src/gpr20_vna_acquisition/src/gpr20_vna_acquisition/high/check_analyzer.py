@@ -12,7 +12,7 @@ from typing import Callable, List, Sequence
 import rosgraph
 
 from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.low.data_folder import configured, robot_folder
+from gpr20_common.low.yaml_file import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say

@@ -13,7 +13,7 @@ from typing import Any, Dict, Sequence
 from gpr20_common import __version__
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import is_extension
+from gpr20_common.mid.checks import is_extension
 from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.trace import utc_time
 from gpr20_vna_acquisition.mid.analyzers import load_analyzer

@@ -19,7 +19,7 @@ from typing import (
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_common.mid.extension import load_extension, options_refused
+from gpr20_common.mid.checks import load_extension, options_refused
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings

@@ -8,9 +8,8 @@ from typing import Any, Dict, Sequence, Tuple, Union
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.checks import Text, instrument_address, ipv4_address, number_between
+from gpr20_common.mid.checks import instrument_address, ipv4_address, is_extension, number_between
 from gpr20_common.mid.codec import bounded
-from gpr20_common.mid.extension import is_extension
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_survey.trace.ms2026c import (
@@ -214,7 +213,7 @@ class VnaParameters:
         return self.request_limit_s(duration_s) + longest_step_s + self.retry_pause_s
 
 
-def _one_of(place: Text, value: Union[str, float], allowed: Sequence, shown: Sequence = ()) -> None:
+def _one_of(place: Any, value: Union[str, float], allowed: Sequence, shown: Sequence = ()) -> None:
     if value in allowed:
         return
     texts = (one if isinstance(one, str) else f"{one:.12g}" for one in shown or allowed)

@@ -9,7 +9,7 @@ from typing import Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
-from gpr20_common.low.data_folder import data_folder, state_folder
+from gpr20_common.low.yaml_file import data_folder, state_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
 from gpr20_survey.files.durable_files import Readers

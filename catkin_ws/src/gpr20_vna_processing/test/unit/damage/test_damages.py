@@ -25,7 +25,6 @@ from log_examples import (
     ended_at_call,
     with_own_sum,
 )
-from planned_survey import METADATA
 from reopening_kit import (
     REPORT,
     STORED,
@@ -39,7 +38,7 @@ from reopening_kit import (
     tree,
 )
 from storage_kit import OTHER_SURVEY, Kit
-from trace_examples import SURVEY
+from trace_examples import METADATA, SURVEY
 
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE

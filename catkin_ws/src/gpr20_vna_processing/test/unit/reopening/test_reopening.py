@@ -14,7 +14,6 @@ from annotation_examples import EXAMPLE
 from fault_kit import raises_fault
 from log_examples import marker
 from mcap.reader import make_reader
-from planned_survey import METADATA, planned_trace
 from reopening_kit import (
     REPORT,
     TRACES,
@@ -25,7 +24,7 @@ from reopening_kit import (
     tree,
 )
 from storage_kit import OTHER_SURVEY, bag_messages
-from trace_examples import SURVEY, make_trace, read_json
+from trace_examples import METADATA, SURVEY, make_trace, planned_trace, read_json
 
 from gpr20_common.message import verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError

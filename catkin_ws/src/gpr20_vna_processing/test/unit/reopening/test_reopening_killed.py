@@ -17,11 +17,10 @@ import pytest
 from failing_disk import FailingDisk, Failure
 from fault_kit import raises_fault
 from log_examples import DONE, FILES, KILLED, NOW, add_marker, change_digit, ended_at_call
-from planned_survey import METADATA
 from reopening_kit import TRACES, assert_whole, messages_in_mcap, noted, resume, texts, trace_file
 from run_seed import LONG, SEED
 from storage_kit import Kit
-from trace_examples import SURVEY
+from trace_examples import METADATA, SURVEY
 
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey

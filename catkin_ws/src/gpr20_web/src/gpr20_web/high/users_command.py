@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.low.data_folder import configured, robot_folder
+from gpr20_common.low.yaml_file import configured, robot_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say

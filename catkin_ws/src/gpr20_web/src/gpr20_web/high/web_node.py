@@ -17,8 +17,8 @@ from gpr20_common.catalogue import language_from_environment, read_catalogue
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.low.clock import Clock
-from gpr20_common.low.data_folder import data_folder
 from gpr20_common.low.thread_fault import faults_logged
+from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus

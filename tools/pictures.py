@@ -1,22 +1,38 @@
-"""Pictures of the window of the robot, in each language, and of gpr20 view."""
+"""Make groups of pictures of the documentation; started by scripts/pictures.sh."""
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import functools
+import io
+import multiprocessing
 import os
+import subprocess
 import tempfile
 from pathlib import Path
-from typing import Callable, Iterator, NamedTuple
+from typing import Callable, Dict, Iterator, NamedTuple, Tuple
 
+import numpy as np
 import rosgraph
 import rospy
+from PIL import Image
 from PyQt5 import sip
 from PyQt5.QtWidgets import QApplication, QWidget
 from robot_kit import free_port, running, simulated_robot
 from window_kit import Operator, new_window, run_events, run_until, virtual_screen
 
-from gpr20_analysis import ImageOptions, load_survey, sample_survey
+from gpr20_analysis import (
+    ImageOptions,
+    find_candidates,
+    image_survey,
+    load_survey,
+    process_survey,
+    sample_survey,
+)
+from gpr20_analysis.commands import main as program
+from gpr20_analysis.plotting.projections import candidate_map_figure
+from gpr20_analysis.sample import REAL_LINE_FILE
 from gpr20_common import catalogue
 from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
@@ -32,8 +48,82 @@ from gpr20_viewer.session import ViewSession
 from gpr20_viewer.views import main_window as viewer
 from gpr20_viewer.views.tables import PicksTab
 
+# Of the simulated soil of the sample, and of the concrete of the real line.
+PERMITTIVITY, REAL_PERMITTIVITY = "5", "6"
+FEWEST_LINES, FRAME_MS, PAUSE_MS = 3, 250, 3500
+DEEPEST_MM = 160.0
+REPORT_PX, BROWSER_LIMIT_S = (1100, 1500), 120.0
+
+
+def animation(folder: Path) -> None:
+    """Show how the image grows with each line, and the places to check at the end."""
+    survey = process_survey(load_survey(sample_survey()), "background:method=surface")
+    options = ImageOptions(permittivity=float(PERMITTIVITY))
+    y_mm, frames = 1000.0 * survey.y.values, []
+    for lines in range(FEWEST_LINES, len(y_mm) + 1):
+        image = image_survey(survey.isel(y=slice(0, lines)), options)
+        found = find_candidates(image).candidates if lines == len(y_mm) else ()
+        figure = candidate_map_figure(image, [one for one in found if not one.is_doubtful])
+        # Of one size and scale, however many lines there are.
+        figure.set_size_inches(6.0, 5.0)
+        figure.axes[0].set_ylim(y_mm[-1], y_mm[0])
+        stream = io.BytesIO()
+        figure.savefig(stream, format="png", dpi=70)
+        frames.append(Image.open(stream).convert("RGB"))
+    times_ms = [FRAME_MS] * (len(frames) - 1) + [PAUSE_MS]
+    path = folder / "survey.webp"
+    frames[0].save(path, save_all=True, append_images=frames[1:], duration=times_ms, loop=0)
+    print(path)
+
+
+def real_line(folder: Path) -> None:
+    """Image the line by the default command, and mark above it where its bars were published."""
+    with tempfile.TemporaryDirectory() as place:
+        line, image = (str(Path(place) / name) for name in ("line.nc", "image.nc"))
+        _run("sample", "--real", line)
+        _run("image", line, "--permittivity", REAL_PERMITTIVITY, "-o", image)
+        figure = candidate_map_figure(load_survey(image), [])
+    figure.set_size_inches(9.0, 3.2)
+    figure.suptitle(f"Real line over 14 reinforcing bars, permittivity {REAL_PERMITTIVITY}")
+    axes = figure.axes[0]
+    axes.set_aspect("auto")
+    axes.set_ylim(DEEPEST_MM, 0.0)
+    with np.load(str(REAL_LINE_FILE)) as file:
+        bars_mm = file["rebar_x_m"] * 1000.0
+    axes.plot(bars_mm, np.full(len(bars_mm), 8.0), "v", color="white", markeredgecolor="black")
+    path = folder / "real_line.png"
+    figure.savefig(str(path), dpi=100)
+    print(path)
+
+
+def hiding(folder: Path) -> None:
+    """Draw the map of where a mine could hide."""
+    options = ("--permittivity", PERMITTIVITY, "--rounds", "24")
+    _run("hiding", str(sample_survey()), *options, "-o", str(folder / "hiding.png"))
+
+
+def report(folder: Path) -> None:
+    """Take a picture of the top of a report in each language, by a browser."""
+    width, height = REPORT_PX
+    for language in catalogue.languages():
+        picture = folder / f"report_{language.value}.png"
+        with tempfile.TemporaryDirectory() as place:
+            page = Path(place) / "report.html"
+            options = ("--permittivity", PERMITTIVITY, "--language", language.value)
+            _run("report", str(sample_survey()), "-o", str(page), *options)
+            browser = ["chromium", "--headless", "--no-sandbox", "--disable-gpu"]
+            browser += ["--hide-scrollbars", f"--window-size={width},{height}"]
+            browser += [f"--screenshot={picture}", page.as_uri()]
+            subprocess.run(browser, check=True, capture_output=True, timeout=BROWSER_LIMIT_S)
+        print(picture)
+
+
+def _run(*arguments: str) -> None:
+    if program.main([*arguments]):
+        raise SystemExit(f"gpr20 {arguments[0]} has failed")
+
+
 SCENE = "catkin_ws/src/gpr20_simulator/scenes/imaging_targets.yaml"
-PERMITTIVITY = 5.0  # of the scene
 LIMIT_S, DRAWN_S = 300.0, 1.0
 # Above the metallic sphere, between the depths of the two targets.
 TARGET_MM = (155.0, 140.0, 60.0)
@@ -121,15 +211,15 @@ def window(folder: Path) -> None:
 
 def candidates(folder: Path) -> None:
     """Take pictures of the places to check of a survey, and of where a mine could hide."""
-    scene = f"scene:={Path(__file__).resolve().parents[2] / SCENE}"
+    scene = f"scene:={Path(__file__).resolve().parents[1] / SCENE}"
     with simulated_robot(scene, "time_scale:=50") as robot, shown_window(robot.data) as shown:
         result, operator = shown.window.result.result, Operator()
         wait(lambda: shown.window.survey.snapshot.can_start, "the robot is ready")
         operator.start()
         wait(lambda: operator.code == ControlStatus.FINISHED, "the survey ends")
         wait(lambda: result.record is not None, "the survey is read")
-        result.set_permittivity(PERMITTIVITY)
-        wait(lambda: result.permittivity == PERMITTIVITY, "the permittivity is stored")
+        result.set_permittivity(float(PERMITTIVITY))
+        wait(lambda: result.permittivity == float(PERMITTIVITY), "the permittivity is stored")
 
         def end(job: Job) -> None:
             wait(lambda: job.state in (JobState.DONE, JobState.FAILED), "the search ends")
@@ -180,3 +270,45 @@ def view(folder: Path) -> None:
         shown.close()
         # Before its screen is gone.
         sip.delete(application)
+
+
+DOCS_IMAGES = Path(__file__).resolve().parents[1] / "docs/images"
+# What each function makes.
+GROUPS: Dict[str, Tuple[Callable[[Path], None], str]] = {
+    "animation": (animation, "the image of the sample survey, line by line"),
+    "real_line": (real_line, "the image of the real line"),
+    "report": (report, "a report of the sample survey"),
+    "hiding": (hiding, "where a mine could hide in the sample survey"),
+    "window": (window, "every tab of the window during a survey, in 800x480"),
+    "candidates": (candidates, "the candidates of a survey in the window"),
+    "replay": (replay, "the window during a replay"),
+    "view": (view, "gpr20 view of the sample survey"),
+}
+
+
+def main() -> None:
+    """Make the groups that are named, or list all."""
+    parser = argparse.ArgumentParser(
+        prog="scripts/pictures.sh",
+        description="\n".join(f"  {name:13} {what}" for name, (_, what) in GROUPS.items()),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--into", type=Path, metavar="FOLDER", default=DOCS_IMAGES)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="what is made, from the list")
+    chosen = parser.parse_args()
+    if not chosen.names or not GROUPS.keys() >= set(chosen.names):
+        parser.print_help()
+        raise SystemExit(2 if chosen.names else 0)
+    folder = chosen.into.resolve()
+    folder.mkdir(parents=True, exist_ok=True)
+    for name in chosen.names:
+        # A process can be a ROS node, and a Qt application, only once.
+        process = multiprocessing.Process(target=GROUPS[name][0], args=(folder,))
+        process.start()
+        process.join()
+        if process.exitcode:
+            raise SystemExit(f"{name}: the pictures were not made")
+
+
+if __name__ == "__main__":
+    main()

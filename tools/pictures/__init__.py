@@ -1,1 +1,0 @@
-"""The pictures of the documentation, made from surveys of the simulated robot."""

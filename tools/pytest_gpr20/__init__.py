@@ -1,1 +1,0 @@
-"""Plugins of pytest for this project; the conftest.py of the checkout loads them."""
