@@ -1,15 +1,14 @@
 #!/usr/bin/env bash
-# Make the signed bundle of a release: a folder for a USB stick, with the packages that
-# scripts/packages.sh has built and every package that they need, so that a bare system of this
-# distribution installs and updates without a network (docs/maintain.md).
-#   scripts/bundle.sh --key KEY PACKAGES FOLDER   make FOLDER/gpr20-VERSION from the folder PACKAGES
-#     KEY   private key; its public line is in deploy/common/etc/gpr20/release_signers
-# Needs apt with its usual sources, and the network.
+# Make the bundle of a release: a folder for a USB stick which is a signed repository of apt, with the
+# package that scripts/packages.sh has built and every package that it needs, so that a bare system
+# of this distribution installs and updates without a network (docs/maintain.md).
+#   scripts/bundle.sh --key KEY PACKAGE FOLDER   make FOLDER/gpr20-VERSION
+#     KEY       name of the key in gpg that signs releases
+#     PACKAGE   the file gpr20_VERSION_ARCHITECTURE.deb
+# Needs apt with its usual sources, gpg and the network.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
-
-NAMESPACE=gpr20-release
 
 fail() {
     echo "bundle.sh: $*" >&2
@@ -19,20 +18,17 @@ fail() {
 key='' places=()
 while [ $# -gt 0 ]; do
     case "$1" in
-        --key) key="${2:-}"; shift 2 || fail "--key needs a file" ;;
+        --key) key="${2:-}"; shift 2 || fail "--key needs a name" ;;
         -*) fail "unknown option '$1'; allowed: --key KEY" ;;
         *) places+=("$(realpath -ms "$1")"); shift ;;
     esac
 done
-[ ${#places[@]} -eq 2 ] || fail "name the folder of the packages and that of the bundle"
-[ -f "$key" ] || fail "name the private key that signs releases: --key KEY"
-packages="${places[0]}"
-shopt -s nullglob
-own=("$packages"/gpr20-*.deb) software=("$packages"/gpr20-software_*.deb)
-[ ${#software[@]} -eq 1 ] ||
-    fail "$packages has ${#software[@]} packages gpr20-software; it must have those of one version"
-version="$(dpkg-deb -f "${software[0]}" Version)"
-architecture="$(dpkg-deb -f "${software[0]}" Architecture)"
+[ ${#places[@]} -eq 2 ] && [ -f "${places[0]}" ] ||
+    fail "name the package and the folder of the bundle"
+[ -n "$key" ] || fail "name the key that signs releases: --key KEY"
+package="${places[0]}"
+version="$(dpkg-deb -f "$package" Version)"
+architecture="$(dpkg-deb -f "$package" Architecture)"
 [ "$architecture" != all ] || architecture="$(dpkg --print-architecture)"
 bundle="${places[1]}/gpr20-$version"
 [ ! -e "$bundle" ] || fail "$bundle exists; delete it first"
@@ -40,9 +36,9 @@ bundle="${places[1]}/gpr20-$version"
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work"/{own,lists/partial,archives/partial}
-cp "${own[@]}" "$work/own"
+cp "$package" "$work/own"
 (cd "$work/own" && dpkg-scanpackages --multiversion . >Packages)
-# The sources of this machine, and the packages themselves.
+# The sources of this machine, and the package itself.
 cp -r /etc/apt/sources.list.d "$work/parts"
 echo "deb [trusted=yes] file:$work/own ./" >"$work/parts/gpr20_own.list"
 # Nothing is installed in the eyes of this apt, so that it fetches everything.
@@ -57,26 +53,32 @@ apt() {
         -o Dir::Etc::sourceparts="$work/parts" -o Debug::NoLocking=true "$@"
 }
 
-echo "collecting what the packages of version $version need"
+echo "collecting what version $version needs"
 apt update
-# One after the other: some of them exclude each other.
-for one in "${own[@]}"; do
-    apt install --download-only "$(dpkg-deb -f "$one" Package)=$version" >/dev/null
-done
+# Only what the package itself recommends, not what others do.
+recommended="$(dpkg-deb -f "$package" Recommends | tr -d ,)"
+# shellcheck disable=SC2086
+apt install --download-only "gpr20=$version" $recommended >/dev/null
 
 mkdir -p "$bundle"
-cp "${own[@]}" "$bundle"
+cp "$package" "$bundle"
 for one in "$work"/archives/*.deb; do
     # Without the epoch, whose %3a some file systems and programs change.
     name="$(basename "$one")"
     cp "$one" "$bundle/$(sed 's/_[0-9]*%3a/_/' <<<"$name")"
 done
 cp "$GPR20_ROOT/deploy/bundle_install.sh" "$bundle/install.sh"
-(
-    cd "$bundle"
-    dpkg-scanpackages --multiversion . >Packages
-    sha256sum -- * >SHA256SUMS
-)
-ssh-keygen -Y sign -f "$key" -n "$NAMESPACE" "$bundle/SHA256SUMS" ||
-    fail "the bundle could not be signed with $key"
-echo "$bundle: $(find "$bundle" -name '*.deb' | wc -l) packages, $(du -sh "$bundle" | cut -f1)"
+cd "$bundle"
+dpkg-scanpackages --multiversion . >Packages
+# apt looks for it under the name Packages, and compares size and sum.
+cat >Release <<END
+Origin: GPR-20
+Date: $(LC_ALL=C date -u '+%a, %d %b %Y %H:%M:%S UTC')
+SHA256:
+ $(sha256sum <Packages | cut -d ' ' -f 1) $(stat -c %s Packages) Packages
+END
+gpg --quiet --local-user "$key" --clearsign --output InRelease Release ||
+    fail "the bundle could not be signed with the key $key"
+gpg --quiet --armor --export "$key" >release_key.asc
+rm Release
+echo "$bundle: $(find . -name '*.deb' | wc -l) packages, $(du -sh . | cut -f1)"

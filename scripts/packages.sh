@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Build the Debian packages of a commit, by default of the one that is checked out (debian/,
-# docs/install.md). Their version is the tag, or that of the last release with date and commit.
-#   scripts/packages.sh FOLDER [COMMIT]   put the packages into FOLDER (about 5 min)
+# Build the Debian package of a commit, by default of the one that is checked out (debian/,
+# docs/install.md). Its version is the tag, or that of the last release with date and commit.
+#   scripts/packages.sh FOLDER [COMMIT]   put the package into FOLDER (about 5 min)
 # Needs the network for Python packages, and what `scripts/setup.sh --dev` installs.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -12,7 +12,7 @@ fail() {
     exit 1
 }
 
-case "${1-}" in '' | -*) fail "name a folder for the packages, and perhaps a commit" ;; esac
+case "${1-}" in '' | -*) fail "name a folder for the package, and perhaps a commit" ;; esac
 folder="$(realpath -ms "$1")" commit="${2-HEAD}"
 command -v dh >/dev/null || fail "debhelper is missing; run scripts/setup.sh --dev"
 
@@ -36,7 +36,7 @@ gpr20 ($version) stable; urgency=medium
 
  -- GPR-20 developers <maintainers@gpr20.example>  $(git show -s --format=%cD)
 END
-echo "building the packages $version (about 5 min)"
+echo "building the package $version (about 5 min)"
 if ! dpkg-buildpackage --build=binary --no-sign --no-check-builddeps >"$build/log" 2>&1; then
     tail -n 30 "$build/log" >&2
     fail "the build failed; the lines above say where"

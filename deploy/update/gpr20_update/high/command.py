@@ -21,7 +21,7 @@ NO_SURVEY = "somebody has seen that no survey runs or is paused, although the no
 
 
 def main(root: str = "/") -> NoReturn:
-    """Do what the arguments ask for; exit. The program is one file with this function."""
+    """Do what the arguments ask for; exit."""
     paths = Paths(Path(root))
     parser = argparse.ArgumentParser("gpr20-update", description=__doc__, epilog=EXIT_STATUS)
     what = parser.add_mutually_exclusive_group(required=True)

@@ -15,7 +15,7 @@ from gpr20_update.low.system import Paths, UpdateError, run
 USER = "gpr20"
 HOME = "/var/lib/gpr20"
 # In the order in which they are stopped; the window shows what the others do.
-SERVICES = ("gpr20-window", "gpr20-robot", "gpr20-server")
+SERVICES = ("gpr20-window", "gpr20")
 FIREWALL = "gpr20-firewall"
 # Of gpr20_msgs/ControlStatus: checking, homing, surveying, paused, stopping, pausing.
 SURVEY_CODES = frozenset({2, 3, 4, 5, 6, 10})
@@ -176,6 +176,6 @@ def _launched_by_hand(processes: Path) -> Optional[int]:
             words = (process / "cmdline").read_bytes().split(b"\0")
             if any(one.endswith(b"/roslaunch") for one in words[:2]):
                 group = (process / "cgroup").read_text(encoding="utf-8", errors="replace")
-                if "/gpr20-" not in group:
+                if "/gpr20" not in group:
                     return int(process.name)
     return None
