@@ -255,7 +255,7 @@ class Packages:
             "Acquire::Check-Date": "false",
             "DPkg::Lock::Timeout": f"{LOCK_LIMIT_S:.0f}",
         }
-        command = [program, "--quiet=2", *(f"-o{name}={one}" for name, one in options.items())]
+        command = [program, "--quiet", *(f"-o{name}={one}" for name, one in options.items())]
         if program == "apt-get":
             command += ["--yes", "--no-remove", *(f"-oDpkg::Options::={one}" for one in _KEEP)]
         ended = run(*command, *words, limit_s=INSTALL_LIMIT_S, more=_QUIET)
