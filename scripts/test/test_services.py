@@ -17,7 +17,7 @@ from user_shell import ROOT, Terminal, is_ready, unit_values, user_environment
 from wait_kit import wait_until
 
 pytestmark = pytest.mark.release
-UNIT = "gpr20-robot"
+UNIT = "gpr20"
 SIDE = 8
 TRACES = 2 * SIDE * SIDE
 LIMIT_S = 60.0
@@ -61,14 +61,14 @@ def stop(service):
 
 def service_environment(folder):
     """Return the variables of the unit; its settings are those of one simulated machine."""
-    (folder / "environment").write_text(
-        f"GPR20_ROBOT=\nGPR20_SERVER=\nGPR20_DATA={folder}/surveys\n"
+    (folder / "robot.conf").write_text(
+        f"GPR20_ROLE=both\nGPR20_DATA={folder}/surveys\n"
         "GPR20_LAUNCH_ARGUMENTS=robot:=simulated time_scale:=50\n"
     )
     settings = dict(ROS_LOG_DIR=str(folder / "log"), HOME=str(folder / "home"), GPR20_CONFIG="")
     settings.update(ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}")
     settings.update(
-        GPR20_ENVIRONMENT=str(folder / "environment"), GPR20_PREFIX=str(ROOT / "catkin_ws/devel")
+        GPR20_ENVIRONMENT=str(folder / "robot.conf"), GPR20_PREFIX=str(ROOT / "catkin_ws/devel")
     )
     (folder / "home").mkdir()
     return user_environment(folder / "surveys", **settings)
