@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# For maintainers: a bare Debian 12 without a network gets the robot of one machine from a bundle:
+# For maintainers: a bare Debian 12 without a network gets the robot of one machine from a stick:
 # install and purge, then, booted with systemd as its first process (systemd-nspawn), services,
 # firewall, roles, surveys, an update with its way back, and the power gone in the middle of one.
-#   sudo scripts/package_trial.sh OLD NEW     two bundles (scripts/bundle.sh)
+#   sudo scripts/package_trial.sh OLD NEW     two sticks (scripts/stick.sh)
 # Status 0 if everything was as expected. Needs the network once, for Debian itself.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
@@ -15,7 +15,7 @@ fail() {
     exit 1
 }
 
-[ $# -eq 2 ] && [ -f "$1/InRelease" ] && [ -f "$2/InRelease" ] || fail "name two bundles"
+[ $# -eq 2 ] && [ -f "$1/InRelease" ] && [ -f "$2/InRelease" ] || fail "name the folders of two sticks"
 old="$(realpath "$1")" new="$(realpath "$2")"
 require_chroot
 command -v systemd-nspawn >/dev/null ||
@@ -120,7 +120,7 @@ in_root 'apt-get update && apt-get install -y --no-install-recommends systemd-sy
 rm "$root/etc/resolv.conf"
 say "a bare Debian, $(du -sm "$root" | cut -f 1) MB"
 in_root 'sh /mnt/install.sh' --net
-say "installed from the bundle, $(du -sm "$root" | cut -f 1) MB"
+say "installed from the stick, $(du -sm "$root" | cut -f 1) MB"
 in_root 'apt-get purge -y gpr20' --net
 tree "$folder/before"
 # The rest of the first installation: Debian's packages, and the user.

@@ -1,4 +1,4 @@
-"""A bundle that gpr20-update reads is whole and allowed, or nothing changes."""
+"""A stick that gpr20-update reads is whole and allowed, or nothing changes."""
 
 from __future__ import annotations
 
@@ -10,24 +10,21 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_update.high.update import find_bundle
-from gpr20_update.low.system import UpdateError
-
 pytestmark = pytest.mark.needs("packages")
 
 # Every example damages what it has copied.
 SAME_FOLDER = settings(
     max_examples=draws(10), suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
-# What apt reads of a bundle; the rest is for people.
+# What apt reads of a stick; the rest is for people.
 READ = ("InRelease", "Packages", "gpr20_2.0_all.deb", "other-library_2.0_all.deb")
 
 
 @pytest.fixture
 def stick(first, tmp_path):
-    """A copy of the bundle of version 2.0."""
-    shutil.copytree(first.bundle("2.0"), tmp_path / "stick/gpr20-2.0")
-    return tmp_path / "stick/gpr20-2.0"
+    """A copy of the stick of version 2.0."""
+    shutil.copytree(first.stick("2.0"), tmp_path / "stick")
+    return tmp_path / "stick"
 
 
 def refused(world, place, *words):
@@ -41,7 +38,7 @@ def refused(world, place, *words):
 
 @SAME_FOLDER
 @given(data=st.data())
-def test_a_bundle_with_any_damage_is_refused(world, stick, data):
+def test_a_stick_with_any_damage_is_refused(world, stick, data):
     name = data.draw(st.sampled_from(READ))
     whole = (stick / name).read_bytes()
     at = data.draw(st.integers(0, len(whole) - 1))
@@ -69,17 +66,17 @@ def test_a_release_of_somebody_else_is_refused(world, stick, tmp_path):
     (stick / "InRelease").write_text((stick.parent / "Release").read_text("utf-8"))
     refused(world, stick, f"not signed with {key}")
     key.unlink()
-    refused(world, world.bundle("2.0"), f"{key} is missing")
+    refused(world, world.stick("2.0"), f"{key} is missing")
 
 
 def test_an_older_version_is_refused(world):
-    world.update(world.bundle("2.0"))
-    said = world.update(world.bundle("1.0"), status=2)
+    world.update(world.stick("2.0"))
+    said = world.update(world.stick("1.0"), status=2)
     assert "1.0, which is older than 2.0" in said
     assert world.version() == "2.0"
 
 
-def test_a_bundle_that_this_computer_cannot_take_is_refused(world, stick):
+def test_a_stick_that_this_computer_cannot_take_is_refused(world, stick):
     refused_sizes = {"Installed-Size": "9000000000"}
     needs = {"Depends": "other-library, nobody-has-it"}
     for fields, reason in ((needs, "nobody-has-it"), (refused_sizes, "MB free")):
@@ -93,22 +90,13 @@ def test_a_version_to_which_no_way_leads_back_is_not_left(world):
     data = kept.read_bytes()
     for changed in (data[:-1], data[:-1] + b"x"):
         kept.write_bytes(changed)
-        refused(world, world.bundle("2.0"), "no way back")
-    world.update(world.bundle("1.0"))
+        refused(world, world.stick("2.0"), "no way back")
+    world.update(world.stick("1.0"))
     assert kept.read_bytes() == data
-    world.update(world.bundle("2.0"))
-
-
-def test_the_bundle_is_found_by_the_folder_of_the_stick(first, stick, tmp_path):
-    assert find_bundle(stick.parent) == stick
-    for place in (tmp_path / "nothing", tmp_path):
-        with pytest.raises(UpdateError, match="no bundle"):
-            find_bundle(place)
-    with pytest.raises(UpdateError, match=r"gpr20-1\.0, gpr20-2\.0"):
-        find_bundle(first.sticks)
+    world.update(world.stick("2.0"))
 
 
 def test_a_configuration_that_could_not_return_is_refused(world):
     (world.root / "etc/gpr20/robot.conf").write_text("GPR20_CONFIG=/srv/robot\n")
-    assert "/srv/robot" in world.update(world.bundle("2.0"), status=2)
+    assert "/srv/robot" in world.update(world.stick("2.0"), status=2)
     assert world.version() == "1.0"

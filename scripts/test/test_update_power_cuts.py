@@ -27,7 +27,7 @@ SEED = int(os.environ.get("GPR20_UPDATE_SEED", "31"))
 BASE = Path("/var/tmp/gpr20_power_cut_update/base")
 SIZE_MIB, FILE_BYTES, LIMIT_S = 1500, 100_000, 300.0
 CONTINUE = ("gpr20-update", "--continue")
-UPDATE = ("gpr20-update", "/sticks/gpr20-2.0")
+UPDATE = ("gpr20-update", "/sticks/2.0")
 # Nodes, doctor and configuration are played: the doctor finds nothing.
 GPR20_RUN = b"""#!/bin/sh
 case $1 in
@@ -46,7 +46,7 @@ DATA = {
 
 
 class Computer:
-    """The bare Debian with version 1.0 and the bundles, on a disk."""
+    """The bare Debian with version 1.0 and the sticks, on a disk."""
 
     def __init__(self, place: Path) -> None:
         self._image, self._first = place / "disk.img", place / "first.img"
@@ -56,9 +56,9 @@ class Computer:
         update_kit.run("cp", "-a", f"{BASE}/.", self.root)
         key, more = update_kit.release_key(place), {"usr/bin/gpr20-run": GPR20_RUN}
         for version in ("1.0", "2.0"):
-            update_kit.make_bundle(self.root / "sticks", version, key, more, FILE_BYTES)
+            update_kit.make_stick(self.root / "sticks", version, key, more, FILE_BYTES)
         self.must("useradd", "--system", "--home-dir", "/var/lib/gpr20", "gpr20")
-        self.must("sh", "/sticks/gpr20-1.0/install.sh")
+        self.must("sh", "/sticks/1.0/install.sh")
         for name, data in DATA.items():
             (self.root / name).parent.mkdir(parents=True, exist_ok=True)
             (self.root / name).write_bytes(data)

@@ -1,4 +1,4 @@
-"""Small packages of two versions and their signed bundles, for tests of gpr20-update.
+"""Small packages of two versions and their signed sticks, for tests of gpr20-update.
 
 The maintainer scripts of the package and the program are the real ones.
 """
@@ -103,37 +103,37 @@ def gpg(home: str, *words: object) -> str:
         run("gpgconf", "--kill", "all", GNUPGHOME=home)
 
 
-def sign(bundle: Path, home: str) -> None:
-    """Write the index of a bundle, and its signature, as scripts/bundle.sh does."""
-    (bundle / "InRelease").unlink(missing_ok=True)
-    index = run("dpkg-scanpackages", "--multiversion", ".", cwd=bundle)
-    (bundle / "Packages").write_text(index, encoding="utf-8")
+def sign(stick: Path, home: str) -> None:
+    """Write the index of a stick, and its signature, as scripts/stick.sh does."""
+    (stick / "InRelease").unlink(missing_ok=True)
+    index = run("dpkg-scanpackages", "--multiversion", ".", cwd=stick)
+    (stick / "Packages").write_text(index, encoding="utf-8")
     digest = hashlib.sha256(index.encode()).hexdigest()
     text = f"Date: Fri, 01 Jan 2038 00:00:00 UTC\nSHA256:\n {digest} {len(index)} Packages\n"
-    (bundle.parent / "Release").write_text(text, encoding="utf-8")
-    gpg(home, "--clearsign", "--output", bundle / "InRelease", bundle.parent / "Release")
-    (bundle / "release_key.asc").write_text(gpg(home, "--armor", "--export"), encoding="utf-8")
-    shutil.copy(ROOT / "deploy/bundle_install.sh", bundle / "install.sh")
+    (stick.parent / "Release").write_text(text, encoding="utf-8")
+    gpg(home, "--clearsign", "--output", stick / "InRelease", stick.parent / "Release")
+    (stick / "release_key.asc").write_text(gpg(home, "--armor", "--export"), encoding="utf-8")
+    shutil.copy(ROOT / "deploy/install.sh", stick / "install.sh")
 
 
-def make_bundle(
-    stick: Path,
+def make_stick(
+    sticks: Path,
     version: str,
     home: str,
     more: Optional[Mapping[str, bytes]] = None,
     size_bytes: int = SIZE_BYTES,
 ) -> Path:
-    """Make a bundle of one version; return its folder.
+    """Make a stick with one version; return its folder.
 
     Args:
-        stick: The folder in which it is made.
+        sticks: The folder in which it is made.
         version: Its version.
         home: Folder of gpg with the key that signs it.
         more: Further files of the package, by path.
         size_bytes: Of each file of the release.
     """
-    bundle = stick / f"gpr20-{version}"
-    bundle.mkdir(parents=True)
+    stick = sticks / version
+    stick.mkdir(parents=True)
     release = release_files(version, size_bytes)
     program = ROOT / "deploy/root/usr/sbin/gpr20-update"
     files = {
@@ -145,10 +145,10 @@ def make_bundle(
     }
     scripts = sorted((ROOT / "debian").glob("gpr20.p*"))
     needs = {"Depends": f"other-library (>= {version})", "Recommends": "not-on-the-stick"}
-    make_deb(bundle, "gpr20", version, files, ["etc/gpr20/robot.conf"], scripts, **needs)
-    make_deb(bundle, "other-library", version, {"usr/lib/other": version.encode()})
-    sign(bundle, home)
-    return bundle
+    make_deb(stick, "gpr20", version, files, ["etc/gpr20/robot.conf"], scripts, **needs)
+    make_deb(stick, "other-library", version, {"usr/lib/other": version.encode()})
+    sign(stick, home)
+    return stick
 
 
 def slot_problems(root: Path, size_bytes: int = SIZE_BYTES) -> str:

@@ -17,8 +17,9 @@ PROGRAMS = {
     --force-unsafe-io --log=/dev/null "$@"
 """,
     "dpkg-query": 'exec /usr/bin/dpkg-query --admindir=$ROOT/var/lib/dpkg "$@"\n',
-    "apt-get": """exec /usr/bin/apt-get -oDir=$ROOT -oDir::State::status=$ROOT/var/lib/dpkg/status \\
-    -oDir::Bin::dpkg=$ROOT/programs/dpkg -oDir::Bin::Methods=/usr/lib/apt/methods "$@"
+    "apt-get": """exec /usr/bin/apt-get -oDir=$ROOT \\
+    -oDir::State::status=$ROOT/var/lib/dpkg/status -oDir::Bin::dpkg=$ROOT/programs/dpkg \\
+    -oDir::Bin::Methods=/usr/lib/apt/methods "$@"
 """,
     "apt-cache": """exec /usr/bin/apt-cache -oDir=$ROOT "$@"
 """,
@@ -81,7 +82,7 @@ class World:
 
     Attributes:
         root: What is / of a real computer.
-        sticks: Folder of the bundles.
+        sticks: Folder of the sticks.
         gpg: Folder of the key that signed them.
     """
 
@@ -116,8 +117,8 @@ class World:
     def dpkg(self, *arguments, status=0):
         return printed_by("dpkg", *arguments, status=status, env=self.environment)
 
-    def bundle(self, version):
-        return self.sticks / f"gpr20-{version}"
+    def stick(self, version):
+        return self.sticks / version
 
     def doctor(self, version, *faults):
         """Let the doctor of a version find these faults."""
@@ -178,20 +179,20 @@ def make_world(place):
     gpg = update_kit.release_key(place)
     world = World(place / "first", place / "the sticks", gpg)
     for version in ("1.0", "2.0"):
-        update_kit.make_bundle(world.sticks, version, gpg)
+        update_kit.make_stick(world.sticks, version, gpg)
     for folder in ("var/lib/dpkg/updates", "var/lib/dpkg/info", "run/systemd/system"):
         (world.root / folder).mkdir(parents=True)
     for folder in ("var/lib/apt", "var/log/apt", "etc/apt/preferences.d", "var/cache/apt"):
         (world.root / folder).mkdir(parents=True)
     (world.root / "var/lib/dpkg/status").touch()
     world.write_programs()
-    world.dpkg("--install", *sorted(world.bundle("1.0").glob("*.deb")))
+    world.dpkg("--install", *sorted(world.stick("1.0").glob("*.deb")))
     for name, text in FILES.items():
         (world.root / name).parent.mkdir(parents=True, exist_ok=True)
         (world.root / name).write_text(text, encoding="utf-8")
-    key = (world.bundle("1.0") / "release_key.asc").read_bytes()
+    key = (world.stick("1.0") / "release_key.asc").read_bytes()
     (world.root / "etc/gpr20/release_key.asc").write_bytes(key)
     for version in ("1.0", "2.0"):
         world.doctor(version)
-    world.update(world.bundle("1.0"))
+    world.update(world.stick("1.0"))
     return world

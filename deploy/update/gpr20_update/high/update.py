@@ -49,19 +49,18 @@ class Updater:
         self._robot = Robot(paths)
         self._say = say
 
-    def update(self, place: Path, no_survey: bool) -> bool:
+    def update(self, stick: Path, no_survey: bool) -> bool:
         """Install the version on a stick; return whether it stays.
 
         Raises:
             UpdateError: It was refused; nothing has changed.
         """
         self._refuse_to_begin(no_survey)
-        stick = find_bundle(place.resolve())
-        before, after = self._packages.installed(), self._packages.offered(stick)
+        before, after = self._packages.installed(), self._packages.offered(stick.resolve())
         self._say(f"{stick}: version {after}, with a good signature")
         if self._packages.is_newer(before, after):
             raise UpdateError(
-                f"the bundle has version {after}, which is older than {before}, which is "
+                f"the stick has version {after}, which is older than {before}, which is "
                 "installed; the version before returns with gpr20-update --back"
             )
         if after != before:
@@ -204,17 +203,3 @@ class Updater:
         path = backup.keep(self._paths, version)
         self._say(f"the configuration of before is kept in {path}")
         return path
-
-
-def find_bundle(place: Path) -> Path:
-    """Return the folder of the bundle: this one, or the only one in it named gpr20-VERSION.
-
-    Raises:
-        UpdateError: There is none, or more than one.
-    """
-    found = [place] if (place / "InRelease").is_file() else []
-    found = found or sorted(one.parent for one in place.glob("gpr20-*/InRelease"))
-    if len(found) == 1:
-        return found[0]
-    names = ", ".join(one.name for one in found) or "no bundle, a folder gpr20-VERSION"
-    raise UpdateError(f"{place} holds {names}; name the folder of the stick, or of one bundle")

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import fcntl
-import hashlib
 import os
 import shutil
 import subprocess
 from pathlib import Path
 from typing import BinaryIO, Mapping, NamedTuple, Optional, TextIO
-
-
-_BLOCK_BYTES = 1 << 20
 
 
 class UpdateError(Exception):
@@ -110,15 +106,6 @@ def replace_file(path: Path, data: bytes) -> None:
         os.fsync(descriptor)
     os.replace(str(temporary), str(path))
     sync(path.parent)
-
-
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file."""
-    found = hashlib.sha256()
-    with path.open("rb") as file:
-        for block in iter(lambda: file.read(_BLOCK_BYTES), b""):
-            found.update(block)
-    return found.hexdigest()
 
 
 def remove(folder: Path) -> None:

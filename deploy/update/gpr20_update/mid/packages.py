@@ -1,6 +1,6 @@
 """The package: what a stick offers, what is installed, install another version, return to one.
 
-A stick holds a signed repository of apt (scripts/bundle.sh). apt compares signature and sums.
+A stick holds a signed repository of apt (scripts/stick.sh). apt compares signature and sums.
 """
 
 from __future__ import annotations
@@ -18,7 +18,6 @@ from gpr20_update.low.system import (
     Ended,
     Paths,
     UpdateError,
-    digest,
     is_taken,
     remove,
     replace_file,
@@ -101,8 +100,8 @@ class Packages:
         self._apt(
             *("install", *wanted),
             else_say=f"version {version} cannot be copied from the stick, or cannot be installed "
-            "on this system; plug the stick in again and repeat, copy the bundle to it again, or "
-            "use the one for this kind of computer and this version of Debian or Ubuntu",
+            "here; plug the stick in again and repeat, have it made again, or use one for this "
+            "kind of computer and this version of Debian or Ubuntu",
         )
         (package,) = self._paths.archives.glob(f"{PACKAGE}_*.deb")
         field = ("dpkg-deb", "--field", str(package), "Installed-Size")
@@ -118,7 +117,7 @@ class Packages:
             kept.unlink()
         os.link(str(package), str(kept))
         run("sync", "--file-system", str(kept), limit_s=INSTALL_LIMIT_S)
-        replace_file(kept.with_suffix(".sha256"), digest(kept).encode())
+        replace_file(kept.with_suffix(".sha256"), _digest(kept).encode())
 
     def kept(self) -> List[str]:
         """Return the versions to which this computer can return."""
@@ -132,11 +131,11 @@ class Packages:
         """
         package = self._kept(version)
         with contextlib.suppress(OSError):
-            if package.with_suffix(".sha256").read_text(encoding="ascii") == digest(package):
+            if package.with_suffix(".sha256").read_text(encoding="ascii") == _digest(package):
                 return
         raise UpdateError(
             f"the package of version {version} is not kept in {package.parent}, or damaged, so "
-            "there would be no way back; run gpr20-update with the bundle of that version first, "
+            "there would be no way back; run gpr20-update with the stick of that version first, "
             "which keeps it and installs nothing"
         )
 
@@ -198,9 +197,7 @@ class Packages:
         if ended.status != 0:
             ended = _dpkg("--configure", "--pending")
         if self._states().get(PACKAGE) != f"{_INSTALLED} {version}":
-            raise UpdateError(
-                f"version {version} could not be installed again: {ended.last_lines}"
-            )
+            raise UpdateError(f"version {version} could not be installed again: {ended.last_lines}")
 
     def use_slot(self, version: str) -> None:
         """Let services and commands use a release that is in a slot at once, if it is.
@@ -267,3 +264,7 @@ class Packages:
 def _dpkg(*arguments: str) -> Ended:
     locked = {**_QUIET, "DPKG_FRONTEND_LOCKED": "1"}
     return run("dpkg", *_KEEP, *arguments, limit_s=INSTALL_LIMIT_S, more=locked)
+
+
+def _digest(package: Path) -> str:
+    return run("sha256sum", str(package), limit_s=INSTALL_LIMIT_S).output.split(" ")[0]

@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Build the Debian package of a commit, by default of the one that is checked out (debian/,
 # docs/install.md). Its version is the tag, or that of the last release with date and commit.
-#   scripts/packages.sh FOLDER [COMMIT]   put the package into FOLDER (about 5 min)
+#   scripts/package.sh FOLDER [COMMIT]   put the package into FOLDER (about 5 min)
 # Needs the network for Python packages, and what `scripts/setup.sh --dev` installs.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 fail() {
-    echo "packages.sh: $*" >&2
+    echo "package.sh: $*" >&2
     exit 1
 }
 

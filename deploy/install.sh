@@ -1,5 +1,5 @@
 #!/bin/sh
-# The first installation from this bundle, without a network; later ones are made by gpr20-update.
+# The first installation from this stick, without a network; later ones are made by gpr20-update.
 #   sudo sh install.sh [--no-install-recommends]     without X, for a computer without the window
 # The key of the robot, if it has none yet, becomes the one of this stick: compare its fingerprint
 # before (docs/maintain.md).
@@ -16,17 +16,17 @@ mkdir -p /etc/gpr20
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 mkdir -p "$work/lists/partial"
-# The bundle under a name without spaces, as apt wants it.
-ln -s "$PWD" "$work/bundle"
-echo "deb [signed-by=$key] file:$work/bundle ./" >"$work/sources.list"
+# Under a name without spaces, as apt wants it.
+ln -s "$PWD" "$work/stick"
+echo "deb [signed-by=$key] file:$work/stick ./" >"$work/sources.list"
 
-bundled_apt() {
+stick_apt() {
     apt-get -q -y -o Dir::Etc::sourcelist="$work/sources.list" -o Dir::Etc::sourceparts=/dev/null \
         -o Dir::State::lists="$work/lists" -o Dir::Cache::pkgcache= -o Dir::Cache::srcpkgcache= \
         -o APT::Sandbox::User=root -o Acquire::Check-Date=false "$@"
 }
 
-bundled_apt update >/dev/null
-bundled_apt install gpr20 "$@"
+stick_apt update >/dev/null
+stick_apt install gpr20 "$@"
 # Kept, so that the next update has a way back.
 gpr20-update .

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Make the bundle of a release: a folder for a USB stick which is a signed repository of apt, with the
-# package that scripts/packages.sh has built and every package that it needs, so that a bare system
-# of this distribution installs and updates without a network (docs/maintain.md).
-#   scripts/bundle.sh --key KEY PACKAGE FOLDER   make FOLDER/gpr20-VERSION
+# Make a folder, such as that of a USB stick, a signed repository of apt with the package that
+# scripts/package.sh has built and every package that it needs, so that a bare system of this
+# distribution installs and updates without a network (docs/maintain.md). What the folder has
+# already, for example for another architecture, stays.
+#   scripts/stick.sh --key KEY PACKAGE FOLDER
 #     KEY       name of the key in gpg that signs releases
 #     PACKAGE   the file gpr20_VERSION_ARCHITECTURE.deb
 # Needs apt with its usual sources, gpg and the network.
@@ -11,7 +12,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 fail() {
-    echo "bundle.sh: $*" >&2
+    echo "stick.sh: $*" >&2
     exit 1
 }
 
@@ -24,14 +25,13 @@ while [ $# -gt 0 ]; do
     esac
 done
 [ ${#places[@]} -eq 2 ] && [ -f "${places[0]}" ] ||
-    fail "name the package and the folder of the bundle"
+    fail "name the package and the folder of the stick"
 [ -n "$key" ] || fail "name the key that signs releases: --key KEY"
 package="${places[0]}"
 version="$(dpkg-deb -f "$package" Version)"
 architecture="$(dpkg-deb -f "$package" Architecture)"
 [ "$architecture" != all ] || architecture="$(dpkg --print-architecture)"
-bundle="${places[1]}/gpr20-$version"
-[ ! -e "$bundle" ] || fail "$bundle exists; delete it first"
+stick="${places[1]}"
 
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
@@ -60,15 +60,15 @@ recommended="$(dpkg-deb -f "$package" Recommends | tr -d ,)"
 # shellcheck disable=SC2086
 apt install --download-only "gpr20=$version" $recommended >/dev/null
 
-mkdir -p "$bundle"
-cp "$package" "$bundle"
+mkdir -p "$stick"
+cp "$package" "$stick"
 for one in "$work"/archives/*.deb; do
     # Without the epoch, whose %3a some file systems and programs change.
     name="$(basename "$one")"
-    cp "$one" "$bundle/$(sed 's/_[0-9]*%3a/_/' <<<"$name")"
+    cp "$one" "$stick/$(sed 's/_[0-9]*%3a/_/' <<<"$name")"
 done
-cp "$GPR20_ROOT/deploy/bundle_install.sh" "$bundle/install.sh"
-cd "$bundle"
+cp "$GPR20_ROOT/deploy/install.sh" "$stick/install.sh"
+cd "$stick"
 dpkg-scanpackages --multiversion . >Packages
 # apt looks for it under the name Packages, and compares size and sum.
 cat >Release <<END
@@ -77,8 +77,8 @@ Date: $(LC_ALL=C date -u '+%a, %d %b %Y %H:%M:%S UTC')
 SHA256:
  $(sha256sum <Packages | cut -d ' ' -f 1) $(stat -c %s Packages) Packages
 END
-gpg --quiet --local-user "$key" --clearsign --output InRelease Release ||
-    fail "the bundle could not be signed with the key $key"
+gpg --quiet --yes --local-user "$key" --clearsign --output InRelease Release ||
+    fail "the stick could not be signed with the key $key"
 gpg --quiet --armor --export "$key" >release_key.asc
 rm Release
-echo "$bundle: $(find . -name '*.deb' | wc -l) packages, $(du -sh . | cut -f1)"
+echo "$stick: $(find . -name '*.deb' | wc -l) packages, $(du -sh . | cut -f1)"
