@@ -5,6 +5,7 @@ apt and dpkg are the real ones, in a folder; test_update_power_cuts.py does it w
 
 from __future__ import annotations
 
+import argparse
 import fcntl
 import json
 import os
@@ -14,6 +15,7 @@ import sys
 
 import pytest
 
+from gpr20_doctor.mid.arguments import add_arguments
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 
@@ -146,8 +148,12 @@ def test_a_survey_refuses_update_and_return(world, code):
     assert world.version() == "1.0"
 
 
-def test_the_states_of_a_survey_are_those_of_the_robot():
+def test_the_states_of_a_survey_and_the_arguments_of_the_doctor_are_those_of_the_robot():
     assert {int(one) for one in RUNNING} == robot.SURVEY_CODES
+    parser = argparse.ArgumentParser("doctor")
+    add_arguments(parser)
+    given = parser.parse_args([*robot.DOCTOR[1:], *robot.WAIT])
+    assert given.json and given.wait == 60.0
 
 
 def test_the_lock_of_a_survey_refuses_whatever_the_nodes_and_the_person_say(world, tmp_path):

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
 import update_kit
 from user_shell import printed_by
+
+from gpr20_common.catalogue import Language, read_catalogue
+from gpr20_common.faults import NOT_RUNNING
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.findings import as_json
 
 PROGRAMS = {
     # The real ones, for this folder; the maintainer scripts see it in DPKG_ROOT.
@@ -122,11 +127,10 @@ class World:
 
     def doctor(self, version, *faults):
         """Let the doctor of a version find these faults."""
-        found = [
-            {"check": one, "fault_code": f"{one}.code", "level": "FAULT", "text": f"{one} is bad"}
-            for one in faults
-        ]
-        (self.root / f"doctor-{version}").write_text(json.dumps({"findings": found}))
+        good = Finding.of("disk", Message("The disk has space"))
+        bad = [Finding.of(one, Message("{name} is bad", name=one), NOT_RUNNING) for one in faults]
+        said = as_json((good, *bad), read_catalogue(Language.ENGLISH))
+        (self.root / f"doctor-{version}").write_text(said, encoding="utf-8")
 
     def release(self):
         """Return the version of the release in use, which is whole."""

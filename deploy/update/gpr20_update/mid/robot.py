@@ -22,8 +22,10 @@ SURVEY_CODES = frozenset({2, 3, 4, 5, 6, 10})
 FAULT = "FAULT"
 STOP_LIMIT_S = 300.0
 STATE_LIMIT_S = 20.0
+# In the language of the environment, which is English here.
+DOCTOR = ("doctor", "--json")
 # For nodes that start; the doctor continues as soon as each has reported.
-WAIT_S = 60
+WAIT = ("--wait", "60")
 DOCTOR_LIMIT_S = 150.0
 # What is wrong only while the robot starts is not found again.
 LOOKS = 3
@@ -110,8 +112,7 @@ class Robot:
 
     def faults(self) -> Optional[Dict[str, str]]:
         """Return each FAULT that the doctor finds, by check, code and number; None: it cannot."""
-        wait = ("--wait", str(WAIT_S)) if self.active() else ()
-        asked = ("doctor", "--json", "--language", "en", *wait)
+        asked = (*DOCTOR, *(WAIT if self.active() else ()))
         try:
             findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
             bad = [one for one in findings if one["level"] == FAULT]
