@@ -15,7 +15,8 @@ fail() {
     exit 1
 }
 
-[ $# -eq 2 ] && [ -f "$1/InRelease" ] && [ -f "$2/InRelease" ] || fail "name the folders of two sticks"
+[ $# -eq 2 ] && [ -f "$1/InRelease" ] && [ -f "$2/InRelease" ] ||
+    fail "name the folders of two sticks"
 old="$(realpath "$1")" new="$(realpath "$2")"
 require_chroot
 command -v systemd-nspawn >/dev/null ||
@@ -134,7 +135,8 @@ in_root 'apt-get remove -y gpr20' --net
 [ ! -e "$root/opt/gpr20" ] || fail "/opt/gpr20 is left"
 in_root 'apt-get purge -y gpr20' --net
 tree "$folder/after"
-diff "$folder/before" "$folder/after" >&2 || fail "files, rights, users or /etc differ after a purge"
+diff "$folder/before" "$folder/after" >&2 ||
+    fail "files, rights, users or /etc differ after a purge"
 rm -r "$root/var/lib/gpr20/surveys/kept"
 say "removed and purged: only surveys and their user are left"
 

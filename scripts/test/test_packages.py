@@ -192,12 +192,17 @@ def rules_after(*commands, **variables):
 
 
 @needs_network
-def test_the_firewall_has_the_rules_of_the_page(environment):
+def test_the_firewall_has_the_rules_of_the_page(environment, tmp_path):
     program("nft")
     settings = environment()
     own = rules_after(*firewall_commands(), remote_shell_rule(ADMIN))
     load = f"{FIREWALL} load"
     assert rules_after(load, **settings) == own
+    # As lines of a file too.
+    lines = [line.replace("nft ", "", 1).replace("'", "") for line in firewall_commands()]
+    lines.append(remote_shell_rule(ADMIN).replace("nft ", "", 1))
+    (tmp_path / "nftables.conf").write_text("\n".join(["flush ruleset", *lines]) + "\n")
+    assert rules_after("nft add table inet other", f"nft -f {tmp_path}/nftables.conf") == own
     # Loaded again, they replace themselves; unloaded, nothing is left.
     assert rules_after(load, load, **settings) == own
     assert rules_after(load, f"{FIREWALL} unload", **settings) == ""
