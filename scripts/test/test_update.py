@@ -115,6 +115,21 @@ def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path)
     assert ended == ["1.0"] * last + ["2.0"]
 
 
+def test_a_return_in_which_dpkg_fails_uses_the_whole_version_before_at_once(world):
+    data = world.data()
+    world.update(world.stick("2.0"), kill_at=6, status=-9)
+    assert world.release() == "2.0"
+    dpkg = world.root / "programs/dpkg"
+    works = dpkg.read_text()
+    dpkg.write_text("#!/bin/sh\nexit 1\n")
+    assert "could not be installed again" in world.update("--continue", status=2)
+    assert (world.release(), world.data()) == ("1.0", data)
+    assert world.services_run()
+    dpkg.write_text(works)
+    world.update("--continue")
+    assert world.version() == "1.0"
+
+
 @pytest.mark.parametrize("name", ["lock", "lock-frontend"])
 def test_what_another_program_installs_ends_before_anything_returns(world, name):
     world.update(world.stick("2.0"), kill_at=6, status=-9)
