@@ -7,7 +7,6 @@ docs/evidence/bare_debian.md: pytest -s -m release scripts/test/test_update_powe
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 import random
@@ -62,7 +61,7 @@ class Computer:
         for name, data in DATA.items():
             (self.root / name).parent.mkdir(parents=True, exist_ok=True)
             (self.root / name).write_bytes(data)
-        self._data = self._sums()
+        self._data = update_kit.data_of(self.root)
         self.unmount()
         shutil.copyfile(self._image, self._first)
 
@@ -137,18 +136,10 @@ class Computer:
         release = (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
         if state != f"installed {release}":
             return f"{release} with {state}"
-        if self._sums() != self._data:
+        if update_kit.data_of(self.root) != self._data:
             return "configuration or surveys changed"
         audit = self.must("dpkg", "--audit")
         return update_kit.slot_problems(self.root, FILE_BYTES) or audit or release
-
-    def _sums(self):
-        return {
-            str(one.relative_to(self.root)): hashlib.sha256(one.read_bytes()).hexdigest()
-            for folder in ("etc/gpr20", "var/lib/gpr20")
-            for one in sorted((self.root / folder).rglob("*"))
-            if one.is_file() and one.suffix != ".dpkg-dist"
-        }
 
 
 @pytest.fixture

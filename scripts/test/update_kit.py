@@ -151,6 +151,17 @@ def make_stick(
     return stick
 
 
+def data_of(root: Path) -> Dict[str, str]:
+    """Return the checksum of every file of the configuration and of the surveys."""
+    return {
+        str(one.relative_to(root)): hashlib.sha256(one.read_bytes()).hexdigest()
+        for folder in ("etc/gpr20", "var/lib/gpr20")
+        for one in sorted((root / folder).rglob("*"))
+        # What a new version would like to have; it is not used.
+        if one.is_file() and one.suffix != ".dpkg-dist"
+    }
+
+
 def slot_problems(root: Path, size_bytes: int = SIZE_BYTES) -> str:
     """Return what is wrong with the release that `current` names; empty: it is whole."""
     current = root / "opt/gpr20/current"

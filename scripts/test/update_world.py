@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -146,13 +145,7 @@ class World:
 
     def data(self):
         """Return the checksum of every file of the configuration and of the surveys."""
-        return {
-            str(one.relative_to(self.root)): hashlib.sha256(one.read_bytes()).hexdigest()
-            for folder in ("etc/gpr20", "var/lib/gpr20")
-            for one in sorted((self.root / folder).rglob("*"))
-            # What a new version would like to have; it is not used.
-            if one.is_file() and one.suffix != ".dpkg-dist"
-        }
+        return update_kit.data_of(self.root)
 
     def show_process(self, number):
         """Let the computer have a process of this one."""
