@@ -64,7 +64,10 @@ inside() {
 
 # expect WHAT COMMAND: a command of the booted system that must succeed.
 expect() {
-    inside "$2" >>"$log" 2>&1 || fail "$1: '$2' failed; see $log"
+    inside "$2" >>"$log" 2>&1 || {
+        inside "journalctl --no-pager -n 40 -u 'gpr20*'" >>"$log" 2>&1 || true
+        fail "$1: '$2' failed; see $log"
+    }
     say "$1"
 }
 
@@ -189,8 +192,8 @@ survey "a survey after the cut"
 
 # role ROLE ROBOT SERVER ADMIN
 role() {
-    inside "sed -i 's/^GPR20_ROLE=.*/GPR20_ROLE=$1/; s/^GPR20_ROBOT=.*/GPR20_ROBOT=$2/
-        s/^GPR20_SERVER=.*/GPR20_SERVER=$3/; s/^GPR20_ADMIN=.*/GPR20_ADMIN=$4/' \
+    inside "sed -i 's/^GPR20_ROLE=.*/GPR20_ROLE=$1/; s/^GPR20_ROBOT=.*/GPR20_ROBOT=${2-}/
+        s/^GPR20_SERVER=.*/GPR20_SERVER=${3-}/; s/^GPR20_ADMIN=.*/GPR20_ADMIN=${4-}/' \
         /etc/gpr20/robot.conf; systemctl stop gpr20"
 }
 
