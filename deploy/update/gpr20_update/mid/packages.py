@@ -202,7 +202,7 @@ class Packages:
     def use_slot(self, version: str) -> None:
         """Let services and commands use a release that is in a slot at once, if it is.
 
-        dpkg alone would leave a mix: after 8 of 30 power cuts (docs/evidence/bare_debian.md).
+        It need not wait for dpkg, nor for a package that can be read.
         """
         for slot in sorted(self._paths.slots.glob("?")) if self.slot_version() != version else ():
             file = slot / "release"
