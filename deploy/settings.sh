@@ -1,9 +1,9 @@
-# Sourced by gpr20-run and by the firewall, in any shell: the one reading of /etc/gpr20/environment.
+# Sourced by gpr20-run and by the firewall, in any shell: the one reading of /etc/gpr20/robot.conf.
 # A line that cannot be understood is refused: a setting that is left out silently could move the
 # real robot instead of the simulated one, or leave the firewall away.
 # shellcheck shell=sh
 
-GPR20_SETTINGS="ROBOT SERVER ADMIN FIREWALL WEB DATA CONFIG LAUNCH_ARGUMENTS WINDOW_ARGUMENTS"
+GPR20_SETTINGS="ROLE ROBOT SERVER ADMIN FIREWALL WEB DATA CONFIG LAUNCH_ARGUMENTS WINDOW_ARGUMENTS"
 
 # gpr20_read_settings FILE: check the file and export what it sets. What the caller has set already
 # stays. On a mistake: a sentence, and status 1.
@@ -19,6 +19,15 @@ gpr20_read_settings() {
         gpr20_value="$(printf '%s\n' "$gpr20_checked" | sed -n "s/^GPR20_$gpr20_name=//p")"
         export "GPR20_$gpr20_name=$gpr20_value"
     done
+    # A role with the addresses of another one would listen, or be reached, as nobody meant.
+    case "$GPR20_ROLE:${GPR20_ROBOT:+given}:${GPR20_SERVER:+given}" in
+        robot:given:given | server:given:given | both:: | analysis:* | :*) ;;
+        *)
+            echo "GPR20_ROLE is '$GPR20_ROLE' in $1, with the addresses '$GPR20_ROBOT' and" \
+                "'$GPR20_SERVER'; allowed are robot and server with both addresses," \
+                "both and analysis" >&2
+            return 1 ;;
+    esac
 }
 
 # Print NAME=value of each setting, without quotes.

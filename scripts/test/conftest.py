@@ -9,8 +9,7 @@ import update_world
 @pytest.fixture(scope="session")
 def first(tmp_path_factory):
     """A computer with version 1.0, which no test changes."""
-    place = tmp_path_factory.mktemp("update")
-    return update_world.make_world(update_world.make_sticks(place / "made"), place / "first")
+    return update_world.make_world(tmp_path_factory.mktemp("update"))
 
 
 @pytest.fixture

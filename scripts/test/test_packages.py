@@ -1,4 +1,4 @@
-"""The Debian packages: their files, and that the programs that read these accept them."""
+"""The Debian package: its files, and that the programs that read these accept them."""
 
 from __future__ import annotations
 
@@ -25,55 +25,21 @@ CHANGELOG = f"""gpr20 ({VERSION}) stable; urgency=medium
 # What debian/install makes, without building.
 INSTALL = """#!/bin/sh
 mkdir -p "$GPR20_PACKAGE/deploy"
-cp deploy/gpr20-run "$GPR20_PACKAGE/deploy"
+cp deploy/gpr20-run deploy/firewall "$GPR20_PACKAGE/deploy"
 dpkg-parsechangelog -S Version >"$GPR20_PACKAGE/release"
 """
 ADMIN = "192.168.1.0/24"
-UNITS = {
-    "gpr20-robot": ["gpr20-firewall", "gpr20-robot", "gpr20-window"],
-    "gpr20-server": ["gpr20-firewall", "gpr20-server"],
-}
+UNITS = ["gpr20", "gpr20-firewall", "gpr20-update", "gpr20-window"]
 # Programs of other packages that the units start.
-PROGRAMS = ["usr/bin/xinit", "usr/sbin/nft", "usr/bin/Xorg"]
+PROGRAMS = ["usr/bin/xinit", "usr/sbin/nft", "usr/bin/Xorg", "usr/bin/grep"]
 pytestmark = pytest.mark.release
 needs_network = pytest.mark.needs("network namespaces", "firewall")
 
 
-class Packages:
-    """What was built, as .deb files in a folder."""
-
-    def __init__(self, folder):
-        self.folder = folder
-
-    def file(self, name):
-        (found,) = self.folder.glob(f"{name}_{VERSION}_*.deb")
-        return found
-
-    def extract(self, target, *names):
-        """Write the files of packages below a folder, without running their scripts."""
-        # As on an installed system.
-        for name in ("bin", "lib", "sbin"):
-            (target / "usr" / name).mkdir(parents=True, exist_ok=True)
-            (target / name).symlink_to(f"usr/{name}")
-        for name in names:
-            # Not dpkg-deb --extract, which would replace the links by folders.
-            files = subprocess.Popen(
-                ["dpkg-deb", "--fsys-tarfile", str(self.file(name))], stdout=subprocess.PIPE
-            )
-            unpack = ["tar", "--extract", "--keep-directory-symlink", "--directory", str(target)]
-            subprocess.run(unpack, stdin=files.stdout, check=True)
-            assert files.wait() == 0
-
-    def field(self, name, field):
-        return printed_by("dpkg-deb", "--field", self.file(name), field).strip()
-
-    def control(self, name, part):
-        """Return a control file of a package, such as conffiles."""
-        return printed_by("dpkg-deb", "--info", self.file(name), part)
-
-
-def build(folder):
-    """Build the packages of this checkout in a folder."""
+@pytest.fixture(scope="module")
+def package(tmp_path_factory):
+    """The .deb of this checkout."""
+    folder = tmp_path_factory.mktemp("package")
     sources = folder / "gpr20"
     for name in ("debian", "deploy"):
         shutil.copytree(ROOT / name, sources / name)
@@ -83,20 +49,24 @@ def build(folder):
     (sources / "debian/install").write_text(INSTALL)
     options = ["--build=binary", "--no-sign", "--no-check-builddeps"]
     printed_by("dpkg-buildpackage", *options, folder=sources)
-    return Packages(folder)
+    (found,) = folder.glob(f"gpr20_{VERSION}_*.deb")
+    return found
 
 
 @pytest.fixture(scope="module")
-def packages(tmp_path_factory):
-    return build(tmp_path_factory.mktemp("packages"))
-
-
-@pytest.fixture(scope="module", params=UNITS)
-def machine(request, packages, tmp_path_factory):
-    """A folder with the files of one machine: its package, and the folder."""
-    folder = tmp_path_factory.mktemp(request.param)
-    packages.extract(folder, "gpr20-software", "gpr20-common", request.param)
-    return request.param, folder
+def machine(package, tmp_path_factory):
+    """A folder with the files of the package, whose scripts have not run."""
+    folder = tmp_path_factory.mktemp("machine")
+    # As on an installed system.
+    for name in ("bin", "lib", "sbin"):
+        (folder / "usr" / name).mkdir(parents=True, exist_ok=True)
+        (folder / name).symlink_to(f"usr/{name}")
+    # Not dpkg-deb --extract, which would replace the links by folders.
+    files = subprocess.Popen(["dpkg-deb", "--fsys-tarfile", str(package)], stdout=subprocess.PIPE)
+    unpack = ["tar", "--extract", "--keep-directory-symlink", "--directory", str(folder)]
+    subprocess.run(unpack, stdin=files.stdout, check=True)
+    assert files.wait() == 0
+    return folder
 
 
 def program(name):
@@ -107,83 +77,78 @@ def program(name):
     return found
 
 
-def test_the_packages_need_what_a_developer_installs_to_run_the_robot(packages):
+def test_the_package_needs_what_a_developer_installs_to_run_the_robot(package):
     setup = (ROOT / "scripts/setup.sh").read_text("utf-8")
     (listed,) = re.findall(r"^ROS_PACKAGES=\((.*?)^\)", setup, re.M | re.S)
     needed = {one.split(":")[0] for one in listed.split()}
     # They build and test it.
     needed -= {"catkin", "ros-base-dev", "python3-rostest"}
-    depends = re.split(r"[, ]+", packages.field("gpr20-common", "Depends"))
-    assert needed - set(depends) == set()
+    field = printed_by("dpkg-deb", "--field", package, "Depends")
+    assert needed - set(re.split(r"[, ]+", field)) == set()
+    assert {"xinit", "openbox"} & set(re.split(r"[, ]+", field)) == set()
 
 
-@pytest.mark.parametrize("name", UNITS)
-def test_every_service_starts_at_boot_and_none_at_installation(packages, name):
-    for owner in (name, "gpr20-common"):
-        script = packages.control(owner, "postinst")
-        assert "deb-systemd-invoke" not in script
-    for unit in UNITS[name]:
-        owner = "gpr20-common" if unit == "gpr20-firewall" else name
-        assert f"deb-systemd-helper enable '{unit}.service'" in packages.control(owner, "postinst")
+def test_every_service_starts_at_boot_and_none_at_installation(package):
+    script = printed_by("dpkg-deb", "--info", package, "postinst")
+    assert "deb-systemd-invoke" not in script
+    for unit in UNITS:
+        assert f"deb-systemd-helper enable '{unit}.service'" in script
 
 
-def test_systemd_accepts_every_unit_with_its_shared_part(machine):
+def test_systemd_accepts_every_unit(machine):
     analyze = program("systemd-analyze")
-    name, folder = machine
     for path in PROGRAMS:
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(shutil.which("true"), folder / path)
-    (folder / "opt/gpr20/current").symlink_to("unpacked")
+        (machine / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(shutil.which("true"), machine / path)
+    (machine / "opt/gpr20/current").symlink_to("unpacked")
     for target in Path("/usr/lib/systemd/system").glob("*.target"):
-        shutil.copy(target, folder / "usr/lib/systemd/system")
-    units = [folder / f"usr/lib/systemd/system/{unit}.service" for unit in UNITS[name]]
-    printed = printed_by(analyze, "verify", "--man=no", f"--root={folder}", *units)
-    own = [line for line in printed.splitlines() if "gpr20" in line]
-    assert own == [], printed
-    shared = folder / f"usr/lib/systemd/system/{name}.service.d/service.conf"
-    text = shared.read_text("utf-8")
-    shared.write_text(text.replace("KillMode=", "KillMood="))
-    assert "KillMood" in printed_by(analyze, "verify", "--man=no", f"--root={folder}", *units)
+        shutil.copy(target, machine / "usr/lib/systemd/system")
+    units = [machine / f"usr/lib/systemd/system/{unit}.service" for unit in UNITS]
+    verify = (analyze, "verify", "--man=no", f"--root={machine}", *units)
+    printed = printed_by(*verify)
+    assert [line for line in printed.splitlines() if "gpr20" in line] == [], printed
+    text = units[0].read_text("utf-8")
+    units[0].write_text(text.replace("KillMode=", "KillMood="))
+    assert "KillMood" in printed_by(*verify)
 
 
 def test_the_user_of_the_services_has_their_folders_and_devices(machine):
     sysusers, tmpfiles = program("systemd-sysusers"), program("systemd-tmpfiles")
-    name, folder = machine
-    (folder / "etc/group").write_text("root:x:0:\nvideo:x:44:\n")
-    own = sorted((folder / "usr/lib/sysusers.d").glob("gpr20-*.conf"))
-    printed_by(sysusers, f"--root={folder}", *own)
-    assert "gpr20:" in (folder / "etc/passwd").read_text()
-    groups = dict(re.findall(r"^(\w+):.*:(.*)$", (folder / "etc/group").read_text(), re.M))
+    (machine / "etc/group").write_text("root:x:0:\nvideo:x:44:\n")
+    printed_by(sysusers, f"--root={machine}", machine / "usr/lib/sysusers.d/gpr20.conf")
+    assert "gpr20:" in (machine / "etc/passwd").read_text()
+    groups = dict(re.findall(r"^(\w+):.*:(.*)$", (machine / "etc/group").read_text(), re.M))
     members = {group for group, users in groups.items() if users == "gpr20"}
-    assert members == ({"gpio", "spi", "video"} if name == "gpr20-robot" else set())
-    printed_by(tmpfiles, f"--root={folder}", "--create", "gpr20-common.conf")
+    assert members == {"gpio", "spi", "video"}
+    printed_by(tmpfiles, f"--root={machine}", "--create", "gpr20.conf")
     for path in ("var/log/gpr20", "var/lib/gpr20/surveys"):
-        assert (folder / path).stat().st_uid != 0
+        assert (machine / path).stat().st_uid != 0
 
 
-def test_the_axes_get_the_real_time_priority_that_they_ask_for():
-    assert unit_values("gpr20-robot", "LimitRTPRIO") == [str(PULSE_PRIORITY)]
-    assert unit_values("gpr20-robot", "LimitMEMLOCK") == ["infinity"]
-    limits = (ROOT / "deploy/common/etc/security/limits.d/gpr20.conf").read_text("utf-8")
-    assert f"@gpr20 - rtprio {PULSE_PRIORITY}\n@gpr20 - memlock unlimited\n" in limits
-
-
-@pytest.mark.parametrize("unit", UNITS)
-def test_services_run_without_root_and_end_as_by_ctrl_c(unit):
-    assert unit_values(unit, "User") == ["gpr20"]
-    assert unit_values(unit, "CapabilityBoundingSet") == [""]
-    assert unit_values(unit, "NoNewPrivileges") == ["yes"]
-    assert unit_values(unit, "Restart") == ["always"]
-    assert unit_values(unit, "KillMode") == ["mixed"]
-    assert unit_values(unit, "KillSignal") == ["SIGINT"]
-    assert unit_values(unit, "Requires") == ["gpr20-firewall.service"]
+def test_the_service_has_real_time_and_no_root_and_ends_as_by_ctrl_c():
+    wanted = {
+        "LimitRTPRIO": str(PULSE_PRIORITY),
+        "LimitMEMLOCK": "infinity",
+        "User": "gpr20",
+        "CapabilityBoundingSet": "",
+        "NoNewPrivileges": "yes",
+        "Restart": "always",
+        "KillMode": "mixed",
+        "KillSignal": "SIGINT",
+        "Requires": "gpr20-firewall.service",
+    }
+    assert {key: unit_values("gpr20", key) for key in wanted} == {
+        key: [value] for key, value in wanted.items()
+    }
     # roslaunch kills a node after 17 s.
-    assert int(*unit_values(unit, "TimeoutStopSec")) > 60
+    assert int(*unit_values("gpr20", "TimeoutStopSec")) > 60
+    limits = (ROOT / "deploy/root/etc/security/limits.d/gpr20.conf").read_text("utf-8")
+    assert f"@gpr20 - rtprio {PULSE_PRIORITY}\n@gpr20 - memlock unlimited\n" in limits
 
 
 def test_logrotate_accepts_its_file(tmp_path):
     logrotate = program("logrotate")
-    text = (ROOT / "debian/gpr20-common.logrotate").read_text("utf-8")
+    text = (ROOT / "debian/gpr20.logrotate").read_text("utf-8")
     logs = tmp_path / "log/run"
     logs.mkdir(parents=True)
     log = logs / "node.log"
@@ -199,7 +164,7 @@ def test_logrotate_accepts_its_file(tmp_path):
     assert (logs / "node.log.1.gz").stat().st_size < 2**16
 
 
-FIREWALL = ROOT / "deploy/common/usr/lib/gpr20/firewall"
+FIREWALL = ROOT / "deploy/firewall"
 
 
 @pytest.fixture
@@ -207,15 +172,15 @@ def environment(tmp_path):
     """Write the settings of a machine; return the variables that name them."""
 
     def write(**changed):
-        values = dict(GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, GPR20_ADMIN=ADMIN)
+        values = dict(GPR20_ROLE="robot", GPR20_ROBOT=ROBOT, GPR20_SERVER=SERVER, GPR20_ADMIN=ADMIN)
         values.update(changed)
-        text = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
+        text = (ROOT / "deploy/root/etc/gpr20/robot.conf").read_text("utf-8")
         for name, value in values.items():
             text, count = re.subn(rf"^{name}=.*$", f"{name}={value}", text, flags=re.M)
             assert count == 1
-        file = tmp_path / "environment"
+        file = tmp_path / "robot.conf"
         file.write_text(text)
-        return {"GPR20_ENVIRONMENT": str(file), "GPR20_DEPLOY": str(ROOT / "deploy")}
+        return {"GPR20_ENVIRONMENT": str(file)}
 
     return write
 
@@ -227,29 +192,34 @@ def rules_after(*commands, **variables):
 
 
 @needs_network
-def test_the_firewall_has_the_rules_of_the_page(environment):
+def test_the_firewall_has_the_rules_of_the_page(environment, tmp_path):
     program("nft")
     settings = environment()
     own = rules_after(*firewall_commands(), remote_shell_rule(ADMIN))
     load = f"{FIREWALL} load"
     assert rules_after(load, **settings) == own
+    # As lines of a file too.
+    lines = [line.replace("nft ", "", 1).replace("'", "") for line in firewall_commands()]
+    lines.append(remote_shell_rule(ADMIN).replace("nft ", "", 1))
+    (tmp_path / "nftables.conf").write_text("\n".join(["flush ruleset", *lines]) + "\n")
+    assert rules_after("nft add table inet other", f"nft -f {tmp_path}/nftables.conf") == own
     # Loaded again, they replace themselves; unloaded, nothing is left.
     assert rules_after(load, load, **settings) == own
     assert rules_after(load, f"{FIREWALL} unload", **settings) == ""
     others = rules_after("nft add table inet other")
     assert others in rules_after("nft add table inet other", load, **settings)
     # What nftables does leaves them: its start, reload and stop empty the ruleset first.
-    unit = (ROOT / "deploy/common/lib/systemd/system/nftables.service.d/gpr20.conf").read_text()
+    unit = (ROOT / "deploy/root/lib/systemd/system/nftables.service.d/gpr20.conf").read_text()
     for key in ("ExecStartPost", "ExecReload", "ExecStopPost"):
-        assert f"{key}=/usr/lib/gpr20/firewall load\n" in unit
+        assert f"{key}=/opt/gpr20/current/deploy/firewall load\n" in unit
     assert rules_after(load, "nft flush ruleset", load, **settings) == own
-    # There are none without a link, or switched off.
-    for changed in ({"GPR20_FIREWALL": "off"}, {"GPR20_ROBOT": "", "GPR20_SERVER": ""}):
+    # There are none without a link or a role, or switched off.
+    for changed in ({"GPR20_FIREWALL": "off"}, ONE_MACHINE, {"GPR20_ROLE": ""}):
         assert rules_after(load, **environment(**changed)) == ""
 
 
 NETWORKS = f"{ADMIN} 10.9.8.7"
-ONE_MACHINE = {"GPR20_ROBOT": "", "GPR20_SERVER": "", "GPR20_ADMIN": ""}
+ONE_MACHINE = {"GPR20_ROLE": "both", "GPR20_ROBOT": "", "GPR20_SERVER": "", "GPR20_ADMIN": ""}
 
 
 def port_rules(rules, port):
@@ -278,7 +248,8 @@ def test_the_web_page_is_reached_from_its_networks_alone(environment, tmp_path, 
 WRONG = [
     ({"GPR20_ADMIN": ""}, "GPR20_ADMIN is empty"),
     ({"GPR20_ROBOT": "10.20.0.256"}, "GPR20_ROBOT is '10.20.0.256'"),
-    ({"GPR20_SERVER": ""}, "GPR20_SERVER is ''"),
+    ({"GPR20_SERVER": ""}, "robot and server with both addresses"),
+    ({"GPR20_ROLE": "both"}, "GPR20_ROLE is 'both'"),
     ({"GPR20_SERVER": ROBOT}, "must differ"),
     ({"GPR20_ADMIN": "0.0.0.0/0"}, "GPR20_ADMIN is '0.0.0.0/0'"),
     ({"GPR20_ADMIN": "1.2.3.4 accept; drop"}, "GPR20_ADMIN is 'accept;'"),

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import os
+import re
+import shlex
 import subprocess
 
 import pytest
 from case_kit import each_case
-from user_shell import ROOT
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from run_seed import draws
+from user_shell import ROOT, unit_values
 
-SHIPPED = (ROOT / "deploy/common/etc/gpr20/environment").read_text("utf-8")
+SHIPPED = (ROOT / "deploy/root/etc/gpr20/robot.conf").read_text("utf-8")
+BOTH = SHIPPED.replace("GPR20_ROLE=", "GPR20_ROLE=both")
 SIMULATED = "GPR20_LAUNCH_ARGUMENTS=robot:=simulated"
 FAKE = '#!/bin/sh\nprintf "<%s>" "$@"\n'
 
@@ -25,36 +31,79 @@ def machine(tmp_path_factory):
     prefix.write_text(f"export PATH={folder}:$PATH\n")
 
     def run(text, *arguments, **variables):
-        file = folder / "environment"
+        file = folder / "robot.conf"
         file.write_bytes(text.encode())
         own = {name: one for name, one in os.environ.items() if not name.startswith("GPR20_")}
         own.update({"GPR20_ENVIRONMENT": str(file), "GPR20_PREFIX": str(folder), **variables})
-        command = [str(ROOT / "deploy/gpr20-run"), *(arguments or ["robot"])]
+        command = [str(ROOT / "deploy/gpr20-run"), *(arguments or ["start"])]
         return subprocess.run(command, env=own, capture_output=True, text=True, check=False)
 
     return run
 
 
-def test_what_is_shipped_runs_the_simulated_robot_and_the_real_one_must_be_named(machine):
-    done = machine(SHIPPED)
+def test_one_machine_runs_the_simulated_robot_and_the_real_one_must_be_named(machine):
+    done = machine(BOTH)
     assert done.stdout == "<gpr20><survey.launch><robot:=simulated><ui:=false>", done.stderr
-    assert "<robot:=gpr20>" in machine(SHIPPED.replace("=robot:=simulated", "=robot:=gpr20")).stdout
-    done = machine(SHIPPED.replace("=robot:=simulated", "="))
+    assert "<robot:=gpr20>" in machine(BOTH.replace("=robot:=simulated", "=robot:=gpr20")).stdout
+    done = machine(BOTH.replace("=robot:=simulated", "="))
     assert done.returncode == 2 and done.stdout == ""
     assert "must name the robot" in done.stderr
 
 
-WEB = SHIPPED.replace("GPR20_WEB=", "GPR20_WEB=192.168.1.0/24")
 TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2", "ROS_IP": "127.0.0.1"}
+# What is started; or why nothing is.
+ROLES = [
+    ("both", {}, "<gpr20><survey.launch>"),
+    ("robot", TWO, "<--wait><gpr20><robot.launch>"),
+    ("server", TWO, "<gpr20><server.launch>"),
+    ("", {}, "GPR20_ROLE is ''"),
+    ("analysis", {}, "GPR20_ROLE is 'analysis'"),
+    ("Robot", TWO, "GPR20_ROLE is 'Robot'"),
+    ("both", TWO, "GPR20_ROLE is 'both'"),
+    ("robot", {}, "both addresses"),
+    ("server", {"GPR20_SERVER": "10.20.0.2"}, "both addresses"),
+]
+
+
+@each_case("role, addresses, wanted", ROLES)
+def test_a_computer_starts_what_its_role_is_and_nothing_without_one(
+    machine, role, addresses, wanted
+):
+    done = machine(SHIPPED, GPR20_ROLE=role, **addresses)
+    assert done.stdout.startswith(wanted) if wanted.startswith("<") else wanted in done.stderr
+    assert (done.returncode == 0) == (done.stdout != "") == wanted.startswith("<")
+
+
+CONDITIONS = [
+    ("GPR20_ROLE=both", "gpr20 gpr20-window"),
+    ('GPR20_ROLE="robot"', "gpr20 gpr20-window"),
+    ("GPR20_ROLE=server", "gpr20"),
+    ("GPR20_ROLE=analysis", ""),
+    ("GPR20_ROLE=", ""),
+    ("#GPR20_ROLE=both", ""),
+]
+
+
+@each_case("line, units", CONDITIONS)
+def test_systemd_starts_the_units_of_the_role(tmp_path, line, units):
+    settings = tmp_path / "robot.conf"
+    settings.write_text(SHIPPED.replace("GPR20_ROLE=", line))
+    started = []
+    for unit in ("gpr20", "gpr20-window"):
+        (condition,) = unit_values(unit, "ExecCondition")
+        command = condition.replace("/etc/gpr20/robot.conf", str(settings))
+        if subprocess.run(shlex.split(command), check=False).returncode == 0:
+            started.append(unit)
+    assert started == units.split()
 
 
 def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine):
-    assert "<web:=true>" in machine(WEB).stdout
-    assert "<web:=true>" in machine(WEB, "server", **TWO).stdout
-    # The robot of a PC waits for its master.
-    assert machine(SHIPPED, **TWO).stdout.startswith("<--wait><gpr20><robot.launch>")
-    for done in (machine(SHIPPED), machine(SHIPPED, "server", **TWO)):
-        assert done.returncode == 0 and "web" not in done.stdout, done.stderr
+    for role, addresses in (("both", {}), ("server", TWO), ("robot", TWO)):
+        for web in ("", "192.168.1.0/24"):
+            text = SHIPPED.replace("GPR20_WEB=", f"GPR20_WEB={web}")
+            done = machine(text, GPR20_ROLE=role, **addresses)
+            assert done.returncode == 0
+            assert ("<web:=true>" in done.stdout) == (web != "" and role != "robot"), done.stdout
 
 
 WRONG = [
@@ -75,7 +124,7 @@ WRONG = [
 
 @each_case("line, reason", WRONG)
 def test_a_line_that_is_not_understood_starts_nothing(machine, line, reason):
-    done = machine(SHIPPED.replace(SIMULATED, line))
+    done = machine(BOTH.replace(SIMULATED, line))
     assert done.returncode == 2 and done.stdout == "", done.stdout
     assert reason in done.stderr
 
@@ -90,3 +139,19 @@ def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path)
         done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / name))
         assert done.returncode == 2 and done.stdout == ""
         assert reason in done.stderr
+
+
+LINES = st.sampled_from(
+    [SIMULATED, *(line for line, _reason in WRONG), "", "# robot:=gpr20", "GPR20_ROBOT="]
+)
+
+
+@settings(max_examples=draws(6))
+@given(st.lists(LINES, max_size=4))
+def test_no_lines_that_never_name_the_real_robot_start_it(machine, lines):
+    done = machine("\n".join(["GPR20_ROLE=both", *lines]))
+    assert "robot:=gpr20" not in done.stdout
+    started = done.stdout != ""
+    assert started == (done.returncode == 0)
+    if started:
+        assert re.findall("<robot:=(.*?)>", done.stdout) == ["simulated"]

@@ -1,10 +1,11 @@
 """gpr20-update: it ends with the old or the new version, never between, and never during a survey.
 
-dpkg is the real one, in a folder; test_update_power_cuts.py does it with apt and power cuts.
+apt and dpkg are the real ones, in a folder; test_update_power_cuts.py does it with power cuts.
 """
 
 from __future__ import annotations
 
+import argparse
 import fcntl
 import json
 import os
@@ -14,6 +15,7 @@ import sys
 
 import pytest
 
+from gpr20_doctor.mid.arguments import add_arguments
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 
@@ -24,7 +26,7 @@ def test_an_update_stays_if_the_doctor_finds_nothing_new(world):
     data = world.data()
     world.doctor("1.0", "vna")
     world.doctor("2.0", "vna")
-    said = world.update(world.sticks / "gpr20-2.0")
+    said = world.update(world.stick("2.0"))
     assert world.version() == "2.0"
     assert world.data() == data
     assert world.services_run()
@@ -43,8 +45,9 @@ def test_what_fails_returns_the_version_before(world, reason):
         (world.root / "doctor-2.0").write_text("Traceback")
     else:
         apt = world.root / "programs/apt-get"
-        apt.write_text(apt.read_text().replace("--install *.deb", "--install gpr20-[cs]*.deb"))
-    said = world.update(world.bundle("2.0"), status=1)
+        text = apt.read_text().replace("exec", 'case "$*" in *--no-download*) exit 1 ;; esac\nexec')
+        apt.write_text(text)
+    said = world.update(world.stick("2.0"), status=1)
     assert (world.version(), world.data()) == ("1.0", data)
     assert world.services_run()
     if reason == "axes is bad":
@@ -63,13 +66,13 @@ def test_with_the_version_before_returns_all_of_its_configuration(world):
     )
     program.write_text(text)
     world.doctor("2.0", "axes")
-    world.update(world.bundle("2.0"), status=1)
+    world.update(world.stick("2.0"), status=1)
     assert (world.version(), world.data()) == ("1.0", data)
     assert os.readlink(robot / "link") == "/srv/robot"
 
 
 def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
-    world.update(world.bundle("2.0"))
+    world.update(world.stick("2.0"))
     (world.root / "etc/gpr20/robot/axes.yaml").write_text("x: 2\n")
     data = world.data()
     world.update("--back")
@@ -77,16 +80,14 @@ def test_back_returns_to_the_version_before_and_keeps_the_configuration(world):
     assert "before 1.0" in world.update("--back", status=2)
 
 
-@pytest.mark.parametrize("other", ["packages", "services", "backup", "outcome", "more"])
-def test_the_version_returned_to_reads_the_journal_of_one_with_other_fields(world, other):
-    world.update(world.bundle("2.0"))
+def test_the_version_returned_to_reads_the_journal_of_one_with_other_fields(world):
+    world.update(world.stick("2.0"))
     world.update("--back")
     (journal,) = (world.root / "var").rglob("journal.json")
     record = json.loads(journal.read_text())
-    known = record.pop(other, None) is not None
-    journal.write_text(json.dumps(record if known else {**record, other: 1}))
-    world.update("--status")
-    world.update(world.bundle("2.0"))
+    journal.write_text(json.dumps({"outcome": record["outcome"], "more": 1}))
+    assert "1.0 is installed again" in world.update("--status")
+    world.update(world.stick("2.0"))
     assert world.version() == "2.0"
 
 
@@ -97,13 +98,16 @@ def events(text):
 @pytest.mark.release
 def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path):
     data = first.data()
-    last = events(first.copy(tmp_path / "whole").update(first.bundle("2.0")))
+    last = events(first.copy(tmp_path / "whole").update(first.stick("2.0")))
     ended = []
     for event in range(1, last + 2):
         world = first.copy(tmp_path / str(event))
-        world.update(world.bundle("2.0"), kill_at=event, status=-9 if event <= last else 0)
+        world.update(world.stick("2.0"), kill_at=event, status=-9 if event <= last else 0)
         world.release()
-        # As at boot.
+        # The return at boot is killed too.
+        if event <= last and "Killed" in world.update("--continue", kill_at=event, status=None):
+            world.release()
+            assert "interrupted" in world.update(world.stick("2.0"), status=2)
         world.update("--continue")
         ended.append(world.version())
         assert world.data() == data, event
@@ -111,27 +115,25 @@ def test_a_kill_at_any_event_ends_in_the_old_or_the_new_version(first, tmp_path)
     assert ended == ["1.0"] * last + ["2.0"]
 
 
-@pytest.mark.release
-def test_a_kill_at_any_event_of_the_return_still_ends_in_the_old_version(first, tmp_path):
-    data = first.data()
-    begun = first.copy(tmp_path / "begun")
-    # In the middle: the packages are installed, the doctor has not judged.
-    begun.update(begun.bundle("2.0"), kill_at=6, status=-9)
-    last = events(begun.copy(tmp_path / "whole").update("--continue"))
-    for event in range(1, last + 1):
-        world = begun.copy(tmp_path / str(event))
-        world.update("--continue", kill_at=event, status=-9)
-        world.release()
-        assert "interrupted" in world.update(world.bundle("2.0"), status=2)
-        world.update("--continue")
-        assert (world.version(), world.data()) == ("1.0", data), event
-    assert last >= 8
+def test_a_return_in_which_dpkg_fails_uses_the_whole_version_before_at_once(world):
+    data = world.data()
+    world.update(world.stick("2.0"), kill_at=6, status=-9)
+    assert world.release() == "2.0"
+    dpkg = world.root / "programs/dpkg"
+    works = dpkg.read_text()
+    dpkg.write_text("#!/bin/sh\nexit 1\n")
+    assert "could not be installed again" in world.update("--continue", status=2)
+    assert (world.release(), world.data()) == ("1.0", data)
+    assert world.services_run()
+    dpkg.write_text(works)
+    world.update("--continue")
+    assert world.version() == "1.0"
 
 
 @pytest.mark.parametrize("name", ["lock", "lock-frontend"])
 def test_what_another_program_installs_ends_before_anything_returns(world, name):
-    world.update(world.bundle("2.0"), kill_at=6, status=-9)
-    assert "installing version 2.0; finish it" in world.update("--status")
+    world.update(world.stick("2.0"), kill_at=6, status=-9)
+    assert "UNFINISHED: from version 1.0 to 2.0" in world.update("--status")
     before = {one: one.read_bytes() for one in (world.root / "var").rglob("*") if one.is_file()}
     hold = f"import fcntl; f = open({str(world.root / 'var/lib/dpkg' / name)!r}, 'ab'); "
     hold += "fcntl.lockf(f, fcntl.LOCK_EX); print(flush=True); input()"
@@ -156,13 +158,17 @@ def test_what_another_program_installs_ends_before_anything_returns(world, name)
 @pytest.mark.parametrize("code", [4, 5, None])
 def test_a_survey_refuses_update_and_return(world, code):
     (world.root / "code").write_text("no answer" if code is None else f"{code}\n---\n")
-    for asked in (world.bundle("2.0"), "--back"):
+    for asked in (world.stick("2.0"), "--back"):
         assert "survey" in world.update(asked, status=2)
     assert world.version() == "1.0"
 
 
-def test_the_states_of_a_survey_are_those_of_the_robot():
+def test_the_states_of_a_survey_and_the_arguments_of_the_doctor_are_those_of_the_robot():
     assert {int(one) for one in RUNNING} == robot.SURVEY_CODES
+    parser = argparse.ArgumentParser("doctor")
+    add_arguments(parser)
+    given = parser.parse_args([*robot.DOCTOR[1:], *robot.WAIT])
+    assert given.json and given.wait == 60.0
 
 
 def test_the_lock_of_a_survey_refuses_whatever_the_nodes_and_the_person_say(world, tmp_path):
@@ -172,11 +178,11 @@ def test_the_lock_of_a_survey_refuses_whatever_the_nodes_and_the_person_say(worl
     descriptor = os.open(tmp_path / "elsewhere", os.O_RDONLY)
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX)
-        said = world.update(world.bundle("2.0"), "--no-survey", status=2)
+        said = world.update(world.stick("2.0"), "--no-survey", status=2)
         assert str(tmp_path / "elsewhere") in said
     finally:
         os.close(descriptor)
-    world.update(world.bundle("2.0"), "--no-survey")
+    world.update(world.stick("2.0"), "--no-survey")
 
 
 def test_a_robot_launched_by_hand_refuses(world, tmp_path):
@@ -187,24 +193,25 @@ def test_a_robot_launched_by_hand_refuses(world, tmp_path):
     ) as launch:
         launch.stdout.readline()
         world.show_process(launch.pid)
-        said = world.update(world.bundle("2.0"), "--no-survey", status=2)
+        said = world.update(world.stick("2.0"), "--no-survey", status=2)
         launch.stdin.close()
     assert str(launch.pid) in said
 
 
-# The maintainer scripts of gpr20-software.
+# The maintainer scripts of the package.
 
+FORCED = ("--force-depends", "--force-confold")
 # Whatever the scripts of the package call.
 CALLED = ("cp", "mv", "ln", "sync", "rm", "mkdir", "readlink")
 
 
 def deb(world, version):
-    return world.bundle(version) / f"gpr20-software_{version}_all.deb"
+    return world.stick(version) / f"gpr20_{version}_all.deb"
 
 
 def install(world, version, **how):
     """Install the software alone, whatever others need."""
-    return world.dpkg("--force-depends", "--install", deb(world, version), **how)
+    return world.dpkg(*FORCED, "--install", deb(world, version), **how)
 
 
 def slots(world):
@@ -215,24 +222,17 @@ def slots(world):
 
 
 @pytest.mark.release
-def test_upgrade_and_downgrade_keep_the_version_before_in_the_other_slot(world):
+def test_the_version_before_stays_in_the_other_slot_and_is_not_replaced_while_it_runs(world):
     assert slots(world) == {"a": "1.0"}
     install(world, "2.0")
     assert (world.release(), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
-    install(world, "1.0")
-    assert (world.release(), slots(world)) == ("1.0", {"a": "1.0", "b": "2.0"})
-
-
-@pytest.mark.release
-def test_a_slot_from_which_something_runs_is_not_replaced(world):
-    install(world, "2.0")
     used = {"PYTHONPATH": f"{world.root}/opt/gpr20/slots/a/lib"}
     with subprocess.Popen(["/bin/cat"], stdin=subprocess.PIPE, env=used) as service:
         assert f"process {service.pid}" in install(world, "1.0", status=1)
         assert (world.release(), slots(world)) == ("2.0", {"a": "1.0", "b": "2.0"})
         service.stdin.close()
     install(world, "1.0")
-    assert world.release() == "1.0"
+    assert (world.release(), slots(world)) == ("1.0", {"a": "1.0", "b": "2.0"})
 
 
 @pytest.mark.release
@@ -249,7 +249,7 @@ def test_a_kill_before_any_command_of_the_scripts_leaves_a_whole_release(first, 
             )
             wrapper.chmod(0o755)
         killed = subprocess.run(
-            ["dpkg", "--force-depends", "--install", deb(world, "2.0")],
+            ["dpkg", *FORCED, "--install", deb(world, "2.0")],
             env=world.environment,
             capture_output=True,
             check=False,
@@ -259,7 +259,7 @@ def test_a_kill_before_any_command_of_the_scripts_leaves_a_whole_release(first, 
             break
         for name in CALLED:
             (world.root / "programs" / name).unlink()
-        world.dpkg("--force-depends", "--configure", "--pending")
+        world.dpkg(*FORCED, "--configure", "--pending")
         if killed.returncode != 0:
             install(world, "2.0")
         assert world.release() == "2.0"

@@ -1,47 +1,45 @@
-"""Small packages of two versions and their signed bundles, for tests of gpr20-update.
+"""Small packages of two versions and their signed sticks, for tests of gpr20-update.
 
-The maintainer scripts of gpr20-software and the program are the real ones.
+The maintainer scripts of the package and the program are the real ones.
 """
 
 from __future__ import annotations
 
 import hashlib
+import os
 import shutil
 import subprocess
-import zipapp
 from pathlib import Path
 from typing import Dict, Iterable, Mapping, Optional
 
 ROOT = Path(__file__).resolve().parents[2]
-NAMES = ("gpr20-software", "gpr20-common", "gpr20-robot")
 SIGNER = "release@gpr20.example"
+# A robot without a network may believe that it is earlier.
+SIGNED_AT = "20380101T000000"
 # Files of a release; enough that a cut hits the middle of them.
 FILES_OF_RELEASE, SIZE_BYTES = 40, 4_000
+UPDATER = {
+    f"deploy/update/{one.relative_to(ROOT / 'deploy/update')}": one.read_bytes()
+    for one in (ROOT / "deploy/update").rglob("*.py")
+}
 
 
-def run(*command: object, cwd: Optional[Path] = None) -> str:
+def run(*command: object, cwd: Optional[Path] = None, **more: str) -> str:
     """Run a program that must succeed; return what it printed."""
     words = list(map(str, command))
-    done = subprocess.run(words, cwd=cwd, capture_output=True, text=True, check=False)
+    environment = {**os.environ, **more}
+    done = subprocess.run(
+        words, cwd=cwd, env=environment, capture_output=True, text=True, check=False
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 
 
-def make_program(target: Path, main: Optional[str] = None) -> None:
-    """Make the program as debian/rules does; with another __main__.py for a test."""
-    source = target.with_name(f"{target.name}_source")
-    shutil.copytree(ROOT / "deploy/update", source, ignore=shutil.ignore_patterns("__pycache__"))
-    if main is not None:
-        (source / "__main__.py").write_text(main, encoding="utf-8")
-    entry = None if main else "gpr20_update.high.command:main"
-    zipapp.create_archive(source, target, "/usr/bin/python3 -I", entry)
-    shutil.rmtree(source)
-
-
 def release_files(version: str, size_bytes: int = SIZE_BYTES) -> Dict[str, bytes]:
-    """Return the files of a release by their path in a slot; no two versions have one alike."""
-    files = {"release": f"{version}\n".encode()}
+    """Return the files of a release by their path in a slot, the program among them."""
+    files = {"release": f"{version}\n".encode(), **UPDATER}
     for number in range(FILES_OF_RELEASE):
+        # No two versions have one alike.
         seed = hashlib.sha256(f"{version} {number}".encode()).digest()
         files[f"lib/folder{number % 3}/file{number}"] = seed * (size_bytes // len(seed))
     return files
@@ -52,9 +50,9 @@ def make_deb(
     name: str,
     version: str,
     files: Mapping[str, bytes],
-    depends: str = "",
     conffiles: Iterable[str] = (),
-    scripts: bool = False,
+    scripts: Iterable[Path] = (),
+    **fields: str,
 ) -> Path:
     """Make one package.
 
@@ -63,15 +61,15 @@ def make_deb(
         name: Its name.
         version: Its version.
         files: What it holds, by path without the first slash.
-        depends: What it needs.
         conffiles: Which of its files are configuration.
-        scripts: Whether it has the maintainer scripts of debian/.
+        scripts: Its maintainer scripts, each with the ending that says which.
+        **fields: Further fields of its description.
     """
     tree = folder / f"tree_{name}"
     (tree / "DEBIAN").mkdir(parents=True)
-    fields = {"Package": name, "Version": version, "Architecture": "all", "Depends": depends}
-    fields.update(Maintainer=SIGNER, Description="for a test", **{"Installed-Size": "100"})
-    lines = [f"{key}: {value}" for key, value in fields.items() if value]
+    fields = {"Package": name, "Version": version, "Architecture": "all", **fields}
+    fields = {"Installed-Size": "100", **fields, "Maintainer": SIGNER, "Description": "for a test"}
+    lines = [f"{key}: {value}" for key, value in fields.items()]
     (tree / "DEBIAN/control").write_text("\n".join(lines) + "\n", encoding="utf-8")
     (tree / "DEBIAN/conffiles").write_text("".join(f"/{one}\n" for one in conffiles))
     for path, data in files.items():
@@ -79,7 +77,7 @@ def make_deb(
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_bytes(data)
         file.chmod(0o755 if "bin/" in path else 0o644)
-    for source in (ROOT / "debian").glob(f"{name}.p*") if scripts else ():
+    for source in scripts:
         script = tree / "DEBIAN" / source.suffix[1:]
         script.write_text(source.read_text("utf-8").replace("#DEBHELPER#", ""), encoding="utf-8")
         script.chmod(0o755)
@@ -89,75 +87,85 @@ def make_deb(
     return deb
 
 
-def make_key(folder: Path, name: str = "key") -> Path:
-    """Make a key that signs releases; return the private file."""
-    run("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", folder / name)
-    return folder / name
+def release_key(place: Path) -> str:
+    """Make a key that signs releases; return the folder of gpg."""
+    (place / "gpg").mkdir(mode=0o700, parents=True)
+    home = str(place / "gpg")
+    gpg(home, "--passphrase", "", "--quick-generate-key", SIGNER, "ed25519", "sign", "never")
+    return home
 
 
-def signers_line(key: Path) -> str:
-    """Return the line that accepts releases of a key."""
-    kind, blob = key.with_name(f"{key.name}.pub").read_text("utf-8").split()[:2]
-    return f'{SIGNER} namespaces="gpr20-release" {kind} {blob}\n'
+def gpg(home: str, *words: object) -> str:
+    """Run gpg in its folder, at a time that is not that of the robot."""
+    try:
+        return run("gpg", "--batch", "--faked-system-time", SIGNED_AT, *words, GNUPGHOME=home)
+    finally:
+        run("gpgconf", "--kill", "all", GNUPGHOME=home)
 
 
-def sign(
-    bundle: Path, key: Path, namespace: str = "gpr20-release", index: Optional[str] = None
-) -> None:
-    """Write index, checksums and signature of a bundle; the index may be a wrong one."""
-    for name in ("Packages", "SHA256SUMS", "SHA256SUMS.sig"):
-        (bundle / name).unlink(missing_ok=True)
-    index = index or run("dpkg-scanpackages", "--multiversion", ".", cwd=bundle)
-    (bundle / "Packages").write_text(index, encoding="utf-8")
-    names = sorted(one.name for one in bundle.iterdir())
-    sums = {one: hashlib.sha256((bundle / one).read_bytes()).hexdigest() for one in names}
-    (bundle / "SHA256SUMS").write_text("".join(f"{sums[one]}  {one}\n" for one in names))
-    run("ssh-keygen", "-q", "-Y", "sign", "-f", key, "-n", namespace, bundle / "SHA256SUMS")
+def sign(stick: Path, home: str) -> None:
+    """Write the index of a stick, and its signature, as scripts/stick.sh does."""
+    (stick / "InRelease").unlink(missing_ok=True)
+    index = run("dpkg-scanpackages", "--multiversion", ".", cwd=stick)
+    (stick / "Packages").write_text(index, encoding="utf-8")
+    digest = hashlib.sha256(index.encode()).hexdigest()
+    text = f"Date: Fri, 01 Jan 2038 00:00:00 UTC\nSHA256:\n {digest} {len(index)} Packages\n"
+    (stick.parent / "Release").write_text(text, encoding="utf-8")
+    gpg(home, "--clearsign", "--output", stick / "InRelease", stick.parent / "Release")
+    (stick / "release_key.asc").write_text(gpg(home, "--armor", "--export"), encoding="utf-8")
+    shutil.copy(ROOT / "deploy/install.sh", stick / "install.sh")
 
 
-def make_bundle(
-    stick: Path,
+def make_stick(
+    sticks: Path,
     version: str,
-    key: Path,
-    program: Path,
+    home: str,
     more: Optional[Mapping[str, bytes]] = None,
     size_bytes: int = SIZE_BYTES,
 ) -> Path:
-    """Make a bundle of one version; return its folder.
+    """Make a stick with one version; return its folder.
 
     Args:
-        stick: The folder in which it is made.
+        sticks: The folder in which it is made.
         version: Its version.
-        key: Who signs it.
-        program: The program gpr20-update of this version.
-        more: Further files of gpr20-common, by path.
+        home: Folder of gpg with the key that signs it.
+        more: Further files of the package, by path.
         size_bytes: Of each file of the release.
     """
-    bundle = stick / f"gpr20-{version}"
-    bundle.mkdir(parents=True)
-    files = release_files(version, size_bytes)
-    release = {f"opt/gpr20/unpacked/{name}": one for name, one in files.items()}
-    make_deb(bundle, "gpr20-software", version, release, scripts=True)
-    common = {
-        "etc/gpr20/environment": f"# {version}\nGPR20_LAUNCH_ARGUMENTS=\n".encode(),
-        "etc/gpr20/release_signers": signers_line(key).encode(),
+    stick = sticks / version
+    stick.mkdir(parents=True)
+    release = release_files(version, size_bytes)
+    program = ROOT / "deploy/root/usr/sbin/gpr20-update"
+    files = {
+        **{f"opt/gpr20/unpacked/{name}": one for name, one in release.items()},
+        "etc/gpr20/robot.conf": f"# {version}\nGPR20_LAUNCH_ARGUMENTS=\n".encode(),
+        "lib/systemd/system/gpr20.service": f"# {version}\n".encode(),
         "usr/sbin/gpr20-update": program.read_bytes(),
         **(more or {}),
     }
-    needs = f"gpr20-software (>= {version}), other-library (>= {version})"
-    conffiles = [name for name in common if name.startswith("etc/")]
-    make_deb(bundle, "gpr20-common", version, common, needs, conffiles)
-    unit = {"lib/systemd/system/gpr20-robot.service": f"# {version}\n".encode()}
-    make_deb(bundle, "gpr20-robot", version, unit, f"gpr20-common (= {version})")
-    make_deb(bundle, "other-library", version, {"usr/lib/other": version.encode()})
-    sign(bundle, key)
-    return bundle
+    scripts = sorted((ROOT / "debian").glob("gpr20.p*"))
+    needs = {"Depends": f"other-library (>= {version})", "Recommends": "not-on-the-stick"}
+    make_deb(stick, "gpr20", version, files, ["etc/gpr20/robot.conf"], scripts, **needs)
+    make_deb(stick, "other-library", version, {"usr/lib/other": version.encode()})
+    sign(stick, home)
+    return stick
+
+
+def data_of(root: Path) -> Dict[str, str]:
+    """Return the checksum of every file of the configuration and of the surveys."""
+    return {
+        str(one.relative_to(root)): hashlib.sha256(one.read_bytes()).hexdigest()
+        for folder in ("etc/gpr20", "var/lib/gpr20")
+        for one in sorted((root / folder).rglob("*"))
+        # What a new version would like to have; it is not used.
+        if one.is_file() and one.suffix != ".dpkg-dist"
+    }
 
 
 def slot_problems(root: Path, size_bytes: int = SIZE_BYTES) -> str:
     """Return what is wrong with the release that `current` names; empty: it is whole."""
     current = root / "opt/gpr20/current"
-    slot = root / "opt/gpr20" / (current.readlink() if current.is_symlink() else "missing")
+    slot = root / "opt/gpr20" / (os.readlink(current) if current.is_symlink() else "missing")
     try:
         version = (slot / "release").read_text("utf-8").strip()
     except OSError as error:

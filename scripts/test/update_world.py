@@ -1,9 +1,7 @@
-"""A folder that is a computer to gpr20-update: real dpkg, everything else played."""
+"""A folder that is a computer to gpr20-update: real apt and dpkg, everything else played."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,40 +9,41 @@ from pathlib import Path
 import update_kit
 from user_shell import printed_by
 
-# The real dpkg, for this folder; the maintainer scripts see it in DPKG_ROOT.
-DPKG = """exec /usr/bin/dpkg --root=$ROOT --force-script-chrootless --force-not-root \\
+from gpr20_common.catalogue import Language, read_catalogue
+from gpr20_common.faults import NOT_RUNNING
+from gpr20_common.message import Message
+from gpr20_doctor.mid.finding import Finding
+from gpr20_doctor.mid.findings import as_json
+
+PROGRAMS = {
+    # The real ones, for this folder; the maintainer scripts see it in DPKG_ROOT.
+    "dpkg": """exec /usr/bin/dpkg --root=$ROOT --force-script-chrootless --force-not-root \\
     --force-unsafe-io --log=/dev/null "$@"
-"""
-# Installs NAME=VERSION from the only source, with what these packages need; a simulation succeeds.
-APT = """for word; do
-    case $word in
-        -oDir::Etc::sourcelist=*) list=${word#*sourcelist=} ;;
-        --simulate | update) exit 0 ;;
-    esac
-done
-cd "$(sed 's/.*file:\\(.*\\) .*/\\1/' "$list")" && exec dpkg --force-confold --install *.deb
-"""
-SYSTEMCTL = """case $1 in
+""",
+    "dpkg-query": 'exec /usr/bin/dpkg-query --admindir=$ROOT/var/lib/dpkg "$@"\n',
+    "apt-get": """exec /usr/bin/apt-get -oDir=$ROOT \\
+    -oDir::State::status=$ROOT/var/lib/dpkg/status -oDir::Bin::dpkg=$ROOT/programs/dpkg \\
+    -oDir::Bin::Methods=/usr/lib/apt/methods "$@"
+""",
+    "apt-cache": """exec /usr/bin/apt-cache -oDir=$ROOT "$@"
+""",
+    "systemctl": """case $1 in
     show) cat $ROOT/active ;;
-    stop) printf 'inactive\\ninactive\\ninactive\\n' >$ROOT/active ;;
-    --no-block) [ $2 != start ] || printf 'active\\nactive\\ninactive\\n' >$ROOT/active ;;
+    stop) printf 'inactive\\ninactive\\n' >$ROOT/active ;;
+    --no-block) [ $2 != start ] || printf 'active\\nactive\\n' >$ROOT/active ;;
 esac
-"""
-# The doctor of a release says what the file doctor-VERSION holds.
-GPR20_RUN = """case $1 in
+""",
+    "runuser": 'shift 3; exec "$@"\n',
+    # The doctor of a release says what the file doctor-VERSION holds.
+    "gpr20-run": """case $1 in
+    config) mkdir -p $ROOT/etc/gpr20/robot; echo signing_key: >$ROOT/etc/gpr20/robot/storage.yaml ;;
     doctor) exec cat $ROOT/doctor-$(cat $ROOT/opt/gpr20/current/release) ;;
     ros) cat $ROOT/code ;;
 esac
-"""
-PROGRAMS = {
-    "dpkg": DPKG,
-    "dpkg-query": 'exec /usr/bin/dpkg-query --admindir=$ROOT/var/lib/dpkg "$@"\n',
-    "apt-get": APT,
-    "systemctl": SYSTEMCTL,
-    "runuser": 'shift 3; exec "$@"\n',
-    "gpr20-run": GPR20_RUN,
+""",
 }
-MAIN = """import os, signal, subprocess
+MAIN = """import os, signal, subprocess, sys
+sys.path.insert(0, PROGRAM)
 from gpr20_update.high.command import main
 from gpr20_update.mid import packages
 
@@ -70,6 +69,15 @@ try:
 finally:
     print("events", events)
 """
+FILES = {
+    "etc/gpr20/robot.conf": "GPR20_LAUNCH_ARGUMENTS=ns:=robot1\n",
+    "etc/gpr20/robot/axes.yaml": "x: 1\n",
+    "etc/gpr20/robot/signing_key": "-----BEGIN OPENSSH PRIVATE KEY-----\n",
+    "var/lib/gpr20/.config/gpr20/plan.yaml": "x_points: 3\n",
+    "var/lib/gpr20/surveys/first/survey.json": "{}",
+    "code": "1\n---\n",
+    "active": "active\nactive\n",
+}
 
 
 @dataclass(frozen=True)
@@ -78,13 +86,13 @@ class World:
 
     Attributes:
         root: What is / of a real computer.
-        sticks: Folder of the bundles.
-        program: The program, with a __main__ that can be killed at any event.
+        sticks: Folder of the sticks.
+        gpg: Folder of the key that signed them.
     """
 
     root: Path
     sticks: Path
-    program: Path
+    gpg: str
 
     @property
     def environment(self):
@@ -92,10 +100,11 @@ class World:
         return {"PATH": path, "ROOT": str(self.root)}
 
     def begin(self, *arguments, kill_at=0, lock_limit_s=60.0):
-        """Begin gpr20-update; return the process."""
+        """Begin gpr20-update, which can be killed at any event; return the process."""
         limits = {"KILL_AT": str(kill_at), "LOCK_LIMIT_S": str(lock_limit_s)}
+        main = MAIN.replace("PROGRAM", repr(str(update_kit.ROOT / "deploy/update")))
         return subprocess.Popen(
-            ["/usr/bin/python3", "-I", str(self.program), *map(str, arguments)],
+            ["/usr/bin/python3", "-IBc", main, *map(str, arguments)],
             env={**self.environment, **limits},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -112,22 +121,15 @@ class World:
     def dpkg(self, *arguments, status=0):
         return printed_by("dpkg", *arguments, status=status, env=self.environment)
 
-    def bundle(self, version):
-        return self.sticks / f"gpr20-{version}"
+    def stick(self, version):
+        return self.sticks / version
 
     def doctor(self, version, *faults):
         """Let the doctor of a version find these faults."""
-        found = [
-            {"check": one, "fault_code": f"{one}.code", "level": "FAULT", "text": f"{one} is bad"}
-            for one in faults
-        ]
-        (self.root / f"doctor-{version}").write_text(json.dumps({"findings": found}))
-
-    def versions(self):
-        """Return state and version of each package."""
-        shown = "${Package}=${db:Status-Status} ${Version}\n"
-        lines = printed_by("dpkg-query", "-W", "-f", shown, env=self.environment).splitlines()
-        return dict(one.split("=") for one in lines)
+        good = Finding.of("disk", Message("The disk has space"))
+        bad = [Finding.of(one, Message("{name} is bad", name=one), NOT_RUNNING) for one in faults]
+        said = as_json((good, *bad), read_catalogue(Language.ENGLISH))
+        (self.root / f"doctor-{version}").write_text(said, encoding="utf-8")
 
     def release(self):
         """Return the version of the release in use, which is whole."""
@@ -136,19 +138,14 @@ class World:
 
     def version(self):
         """Return the one version that everything has; fail if something is between two."""
-        (version,) = {one for name, one in self.versions().items() if name.startswith("gpr20-")}
-        assert version == f"installed {self.release()}"
+        shown = "${db:Status-Status} ${Version}"
+        asked = ("dpkg-query", "-W", "-f", shown, "gpr20")
+        assert printed_by(*asked, env=self.environment) == f"installed {self.release()}"
         return self.release()
 
     def data(self):
         """Return the checksum of every file of the configuration and of the surveys."""
-        return {
-            str(one.relative_to(self.root)): hashlib.sha256(one.read_bytes()).hexdigest()
-            for folder in ("etc/gpr20", "var/lib/gpr20")
-            for one in sorted((self.root / folder).rglob("*"))
-            # What a new version would like to have; it is not used.
-            if one.is_file() and one.suffix != ".dpkg-dist"
-        }
+        return update_kit.data_of(self.root)
 
     def show_process(self, number):
         """Let the computer have a process of this one."""
@@ -156,58 +153,43 @@ class World:
         (self.root / "proc" / str(number)).symlink_to(f"/proc/{number}")
 
     def services_run(self):
-        return (self.root / "active").read_text("utf-8").split()[:2] == ["active", "active"]
+        return (self.root / "active").read_text("utf-8") == FILES["active"]
 
     def copy(self, place):
         """Return another computer in the same state."""
         # With the hard links between slots and what dpkg unpacked.
         printed_by("cp", "--archive", self.root, place)
-        made = World(place, self.sticks, self.program)
-        write_programs(place)
+        made = World(place, self.sticks, self.gpg)
+        made.write_programs()
         return made
 
+    def write_programs(self):
+        for name, text in PROGRAMS.items():
+            file = self.root / "programs" / name
+            file.parent.mkdir(exist_ok=True)
+            file.write_text(f"#!/bin/sh\nROOT={self.root}\n{text}", encoding="utf-8")
+            file.chmod(0o755)
 
-def write_programs(root):
-    for name, text in PROGRAMS.items():
-        file = root / "programs" / name
-        file.parent.mkdir(exist_ok=True)
-        file.write_text(f"#!/bin/sh\nROOT={root}\n{text}", encoding="utf-8")
-        file.chmod(0o755)
 
-
-def make_sticks(place):
-    """Make the program and bundles of the versions 1.0 and 2.0; return both."""
-    place.mkdir()
-    program = place / "gpr20-update"
-    update_kit.make_program(program, MAIN)
-    key = update_kit.make_key(place)
+def make_world(place):
+    """Return a computer on which version 1.0 was installed and is kept."""
+    gpg = update_kit.release_key(place)
+    world = World(place / "first", place / "the sticks", gpg)
     for version in ("1.0", "2.0"):
-        update_kit.make_bundle(place / "sticks", version, key, program)
-    return World(place / "none", place / "sticks", program)
-
-
-def make_world(sticks, root):
-    """Make a computer on which version 1.0 was installed and is kept."""
+        update_kit.make_stick(world.sticks, version, gpg)
     for folder in ("var/lib/dpkg/updates", "var/lib/dpkg/info", "run/systemd/system"):
-        (root / folder).mkdir(parents=True)
-    (root / "var/lib/dpkg/status").touch()
-    write_programs(root)
-    world = World(root, sticks.sticks, sticks.program)
-    world.dpkg("--install", *sorted(world.bundle("1.0").glob("*.deb")))
-    files = {
-        "etc/gpr20/environment": "GPR20_LAUNCH_ARGUMENTS=ns:=robot1\n",
-        "etc/gpr20/robot/axes.yaml": "x: 1\n",
-        "etc/gpr20/robot/signing_key": "-----BEGIN OPENSSH PRIVATE KEY-----\n",
-        "etc/gpr20/robot/signing_key.pub": "ssh-ed25519 AAAA\n",
-        "var/lib/gpr20/.config/gpr20/plan.yaml": "x_points: 3\n",
-        "var/lib/gpr20/surveys/first/survey.json": "{}",
-    }
-    for name, text in files.items():
-        (root / name).parent.mkdir(parents=True, exist_ok=True)
-        (root / name).write_text(text, encoding="utf-8")
+        (world.root / folder).mkdir(parents=True)
+    for folder in ("var/lib/apt", "var/log/apt", "etc/apt/preferences.d", "var/cache/apt"):
+        (world.root / folder).mkdir(parents=True)
+    (world.root / "var/lib/dpkg/status").touch()
+    world.write_programs()
+    world.dpkg("--install", *sorted(world.stick("1.0").glob("*.deb")))
+    for name, text in FILES.items():
+        (world.root / name).parent.mkdir(parents=True, exist_ok=True)
+        (world.root / name).write_text(text, encoding="utf-8")
+    key = (world.stick("1.0") / "release_key.asc").read_bytes()
+    (world.root / "etc/gpr20/release_key.asc").write_bytes(key)
     for version in ("1.0", "2.0"):
         world.doctor(version)
-    (root / "code").write_text("1\n---\n")
-    (root / "active").write_text("active\nactive\ninactive\n")
-    world.update(world.bundle("1.0"))
+    world.update(world.stick("1.0"))
     return world

@@ -66,11 +66,9 @@ def printed_by(*command, status=0, folder=None, **more):
 
 
 def unit_values(name, key):
-    """Return the values of a key of a unit of debian/, with what services share, in their order."""
-    (file,) = (ROOT / "debian").glob(f"*{name}.service")
-    text = file.read_text("utf-8")
-    if name in ("gpr20-robot", "gpr20-server"):
-        text += (ROOT / "deploy/service.conf").read_text("utf-8")
+    """Return the values of a key of a unit of debian/, in their order."""
+    file = "gpr20.service" if name == "gpr20" else f"gpr20.{name}.service"
+    text = (ROOT / "debian" / file).read_text("utf-8")
     return re.findall(rf"^{key}=(.*)$", text.replace("\\\n", " "), re.MULTILINE)
 
 

@@ -21,11 +21,11 @@ NO_SURVEY = "somebody has seen that no survey runs or is paused, although the no
 
 
 def main(root: str = "/") -> NoReturn:
-    """Do what the arguments ask for; exit. The program is one file with this function."""
+    """Do what the arguments ask for; exit."""
     paths = Paths(Path(root))
     parser = argparse.ArgumentParser("gpr20-update", description=__doc__, epilog=EXIT_STATUS)
     what = parser.add_mutually_exclusive_group(required=True)
-    what.add_argument("stick", nargs="?", type=Path, help="folder of the stick, or of its bundle")
+    what.add_argument("stick", nargs="?", type=Path, help="folder of the stick")
     what.add_argument("--back", action="store_true", help="return to the version before")
     what.add_argument("--status", action="store_true", help="what is installed, how it went")
     what.add_argument(

@@ -4,51 +4,35 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Collection, List, Optional
 
-from gpr20_update.low.system import Paths, UpdateError, remove, replace_file
+from gpr20_update.low.system import Paths, UpdateError, replace_file
 from gpr20_update.mid import backup
-from gpr20_update.mid.bundle import SOFTWARE, Bundle, find_bundle, open_bundle
 from gpr20_update.mid.packages import Packages
 from gpr20_update.mid.robot import Robot
 
-FORMER = "the version before"
 ALONE = "waiting until no other program installs packages"
-# Values of Record.step. Before DONE, a power cut returns to the version before.
-INSTALLING, RETURNING, DONE = "installing", "returning", "done"
 
 
 @dataclass(frozen=True)
 class Record:
-    """The journal: what is done next, written durably before it is done.
+    """The journal: what has begun, written durably before it begins.
 
     Attributes:
-        step: What is being done.
         before: The version that returns if this does not end well.
         after: The version that is being installed, or that the return comes from.
-        packages: Names of the packages that were installed before.
         services: The services that ran before.
         backup: Copy of the configuration as it was before; empty: it stays as it is.
-        outcome: How it ended, for people.
+        outcome: How it ended, for people; empty: it has not. A power cut then returns.
     """
 
-    step: str
     before: str = ""
     after: str = ""
-    packages: List[str] = field(default_factory=list)
     services: List[str] = field(default_factory=list)
     backup: str = ""
     outcome: str = ""
-
-    @property
-    def what(self) -> str:
-        """What is being done, for people."""
-        if self.step == RETURNING:
-            return f"returning to version {self.before}"
-        return f"installing version {self.after}"
 
 
 class Updater:
@@ -65,50 +49,44 @@ class Updater:
         self._robot = Robot(paths)
         self._say = say
 
-    def update(self, place: Path, no_survey: bool) -> bool:
-        """Install the bundle on a stick; return whether it stays.
+    def update(self, stick: Path, no_survey: bool) -> bool:
+        """Install the version on a stick; return whether it stays.
 
         Raises:
             UpdateError: It was refused; nothing has changed.
         """
         self._refuse_to_begin(no_survey)
-        stick = open_bundle(find_bundle(place.resolve()), self._paths.signers)
-        self._say(f"{stick.folder}: version {stick.version}, signed by {stick.signer}")
-        installed = self._packages.installed()
-        before = installed[SOFTWARE]
-        if self._packages.is_newer(before, stick.version):
+        before, after = self._packages.installed(), self._packages.offered(stick.resolve())
+        self._say(f"{stick}: version {after}, with a good signature")
+        if self._packages.is_newer(before, after):
             raise UpdateError(
-                f"the bundle has version {stick.version}, which is older than {before}, which is "
-                f"installed; {FORMER} returns with gpr20-update --back"
+                f"the stick has version {after}, which is older than {before}, which is "
+                "installed; the version before returns with gpr20-update --back"
             )
-        if stick.version != before:
-            self._former(before)
+        if after != before:
+            self._packages.check_kept(before)
         self._say("copying and comparing; the stick is needed until the next line")
-        stick.copy(self._paths.kept / stick.version)
-        if stick.version == before:
-            self._say(f"version {before} is installed; its packages are kept, to return to it")
+        self._packages.fetch(after)
+        if after == before:
+            self._say(f"version {before} is installed; its package is kept, to return to it")
             return True
-        bundle, names = self._kept(stick.version), sorted(installed)
-        self._packages.try_install(bundle, names)
         self._say("asking the doctor")
         faults = self._robot.faults()
         if faults is None:
             self._say("the doctor cannot judge now; after the update every FAULT counts as new")
-        kept = self._prepare(before)
+        kept = self._keep_configuration(before)
         # Minutes have passed.
         self._robot.refuse_during_survey(no_survey)
-        services = self._robot.active()
-        record = Record(INSTALLING, before, bundle.version, names, services, str(kept))
-        return self._install(record, bundle, faults or ())
+        return self._install(Record(before, after, self._robot.active(), str(kept)), faults or ())
 
-    def _install(self, record: Record, bundle: Bundle, known: Collection[str]) -> bool:
+    def _install(self, record: Record, known: Collection[str]) -> bool:
         self._say(ALONE)
         with self._packages.alone():
             self._write(record)
         self._say(f"installing version {record.after}; do not switch off")
         try:
             self._robot.stop()
-            self._packages.install(bundle, record.packages)
+            self._packages.install(record.after)
             self._robot.start(record.services)
             self._say("asking the doctor")
             wrong = self._robot.new_faults(known)
@@ -117,10 +95,11 @@ class Updater:
         if wrong:
             self._return(record, "; ".join(wrong))
             return False
-        self._end(record, f"version {record.after} is installed; {FORMER} was {record.before}")
+        ended = f"version {record.after} is installed; the version before was {record.before}"
+        self._end(record, ended)
         if not record.services:
             self._say("no service of the robot ran, so the doctor judged this computer alone")
-        self._prune(record)
+        self._packages.forget(record.before, record.after)
         return True
 
     def back(self, no_survey: bool) -> None:
@@ -130,19 +109,17 @@ class Updater:
             UpdateError: It was refused, or it failed.
         """
         self._refuse_to_begin(no_survey)
-        installed = self._packages.installed()
-        now, newer = installed[SOFTWARE], self._packages.is_newer
-        older = [one for one in self._versions() if newer(now, one)]
+        now, newer = self._packages.installed(), self._packages.is_newer
+        older = [one for one in self._packages.kept() if newer(now, one)]
         if not older:
             raise UpdateError(
-                f"no packages of a version before {now}, which is installed, are kept in "
+                f"no package of a version before {now}, which is installed, is kept in "
                 f"{self._paths.kept}; install the version that you want with apt-get"
             )
         chosen = next(one for one in older if not any(newer(other, one) for other in older))
-        self._former(chosen)
-        self._prepare(now)
-        services = self._robot.active()
-        self._return(Record(RETURNING, chosen, now, sorted(installed), services), "")
+        self._packages.check_kept(chosen)
+        self._keep_configuration(now)
+        self._return(Record(chosen, now, self._robot.active()), "")
         self._say("check that the configuration fits: gpr20-run config check")
 
     def resume(self, no_survey: bool) -> None:
@@ -152,7 +129,7 @@ class Updater:
             UpdateError: It failed, and can be repeated.
         """
         record = self._read()
-        if record is None or record.step == DONE:
+        if record is None or record.outcome:
             self._say("nothing was interrupted")
             return
         self._robot.refuse_during_survey(no_survey)
@@ -164,14 +141,13 @@ class Updater:
         self._say(ALONE)
         with self._packages.alone():
             try:
-                self._write(dataclasses.replace(record, step=RETURNING, outcome=why))
+                self._write(record)
                 self._robot.stop()
                 # At once: whatever the rest meets, a whole release and its configuration are used.
                 self._packages.use_slot(record.before)
                 if record.backup:
                     backup.apply(Path(record.backup), self._paths)
-                begun = sorted((self._paths.kept / record.after).glob("*.deb"))
-                self._packages.put_back(self._kept(record.before), record.packages, begun)
+                self._packages.put_back(record.before)
             finally:
                 self._robot.start(record.services)
         ended = f"version {record.before} is installed again"
@@ -180,12 +156,15 @@ class Updater:
     def status(self) -> None:
         """Say what is used, what is kept and how the last update ended."""
         self._say(f"version in use: {self._packages.slot_version()}")
-        self._say(f"versions whose packages are kept: {', '.join(self._versions()) or 'none'}")
+        self._say(f"versions that are kept: {', '.join(self._packages.kept()) or 'none'}")
         record = self._read()
-        if record is None or record.step == DONE:
+        if record is None or record.outcome:
             self._say(f"last update or return: {record.outcome if record else 'none'}")
         else:
-            self._say(f"UNFINISHED: {record.what}; finish it with gpr20-update --continue")
+            self._say(
+                f"UNFINISHED: from version {record.before} to {record.after}; return with "
+                "gpr20-update --continue"
+            )
 
     def _read(self) -> Optional[Record]:
         """Return the journal; None: nothing was ever begun."""
@@ -197,7 +176,7 @@ class Updater:
         except ValueError as error:
             raise UpdateError(
                 f"{path} is damaged ({error}); the disk may be failing. Install one version of the "
-                "packages with apt-get, then delete the file"
+                "package with apt-get, then delete the file"
             ) from error
         # Another version of this program, which returned to this one, may have other fields.
         known = {one.name for one in dataclasses.fields(Record)}
@@ -207,46 +186,20 @@ class Updater:
         replace_file(self._paths.journal, json.dumps(dataclasses.asdict(record)).encode())
 
     def _end(self, record: Record, outcome: str) -> None:
-        self._write(dataclasses.replace(record, step=DONE, outcome=outcome))
+        self._write(dataclasses.replace(record, outcome=outcome))
         self._say(outcome)
 
     def _refuse_to_begin(self, no_survey: bool) -> None:
         record = self._read()
-        if record is not None and record.step != DONE:
+        if record is not None and not record.outcome:
             raise UpdateError(
-                f"{record.what} was interrupted; between surveys finish it with gpr20-update "
-                "--continue, or restart this computer"
+                f"an update from version {record.before} to {record.after}, or the return, was "
+                "interrupted; between surveys end it with gpr20-update --continue, or restart "
+                "this computer"
             )
         self._robot.refuse_during_survey(no_survey)
 
-    def _versions(self) -> List[str]:
-        return sorted(one.name for one in self._paths.kept.glob("*"))
-
-    def _kept(self, version: str) -> Bundle:
-        return open_bundle(self._paths.kept / version, self._paths.signers)
-
-    def _former(self, version: str) -> None:
-        """Refuse to begin anything from which no way leads back."""
-        if not (self._paths.kept / version).is_dir():
-            raise UpdateError(
-                f"the packages of version {version}, which is installed, are not kept, so there "
-                "would be no way back; run gpr20-update with the bundle of that version first, "
-                "which keeps them and installs nothing"
-            )
-        self._kept(version).check_files()
-
-    def _prepare(self, version: str) -> Path:
-        """Keep the configuration, and this program, which is one file: the update replaces it."""
+    def _keep_configuration(self, version: str) -> Path:
         path = backup.keep(self._paths, version)
         self._say(f"the configuration of before is kept in {path}")
-        replace_file(self._paths.program, Path(sys.argv[0]).read_bytes(), 0o700)
         return path
-
-    def _prune(self, record: Record) -> None:
-        """Delete packages that no return needs: other versions, and what stays installed."""
-        for folder in self._paths.kept.glob("*"):
-            if folder.name not in (record.before, record.after):
-                remove(folder)
-        for file in self._paths.kept.glob("*/*.deb"):
-            if not file.name.startswith("gpr20-"):
-                file.unlink()

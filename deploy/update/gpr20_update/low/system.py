@@ -25,15 +25,17 @@ class Paths:
     def __init__(self, root: Path = Path("/")) -> None:
         self.root = root
         self.state = root / "var/lib/gpr20-update"
-        self.kept = self.state / "packages"
-        """The bundles that are kept, each in a folder named by its version."""
+        self.kept = self.state / "kept"
+        """The package of each version that is kept, and its SHA-256."""
+        self.sources = self.state / "sources.list"
+        self.lists = self.state / "lists"
+        self.archives = self.state / "archives"
+        """What was copied from the stick."""
         self.backups = self.state / "backups"
         self.journal = self.state / "journal.json"
         """gpr20-update.service looks for it too."""
-        self.program = self.state / "gpr20-update"
-        """The copy of this program that finishes what it has begun."""
-        self.settings = root / "etc/gpr20/environment"
-        self.signers = root / "etc/gpr20/release_signers"
+        self.settings = root / "etc/gpr20/robot.conf"
+        self.key = root / "etc/gpr20/release_key.asc"
         self.slots = root / "opt/gpr20/slots"
         self.current = root / "opt/gpr20/current"
         self.processes = root / "proc"
@@ -54,22 +56,19 @@ class Ended(NamedTuple):
         return "; ".join([one for one in lines if one][-4:])
 
 
-def run(
-    *command: str, limit_s: float, more: Optional[Mapping[str, str]] = None, text: str = ""
-) -> Ended:
+def run(*command: str, limit_s: float, more: Optional[Mapping[str, str]] = None) -> Ended:
     """Run a program to its end, in a session of its own: a terminal that is closed cannot end it.
 
     Args:
         *command: The program and its arguments.
         limit_s: How long it may take [s]; it is then killed with what it has started.
         more: Further variables of its environment.
-        text: What it reads.
     """
     # Not pipes, whose end would wait for what it leaves running.
     with _memory("output") as output, _memory("complaints") as complaints:
         ended = subprocess.run(
             ["timeout", "--signal=KILL", str(limit_s), *command],
-            input=text.encode(),
+            stdin=subprocess.DEVNULL,
             stdout=output,
             stderr=complaints,
             env={**os.environ, "LC_ALL": "C.UTF-8", **(more or {})},
@@ -95,12 +94,12 @@ def sync(path: Path) -> None:
         os.close(descriptor)
 
 
-def replace_file(path: Path, data: bytes, mode: int = 0o600) -> None:
+def replace_file(path: Path, data: bytes) -> None:
     """Give a file new content in one step, or leave it as it was; return when it is durable."""
     temporary = path.with_name(f".{path.name}.new")
     with contextlib.suppress(FileNotFoundError):
         temporary.unlink()
-    descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode)
+    descriptor = os.open(str(temporary), os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     with open(descriptor, "wb") as file:
         file.write(data)
         file.flush()

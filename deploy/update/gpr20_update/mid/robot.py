@@ -15,15 +15,17 @@ from gpr20_update.low.system import Paths, UpdateError, run
 USER = "gpr20"
 HOME = "/var/lib/gpr20"
 # In the order in which they are stopped; the window shows what the others do.
-SERVICES = ("gpr20-window", "gpr20-robot", "gpr20-server")
+SERVICES = ("gpr20-window", "gpr20")
 FIREWALL = "gpr20-firewall"
 # Of gpr20_msgs/ControlStatus: checking, homing, surveying, paused, stopping, pausing.
 SURVEY_CODES = frozenset({2, 3, 4, 5, 6, 10})
 FAULT = "FAULT"
 STOP_LIMIT_S = 300.0
 STATE_LIMIT_S = 20.0
+# In the language of the environment, which is English here.
+DOCTOR = ("doctor", "--json")
 # For nodes that start; the doctor continues as soon as each has reported.
-WAIT_S = 60
+WAIT = ("--wait", "60")
 DOCTOR_LIMIT_S = 150.0
 # What is wrong only while the robot starts is not found again.
 LOOKS = 3
@@ -110,8 +112,7 @@ class Robot:
 
     def faults(self) -> Optional[Dict[str, str]]:
         """Return each FAULT that the doctor finds, by check, code and number; None: it cannot."""
-        wait = ("--wait", str(WAIT_S)) if self.active() else ()
-        asked = ("doctor", "--json", "--language", "en", *wait)
+        asked = (*DOCTOR, *(WAIT if self.active() else ()))
         try:
             findings = json.loads(self._run_part(*asked, limit_s=DOCTOR_LIMIT_S))["findings"]
             bad = [one for one in findings if one["level"] == FAULT]
@@ -176,6 +177,6 @@ def _launched_by_hand(processes: Path) -> Optional[int]:
             words = (process / "cmdline").read_bytes().split(b"\0")
             if any(one.endswith(b"/roslaunch") for one in words[:2]):
                 group = (process / "cgroup").read_text(encoding="utf-8", errors="replace")
-                if "/gpr20-" not in group:
+                if "/gpr20" not in group:
                     return int(process.name)
     return None

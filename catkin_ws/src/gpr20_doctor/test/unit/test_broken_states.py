@@ -55,8 +55,8 @@ FILES = {
     "proc/stat": f"btime {int(time.time()) + 1_000_000}\n",
     "dev/spidev0.0": "",
     "dev/gpiomem": "",
-    "lib/systemd/system/gpr20-robot.service": "",
-    "etc/gpr20/environment": "",
+    "lib/systemd/system/gpr20.service": "",
+    "etc/gpr20/robot.conf": "",
     "usr/share/zoneinfo/Europe/Madrid": "",
     "robot/site.yaml": "",
     "throttled": "throttled=0x0",
@@ -242,7 +242,7 @@ STATES = {
         "height_sensor robot.part_lost", "Wait one minute", silent(NodeState.HANGS)
     ),
     "a part of the robot has ended": State(
-        "missing robot.not_running", "systemctl restart gpr20-robot", silent(NodeState.GONE)
+        "missing robot.not_running", "systemctl restart gpr20", silent(NodeState.GONE)
     ),
     "the watchdog was stopped": State(
         *("launch robot.part_lost", "kill -CONT 22"),
@@ -274,7 +274,7 @@ STATES = {
         *swap("problems", f"[{MISTAKE.to_json()}]"),
     ),
     "a Python package is missing": State(
-        *("packages computer.not_set_up", "apt install --reinstall gpr20-robot"),
+        *("packages computer.not_set_up", "apt install --reinstall gpr20"),
         *(has("missing", "mcap"), has("missing", "none")),
     ),
     "the logs are on a read-only disk": State(
@@ -397,7 +397,7 @@ MASTERS = [
     (silent_server, True, False, LOST, "switch off the motors' power"),
     (web_server, False, True, LOST, "switch off the motors' power"),
     (closed_port, False, True, LOST, "switch off the motors' power"),
-    (closed_port, False, False, NOT_RUNNING, "systemctl restart gpr20-robot"),
+    (closed_port, False, False, NOT_RUNNING, "systemctl restart gpr20"),
 ]
 
 

@@ -141,8 +141,12 @@ TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
     [
         (Machine(), "roslaunch gpr20 survey.launch"),
         (Machine(TWO), "roslaunch gpr20 robot.launch, server.launch"),
-        (Machine(service="gpr20-robot"), f"Run: {RESTART}gpr20-robot."),
-        (Machine(TWO, service="gpr20-server"), f"computer: {RESTART}gpr20-robot"),
+        (Machine(service="gpr20"), f"Run: {RESTART}gpr20."),
+        (Machine(TWO, service="gpr20"), f"on both computers: {RESTART}gpr20"),
+        (
+            Machine({"GPR20_ROLE": ""}, service="gpr20"),
+            "GPR20_ROLE into /etc/gpr20/robot.conf",
+        ),
     ],
 )
 def test_an_advice_names_what_is_installed_here(here, command):

@@ -25,10 +25,10 @@ ROOT = Path("/")
 # Of the two computers of a robot.
 ADDRESSES = ("GPR20_ROBOT", "GPR20_SERVER")
 MODEL = "proc/device-tree/model"
-SETTINGS = "etc/gpr20/environment"
+SETTINGS = "etc/gpr20/robot.conf"
 UNITS = ("lib/systemd/system", "usr/lib/systemd/system")
-# With two computers, the one has axes and height sensor, the other the ROS master and the rest.
-ROBOT, SERVER = "gpr20-robot", "gpr20-server"
+# Name of the package too. Which part of a robot it runs, GPR20_ROLE says.
+SERVICE = "gpr20"
 SERVICE_LOGS = "var/log/gpr20"
 
 
@@ -41,7 +41,7 @@ class Machine:
         root: Root of the file system.
         config: Folder of the robot's configuration.
         log: Folder of the logs.
-        settings: File with the settings of the services; None: no packages are installed.
+        settings: File with the settings of the services; None: no package is installed.
         service: Name of the robot's service here; empty: none is installed.
         host: Name of this computer.
         nodes: What the nodes say they are; empty if they do not run.
@@ -74,19 +74,15 @@ class Machine:
         """
         settings = Path(environment.get("GPR20_ENVIRONMENT") or root / SETTINGS)
         # A folder that may not be searched has no such file for this user.
-        units = [
-            name
-            for name in (ROBOT, SERVER)
-            if any(os.path.exists(str(root / one / f"{name}.service")) for one in UNITS)
-        ]
-        logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if units else "")
+        has_unit = any(os.path.exists(str(root / one / f"{SERVICE}.service")) for one in UNITS)
+        logs = environment.get("ROS_LOG_DIR") or (str(root / SERVICE_LOGS) if has_unit else "")
         return cls(
             environment,
             root,
             config=(config or robot_folder(environment)).expanduser().absolute(),
             log=Path(logs or Path(environment.get("ROS_HOME") or "~/.ros") / "log").expanduser(),
             settings=settings if os.path.exists(str(settings)) else None,
-            service=units[0] if units else "",
+            service=SERVICE if has_unit else "",
             host=socket.gethostname(),
             nodes=nodes or {},
             thorough=thorough,
@@ -103,12 +99,16 @@ class Machine:
                 launch=launch,
                 **known,
             )
+        if self.environment.get("GPR20_ROLE") == "":
+            return Message(
+                "{remedy} Nothing starts without a role: write GPR20_ROLE into {settings}, then "
+                "run: sudo systemctl restart gpr20-firewall {service}",
+                settings=self.settings or self.root / SETTINGS,
+                **known,
+            )
         if self.two_computers:
             return Message(
-                "{remedy} Run: sudo systemctl restart {service}, and on the other computer: sudo "
-                "systemctl restart {other}",
-                other=SERVER if self.service == ROBOT else ROBOT,
-                **known,
+                "{remedy} Run on both computers: sudo systemctl restart {service}", **known
             )
         return Message(
             "{remedy} Run: sudo systemctl restart {service}. If it is found again, run: journalctl "

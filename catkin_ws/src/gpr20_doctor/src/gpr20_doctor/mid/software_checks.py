@@ -16,7 +16,7 @@ from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine import SERVER, Machine
+from gpr20_doctor.mid.machine import SERVICE, Machine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
 from gpr20_doctor.mid.robot_facts import RobotFacts
 
@@ -94,8 +94,7 @@ def check_packages(machine: Machine) -> Iterator[Finding]:
     text = Message("Python packages are missing: {names}", names=", ".join(missing))
     advice = Message("Run: scripts/setup.sh")
     if machine.settings:
-        name = machine.service or SERVER
-        advice = Message("Run: sudo apt install --reinstall {package}", package=name)
+        advice = Message("Run: sudo apt install --reinstall {package}", package=SERVICE)
     yield Finding.of("packages", text, NOT_SET_UP, advice=advice)
 
 
