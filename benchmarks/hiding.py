@@ -28,10 +28,15 @@ import xarray as xr
 from recorded_worlds import DISCS, UNIANDES, area, dataset, disc, truths
 from scipy.constants import epsilon_0, speed_of_light
 
-from gpr20_analysis.hiding.search import Detector, HidingOptions, is_found, map_hidden
+from gpr20_analysis.hiding.search import (
+    Detector,
+    HidingOptions,
+    detection_interval,
+    is_found,
+    map_hidden,
+)
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.trial.statistics import detection_interval
 from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hidden_target import target_of

@@ -244,7 +244,7 @@ SAID = {
     "analysis.settings_changed": "from trace 40 on another VNA measured: B",
     "analysis.clock": "times may be wrong: the clock was set back by 60 s",
 }
-EXPORTS = ("netcdf", "csv", "segy", "touchstone", "ros2")
+EXPORTS = ("netcdf", "csv", "ros2")
 
 
 def doubt(processing):
@@ -257,8 +257,7 @@ def doubt(processing):
 def content_of(path):
     """Return all that the files of an export hold, in small letters."""
     found = [one for one in (path, *path.rglob("*")) if one.is_file()]
-    coding = "cp500" if path.suffix == ".sgy" else "latin-1"
-    return b"".join(one.read_bytes() for one in found).decode(coding).lower()
+    return b"".join(one.read_bytes() for one in found).decode("latin-1").lower()
 
 
 def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, monkeypatch):
@@ -285,7 +284,6 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
         said[f"export to {form}"] = capsys.readouterr().err
     assert main(["export", str(folder), "--format", "bag"]) == 0
     said["export to bag"] = capsys.readouterr().err
-    exported["segy"] = tmp_path / "segy_000.sgy"
     for form, path in exported.items():
         words = [*(of_mcap if form == "ros2" else SAID), "simulated"]
         assert [one for one in words if one not in content_of(path)] == [], form

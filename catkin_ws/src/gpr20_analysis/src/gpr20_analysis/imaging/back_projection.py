@@ -13,8 +13,14 @@ from typing import Any, Tuple
 import numpy as np
 
 from gpr20_analysis.errors import MissingLibraryError, library_missing
-from gpr20_analysis.imaging.a_scans import gated_a_scans
-from gpr20_analysis.imaging.records import Focus, Ground, Traces, antenna_offset_m, reach
+from gpr20_analysis.imaging.records import (
+    Focus,
+    Ground,
+    Traces,
+    antenna_offset_m,
+    gated_a_scans,
+    reach,
+)
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S

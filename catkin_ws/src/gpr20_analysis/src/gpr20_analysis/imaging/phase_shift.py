@@ -22,8 +22,7 @@ from numpy.polynomial.chebyshev import chebpts1
 
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.a_scans import weighted_gate
-from gpr20_analysis.imaging.records import Focus, Traces, reach
+from gpr20_analysis.imaging.records import Focus, Traces, reach, weighted_gate
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message

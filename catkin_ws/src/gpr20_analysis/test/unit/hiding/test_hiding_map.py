@@ -16,8 +16,7 @@ from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, echo_of
 from gpr20_analysis.hiding.search import Detector, HidingOptions, is_found, map_hidden
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
