@@ -41,7 +41,7 @@ from scipy.stats import chi2
 
 from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.search import detection_interval
+from gpr20_analysis.hiding.search import ABOVE_M, BELOW_M, NEAR_M, detection_interval
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.imaging.permittivity import BuriedReference, permittivity_range
@@ -49,7 +49,6 @@ from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.results.candidates import Candidate, CandidateList
 
-NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
 BAR_M = 0.015
 SEPARATION_M = 0.06
 SHALLOWEST_M = 0.02
