@@ -154,7 +154,7 @@ def test_a_plug_that_comes_loose_pauses_the_survey_at_its_first_stop(world):
         visits = [one.values for one in records if one.kind == Kind.DRIFT.value]
         flags = [(one["exceeded"], one["accepted"]) for one in visits]
         assert flags[:2] == [(True, False), (False, True)]
-        assert all(abs(one["gain_db"] + 3.1) < 0.2 for one in visits[-1]["rotations"])
+        assert all(abs(one["amplitude_rms_db"] - 3.1) < 0.2 for one in visits[-1]["rotations"])
 
 
 # What people and other programs do.
