@@ -31,10 +31,9 @@ from scipy.constants import epsilon_0, speed_of_light
 from gpr20_analysis.hiding import search as hiding
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.hidden_target import target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 SEPARATION_M = 0.06
 TARGETS = tuple(dict.fromkeys(one["target"] for one in truths(DISCS)))

@@ -13,9 +13,8 @@ import numpy as np
 
 from gpr20_survey.axes.axis_id import AXES, ZeroEpoch
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace import AuxValue, Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 STARTED_US = 1_790_000_000_123_456

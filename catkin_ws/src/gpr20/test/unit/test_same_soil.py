@@ -41,9 +41,9 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey
 from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
+from gpr20_survey.plan.recorded_plan import UNPROVEN
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.plan.zero_history import UNPROVEN
 from gpr20_survey.results.candidates import list_from
 from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_viewer.session import ViewSession

@@ -26,7 +26,7 @@ from gpr20_operator.robot.events import Progress, Request
 from gpr20_operator.words import local_time
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import EMPTY, Annotation
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 PARAMETERS = default_parameters()

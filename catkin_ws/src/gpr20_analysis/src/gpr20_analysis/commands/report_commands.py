@@ -26,8 +26,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.results.hidden_target import Targets, target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Targets, target_of
 
 STANDARD = HidingOptions()
 

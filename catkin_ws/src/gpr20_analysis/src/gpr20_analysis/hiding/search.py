@@ -32,8 +32,7 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.results.candidates import Candidate, CandidateList
-from gpr20_survey.results.hidden_target import Target
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Target
 
 # A candidate is the target if it is so near to it: across its rim, above its top, below its bottom.
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06

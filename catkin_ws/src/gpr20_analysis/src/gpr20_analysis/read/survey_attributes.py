@@ -26,9 +26,9 @@ from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS, present_markers
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.results.candidates import AreaPosition
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import AuxValue
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -22,7 +22,7 @@ from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.results.hidden_target import Target, Targets
+from gpr20_survey.results.hiding_map import Target, Targets
 
 SMALL = HidingOptions((0.03, 0.15), rounds=2, loss_tangent=0.0)
 FEW_MM = np.linspace(60.0, 420.0, 11)

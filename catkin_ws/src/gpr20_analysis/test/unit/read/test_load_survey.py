@@ -23,8 +23,8 @@ from gpr20_analysis.report.summary import summarize
 from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import AuxValue
 
 ALL = len(POINTS)
 SETTINGS = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}

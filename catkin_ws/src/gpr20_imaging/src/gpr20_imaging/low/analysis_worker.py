@@ -7,8 +7,7 @@ from typing import Any, Optional
 
 import gpr20_analysis
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_survey.results.hidden_target import target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 message_of = gpr20_analysis.message_of
 

@@ -19,8 +19,8 @@ from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import CLOCK_WRONG, OTHER_ZEROS
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, message_record
+from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
-from gpr20_survey.plan.zero_history import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
