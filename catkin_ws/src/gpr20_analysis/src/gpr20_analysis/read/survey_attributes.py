@@ -16,8 +16,6 @@ from gpr20_analysis.dataset import (
     POLARIZATION,
     PROCESSING,
     SAMPLE_DIMS,
-    SIMULATED,
-    is_simulated,
 )
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
 from gpr20_common.errors import InvalidValueError
@@ -87,8 +85,6 @@ def imported_entry(data: xr.Dataset) -> Dict[str, Any]:
     """Return what the log of an imported survey keeps, as values of JSON."""
     found: Dict[str, Any] = {one: str(data.attrs[one]) for one in KEPT_TEXTS if one in data.attrs}
     found.update({one: float(data.attrs[one]) for one in KEPT_NUMBERS if one in data.attrs})
-    if SIMULATED in data.attrs:
-        found[SIMULATED] = is_simulated(data)
     doubts = kept_doubts(sentences_of(data, DOUBTS))
     if doubts:
         found[DOUBTS] = "\n".join(doubts)
@@ -107,8 +103,6 @@ def imported_attributes(entry: Mapping[str, Any]) -> Dict[str, Any]:
         value = entry.get(one)
         if isinstance(value, (int, float)) and np.isfinite(value):
             found[one] = float(value)
-    if isinstance(entry.get(SIMULATED), (bool, int)):
-        found[SIMULATED] = int(bool(entry[SIMULATED]))
     return found
 
 

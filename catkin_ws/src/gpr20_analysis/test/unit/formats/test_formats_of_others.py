@@ -28,6 +28,7 @@ def export(source, output, kind, *more):
 def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
     assert export(folder, tmp_path / "t.csv", "csv") == 0
     table = pd.read_csv(tmp_path / "t.csv", float_precision="round_trip")
+    assert table["simulated"].tolist() == [1] * ALL
     row = table[table["index"] == 7].iloc[0]
     own = survey.s21.values[survey["index"].values == 7][0]
     assert row["real_600000000.0_hz"] == own[0].real

@@ -30,11 +30,13 @@ from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
+from gpr20_analysis.sentences import with_doubts
 from gpr20_common.message import Message
 from gpr20_survey.files.file_sums import sum_of_file
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 NOTE = Message("the record was {length} long", length="8 ns")
+DOUBT = Message("levels may be wrong").with_fault(faults.CALIBRATION)
 CHILD = """
 import sys
 from pathlib import Path
@@ -79,6 +81,7 @@ def imported_surveys(draw):
         times_us = 1_600_000_000_000_000 + random.integers(0, 10**9, shape)
         times = np.where(missing, np.datetime64("NaT", "us"), times_us.astype("datetime64[us]"))
         survey["timestamp"] = (survey["timestamp"].dims, times.astype("datetime64[ns]"))
+    survey = with_doubts(survey, DOUBT)
     return survey.assign_attrs(site="Facatativá", antenna_delay_s=1.5e-9, processing="[]")
 
 
@@ -96,6 +99,7 @@ def test_random_data_come_back_as_they_were(survey, tmp_path_factory):
         np.testing.assert_array_equal(found[QUALITY].values, survey[QUALITY].values)
         assert found.attrs["missing"] == survey.attrs["missing"]
         assert found.attrs["notes"] == [str(NOTE)]
+        assert str(DOUBT) in found.attrs["doubts"]
         for name in ("simulated", "site", "processing", "antenna_delay_s"):
             assert found.attrs.get(name) == survey.attrs.get(name)
         assert "planned" not in found.attrs
