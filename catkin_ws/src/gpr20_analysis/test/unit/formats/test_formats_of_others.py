@@ -2,9 +2,12 @@
 
 import pandas as pd
 import pytest
+from random_surveys import random_survey
 from survey_kit import POINTS, make_survey
 
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.dataset import usable
+from gpr20_analysis.formats.exports import export_survey
 from gpr20_analysis.read.load import load_survey
 
 ALL = len(POINTS)
@@ -33,3 +36,13 @@ def test_pandas_reads_the_plain_table(survey, folder, tmp_path):
     own = survey.s21.values[survey["index"].values == 7][0]
     assert row["real_600000000.0_hz"] == own[0].real
     assert row["imag_6000000000.0_hz"] == own[-1].imag
+
+
+def test_a_table_has_a_line_for_each_sample_with_data_and_no_other(tmp_path):
+    for seed in range(3):
+        survey = random_survey(seed)
+        said = export_survey(survey, tmp_path / f"{seed}.csv", "csv")
+        table = pd.read_csv(tmp_path / f"{seed}.csv")
+        own = survey["index"].values[usable(survey).values]
+        assert sorted(table["index"]) == sorted(own)
+        assert str(said) == f"{own.size} samples"

@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from cut_off_surveys import stored_trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,10 +16,12 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.measured_again import (
+    DriftLimits,
     KnownPoint,
     Repeated,
     drift_between,
     known_traces,
+    s21_of,
 )
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
@@ -168,6 +171,16 @@ def test_each_drift_that_is_too_large_pauses_and_is_accepted_as_it_is_after_resu
     drifts_db = [one["rotations"][1]["amplitude_rms_db"] for one in visits(visiting)]
     gains = (1.5, 1.5, *[0.75] * (len(rest) + 2))
     assert drifts_db == pytest.approx([abs(20.0 * math.log10(one)) for one in gains], abs=0.01)
+
+
+@each_case("share, asks", [(0.9, False), (1.1, True)])
+def test_a_drift_of_the_phase_alone_asks_the_operator_too(share, asks):
+    settings = SurveySettings(0.0)
+    (stored,) = traces_at([1])
+    turned = s21_of(stored) * np.exp(1j * np.radians(share * settings.drift_limit_deg))
+    (again,) = traces_at([1], s21_real=turned.real, s21_imag=turned.imag)
+    visit = DriftLimits(settings).visit([Repeated(stored, (again, again))], 5, "")
+    assert (visit.exceeded is not None) is asks
 
 
 def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
