@@ -37,20 +37,18 @@ from recorded_worlds import (
     real_line,
     truths,
 )
+from scipy.stats import chi2
 
 from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.hiding.search import ABOVE_M, BELOW_M, NEAR_M, detection_interval
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.permittivity import permittivity_range
-from gpr20_analysis.imaging.permittivity_source import BuriedReference
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
+from gpr20_analysis.imaging.permittivity import BuriedReference, permittivity_range
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_analysis.trial.statistics import alarm_interval, detection_interval
 from gpr20_survey.results.candidates import Candidate, CandidateList
 
-NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
 BAR_M = 0.015
 SEPARATION_M = 0.06
 SHALLOWEST_M = 0.02
@@ -213,7 +211,8 @@ def rows(scores: Dict[str, Score]) -> List[str]:
         found = f"{100 * one.found / one.bodies:.0f} ({100 * low:.0f} to {100 * high:.0f})"
         false = "-"
         if one.area_m2:
-            few, many = alarm_interval(one.false, one.area_m2)
+            counts = chi2.ppf((0.025, 0.975), (2 * one.false, 2 * one.false + 2)) / 2.0
+            few, many = np.nan_to_num(counts) / one.area_m2
             false = f"{one.false / one.area_m2:.1f} ({few:.1f} to {many:.1f})"
         within = 100.0 * np.mean(np.abs(one.errors) < 2.0, axis=0) if one.errors else (np.nan,) * 2
         lines.append(

@@ -28,14 +28,12 @@ import xarray as xr
 from recorded_worlds import DISCS, UNIANDES, area, dataset, disc, truths
 from scipy.constants import epsilon_0, speed_of_light
 
-from gpr20_analysis.hiding.search import Detector, HidingOptions, is_found, map_hidden
+from gpr20_analysis.hiding import search as hiding
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.trial.statistics import detection_interval
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.hidden_target import target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 SEPARATION_M = 0.06
 TARGETS = tuple(dict.fromkeys(one["target"] for one in truths(DISCS)))
@@ -58,12 +56,12 @@ def with_disc(survey: xr.Dataset, name: str, top_m: float, row: int, column: int
     return survey.assign(s21=survey["s21"] + scale * echo[rows, columns])
 
 
-def detector(permittivity: float) -> Detector:
+def detector(permittivity: float) -> hiding.Detector:
     """Return the detector of the default command."""
     options = ImageOptions(
         permittivity=permittivity, permittivity_uncertainty=0.01, ground=Ground.LEVEL
     )
-    return Detector(options)
+    return hiding.Detector(options)
 
 
 @lru_cache(maxsize=None)
@@ -79,8 +77,8 @@ def map_of(number: int, name: str) -> HidingMap:
     survey, permittivity = scene(number), truth["permittivity"]
     middle_hz = float(survey["frequency"].mean())
     loss = truth["conductivity_s_per_m"] / (2.0 * np.pi * middle_hz * epsilon_0 * permittivity)
-    options = HidingOptions(DEPTHS_M, loss_tangent=loss, separation_m=SEPARATION_M)
-    return map_hidden(survey, detector(permittivity), target_of(name), options)
+    options = hiding.HidingOptions(DEPTHS_M, loss_tangent=loss, separation_m=SEPARATION_M)
+    return hiding.map_hidden(survey, detector(permittivity), target_of(name), options)
 
 
 def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
@@ -97,7 +95,7 @@ def compared(seed: int, trials: int) -> Tuple[int, int, int, int]:
     places = np.argwhere(near)
     chosen = places[random.choice(len(places), min(trials, len(places)), replace=False)]
     hits = sum(
-        is_found(
+        hiding.is_found(
             detector(permittivity).search(with_disc(survey, name, DEPTHS_M[layer], *one)),
             listed_of(number),
             (float(x_m[one[1]]), float(y_m[one[0]])),
@@ -134,7 +132,7 @@ def time_map(size: int) -> str:
     """Return how long the map of a Type 72 takes."""
     survey = stones(size)
     begin, busy = time.monotonic(), time.process_time()
-    found = map_hidden(survey, detector(4.0), target_of("type-72"), HidingOptions())
+    found = hiding.map_hidden(survey, detector(4.0), target_of("type-72"), hiding.HidingOptions())
     took_s, busy_s = time.monotonic() - begin, time.process_time() - busy
     peak_mib = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
     lines = [str(one) for one in found.details]
@@ -157,7 +155,10 @@ def main() -> None:
     counts = np.array(rows)
     overlap = []
     for hits, tried, direct, trials in rows:
-        own, other = detection_interval(hits, tried), detection_interval(direct, trials)
+        own, other = (
+            hiding.detection_interval(hits, tried),
+            hiding.detection_interval(direct, trials),
+        )
         overlap.append(own[0] <= other[1] and other[0] <= own[1])
     shares = counts[:, 0] / np.maximum(counts[:, 1], 1)
     print(f"intervals overlap at {sum(overlap)} of {len(rows)} places")
@@ -167,7 +168,7 @@ def main() -> None:
         part = counts[(shares >= low) & (shares < high)]
         if len(part):
             sums = part.sum(axis=0)
-            direct_low, direct_high = detection_interval(int(sums[2]), int(sums[3]))
+            direct_low, direct_high = hiding.detection_interval(int(sums[2]), int(sums[3]))
             print(
                 f"| {low:.1f} to {min(high, 1.0):.1f} | {len(part)} | "
                 f"{100 * sums[0] / max(sums[1], 1):.0f} | {100 * sums[2] / sums[3]:.0f} "

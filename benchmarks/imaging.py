@@ -37,7 +37,7 @@ from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.read.load import load_survey
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_delay_s
 from gpr20_survey.trace import trace_json
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace

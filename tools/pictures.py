@@ -38,7 +38,7 @@ from gpr20_common.catalogue import Language
 from gpr20_msgs.msg import ControlStatus
 from gpr20_operator.ground.sources import Layer
 from gpr20_operator.jobs.job import Job, JobState
-from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.main_window import MainWindow
 from gpr20_user_interface.window.rail import TabName

@@ -30,7 +30,7 @@ ELSEWHERE = {
     r"robot_config|run_survey|user_interface|translations\.sh|LANGUAGE=": (
         "tests of their packages"
     ),
-    r"^(source|export|cd|git|colcon|ros2|dask|rsync|mv|rm|echo|ssh-keygen|compliance|~/other_ws)": (
+    r"^(source|export|cd|git|colcon|ros2|rsync|mv|rm|echo|ssh-keygen|compliance|~/other_ws)": (
         "the shell, another computer, or a program of others"
     ),
     r"^(\.venv/bin/)?(pip|pytest|python) |^python3? -[cm] |^pip ": "test_wheel.py, the tutorials",
@@ -44,10 +44,9 @@ ELSEWHERE = {
     r"--language pt": "the catalogue of the tutorial: test_settings_file.py",
     r"--antenna antenna\.nc": "its model: test_antenna_model.py",
     r"gpr20 import (scans|merged|~/gpr20_data)": "files of the group: test_group_files.py",
-    r"gpr20 trial|--found C03": "a buried lane: test_trial_score.py, test_annotations.py",
-    r"--scheduler": "several machines: test_batch_of_surveys.py",
+    r"--found C03": "a buried lane: test_annotations.py",
     r"^[^a-z~./]|^\w+ {2,}|^gpr20_\w+ ": "no command",
-    r"^(plastic|metallic|buried|halo_m|truth|strata|lanes|target)": "what is printed or read",
+    r"^(plastic|metallic|buried|target)": "what is printed or read",
     r"^(for one in|from mcap|print\()|[^-]\bprint\(": "Python: test_public_interface.py",
 }
 

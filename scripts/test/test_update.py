@@ -15,7 +15,7 @@ import sys
 
 import pytest
 
-from gpr20_doctor.mid.arguments import add_arguments
+from gpr20_doctor import add_arguments
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_update.mid import robot
 

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Targets
 
 
 def a_map(found: Any, tried: Any, needed: float = 0.8, **changes: Any) -> HidingMap:

@@ -47,7 +47,7 @@ from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.trace import Trace

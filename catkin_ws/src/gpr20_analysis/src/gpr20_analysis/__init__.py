@@ -26,8 +26,9 @@ _HOMES: Dict[str, Tuple[str, ...]] = {
     "hiding.files": ("read_hiding", "write_hiding"),
     "hiding.search": ("Detector", "HidingOptions", "map_hidden"),
     "imaging.image": ("image_survey",),
-    "imaging.image_options": ("BuriedReference", "Ground", "ImageOptions", "Soils"),
-    "imaging.methods": ("Method", "imaging_method"),
+    "imaging.image_options": (
+        *("BuriedReference", "Ground", "ImageOptions", "Method", "Soils", "imaging_method"),
+    ),
     "imaging.permittivity": ("permittivity_line",),
     "plotting.maps": ("coverage_figure", "height_figure", "hiding_figure"),
     "plotting.projections": ("candidate_map_figure", "projection_figure"),

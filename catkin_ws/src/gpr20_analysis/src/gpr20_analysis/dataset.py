@@ -42,6 +42,8 @@ PROCESSING = "processing"
 DISPLAY_ONLY = "display_only"
 """Attribute: why the amplitudes are for display only and must not be imaged."""
 AUX_PREFIX = "aux_"
+SIMULATED = "simulated"
+"""Attribute: 1 if the data are simulated, 0 if they are measured; absent if nobody knows."""
 HEIGHT, TIMESTAMP, QUALITY = "height", "timestamp", "quality"
 
 MM_PER_M = 1000.0
@@ -133,6 +135,11 @@ def objects_of(described: Mapping[str, Any], key: str) -> List[Mapping[str, Any]
     """Return the objects in an entry that is a list; none if it is no list."""
     found = described.get(key)
     return [one for one in found if isinstance(one, dict)] if isinstance(found, list) else []
+
+
+def is_simulated(data: xr.Dataset) -> bool:
+    """Return whether the data are known to be simulated."""
+    return bool(data.attrs.get(SIMULATED))
 
 
 def aux_names(survey: xr.Dataset) -> List[str]:

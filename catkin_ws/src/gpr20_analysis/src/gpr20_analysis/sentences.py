@@ -35,7 +35,7 @@ LIST_ATTRIBUTES = tuple(LABELS)
 """Attributes that are lists of sentences."""
 MESSAGES = "messages"
 ENGLISH = Catalogue()
-EXTRAS = {"distributed": "batch", "matplotlib": "plots", "segyio": "segy", "skrf": "touchstone"}
+EXTRAS = {"matplotlib": "plots"}
 """Optional libraries that whole commands need, and the extra of each."""
 EXPECTED = (Gpr20Error, OSError, MemoryError, ModuleNotFoundError)
 """Errors whose message is sufficient; all others are program errors."""

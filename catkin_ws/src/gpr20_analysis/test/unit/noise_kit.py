@@ -5,10 +5,9 @@ from ground_kit import dataset_of
 
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import remove_background
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_delay_s
 
 HEIGHT_M = 0.2
 DEPTH_M = tuple(np.arange(0.0, 0.2001, 0.008))

@@ -4,7 +4,6 @@ import numpy as np
 
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.common import as_dataset
-from gpr20_analysis.formats.facts import with_facts
 
 
 def noise_survey(seed, rows=9, columns=7):
@@ -46,4 +45,4 @@ def random_survey(seed, one_polarization=False):
     )
     survey = survey.assign(index=(survey.index.dims, np.arange(missing.size).reshape(shape)))
     assert ((survey.quality.values & int(Quality.MISSING)) != 0).tolist() == missing.tolist()
-    return with_facts(survey, {"survey_id": f"survey-{seed}", "antenna_delay_s": 0.25e-9})
+    return survey.assign_attrs(survey_id=f"survey-{seed}", antenna_delay_s=0.25e-9)

@@ -12,8 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.axes.axis_parameters import AxisParameters
-from gpr20_survey.axes.ramp import Ramp
+from gpr20_survey.axes.axis_parameters import AxisParameters, Ramp
 
 # Called at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]

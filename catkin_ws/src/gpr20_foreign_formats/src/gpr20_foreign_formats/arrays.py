@@ -14,9 +14,8 @@ import xarray as xr
 
 from gpr20_analysis import dataset, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
-from gpr20_analysis.formats.common import HIGHEST_M, on_grid
+from gpr20_analysis.formats.common import EVEN, HIGHEST_M, on_grid
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
-from gpr20_analysis.processing.to_frequency import EVEN
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message

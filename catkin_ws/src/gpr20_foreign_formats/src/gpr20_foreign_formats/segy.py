@@ -1,28 +1,24 @@
-"""SEG-Y of revision 0 to 2: real A-scans, as `gpr20 export` and other programs write them.
+"""SEG-Y of revision 0 to 2: real A-scans of other programs.
 
 A header counts microseconds, but radar needs less, and no standard says what a program counts
-instead. Own files say that they mean picoseconds; of others it is assumed, with a note.
+instead: picoseconds are assumed, with a note.
 """
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
 import numpy as np
 
 from gpr20_analysis.errors import UnreadableFileError
-from gpr20_analysis.formats import segy
-from gpr20_analysis.formats.facts import SIMULATED, facts_beside
+from gpr20_analysis.formats.common import EVEN
 from gpr20_analysis.formats.imports import ImportOptions
-from gpr20_analysis.processing.to_frequency import EVEN
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header, content_of, other_kind, refusal
 from gpr20_foreign_formats.traces import Traces, format_of, needs_spacing
 
 TEXT_BYTES, START_BYTES, HEADER_BYTES = 3200, 3600, 240
-EBCDIC_C = b"\xc3"
 IBM_FLOAT = 1
 TYPES: Dict[int, str] = {
     **{IBM_FLOAT: "?u4", 2: "?i4", 3: "?i2", 5: "?f4", 6: "?f8", 8: "i1", 9: "?i8"},
@@ -49,8 +45,6 @@ OF_REVISION_2: Dict[str, Tuple[int, str]] = {
 OF_TRACE: Dict[str, Tuple[int, str]] = {
     "code": (29, "?i2"),
     "offset": (37, "?i4"),
-    "elevation": (41, "?i4"),
-    "elevation_scalar": (69, "?i2"),
     "scalar": (71, "?i2"),
     "source": (73, "2?i4"),
     "group": (81, "2?i4"),
@@ -60,12 +54,11 @@ OF_TRACE: Dict[str, Tuple[int, str]] = {
     "interval": (117, "?u2"),
     "cdp": (181, "2?i4"),
 }
-DEAD, NO_GROUND = (segy.DEAD, 3), range(4, 10)
+DEAD, NO_GROUND = (2, 3), range(4, 10)
 """Codes of traces that are dead or dummies, and of those of a sweep or of time."""
-FEET, M_PER_FT = 2, 0.3048
+LENGTHS, FEET, M_PER_FT = (0, 1), 2, 0.3048
+PS_PER_S = 1e12
 FIRST_REVISION, SECOND_REVISION, MOST_EXTENDED = (1, 0x0100, 0x0101), (0x0200, 0x0201), 1000
-ROTATION = re.compile(r"ANTENNAS AT (-?\d+(?:\.\d+)?) DEG")
-FIRST = re.compile(r"THE FIRST AT (-?\d+) PS")
 
 
 def read_segy(path: Path, options: ImportOptions) -> Traces:
@@ -78,22 +71,19 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
         UnreadableFileError: The file is damaged, has another kind of samples, or was changed; or
             its times are not clear.
     """
-    facts, content = facts_beside(path), content_of(path)
-    text = content[:TEXT_BYTES].decode("cp500" if content[:1] == EBCDIC_C else "latin-1").upper()
+    content = content_of(path)
     header, order = _binary_header(path, content)
     notes: List[Message] = []
     traces = _traces(path, content, header, order, notes)
-    is_own = segy.UNIT_OF_TIME in text
     interval = float(header.entries["sample interval"] or traces["interval"][0])
     # Only a fraction, which revision 2 allows, can count what the standard says.
-    unit_s, unit = (1e-6, "us") if 0.0 < interval < 1.0 else (1.0 / segy.PS_PER_S, "ps")
+    unit_s, unit = (1e-6, "us") if 0.0 < interval < 1.0 else (1.0 / PS_PER_S, "ps")
     _check_traces(path, traces, interval, options)
     found = Traces(path, _samples(traces, header), interval * unit_s, notes=notes)
     found.values[np.isin(traces["code"], DEAD)] = np.nan
-    found.facts, found.was_moved = facts, segy.MOVED in text
     if options.interval_s is not None:
         found.step_s = options.interval_s
-    elif not is_own:
+    else:
         assumed = Message(
             "{file} does not say what its sample interval of {interval:g} counts; {unit} is "
             "assumed, a record of {duration_ns:g} ns; give --interval PS if that is wrong",
@@ -105,14 +95,6 @@ def read_segy(path: Path, options: ImportOptions) -> Traces:
         notes.append(assumed)
     if options.spacing_m is None:
         _add_places(found, traces, header, options)
-    if is_own:
-        rotation, first = ROTATION.search(text), FIRST.search(text)
-        height_m = _scaled(traces["elevation"], traces["elevation_scalar"])
-        found.height_m = np.where(height_m == 0.0, np.nan, height_m)
-        found.start_s = int(first.group(1)) / segy.PS_PER_S if first else 0.0
-        found.rotation_deg = float(rotation.group(1)) if rotation else 0.0
-        found.simulated = False if segy.MEASURED in text else None
-    found.simulated = True if SIMULATED in text else found.simulated
     return found
 
 
@@ -234,7 +216,7 @@ def _scaled(values: np.ndarray, scalar: np.ndarray) -> np.ndarray:
 
 
 def _add_places(found: Traces, traces: np.ndarray, header: Header, options: ImportOptions) -> None:
-    if not np.isin(traces["units"], (0, segy.LENGTH_UNITS)).all():
+    if not np.isin(traces["units"], LENGTHS).all():
         raise needs_spacing(found.path, Message("the places of the traces are angles"))
     unit_m = M_PER_FT if header.entries["measurement system"] == FEET else 1.0
     source, group, cdp = (

@@ -1,4 +1,4 @@
-"""Folders of Touchstone files: one spectrum per file, as `gpr20 export` and VNAs write them."""
+"""Folders of Touchstone files: one spectrum per file, as VNAs write them."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ import xarray as xr
 
 from gpr20_analysis import work
 from gpr20_analysis.dataset import MM_PER_M
-from gpr20_analysis.formats.facts import SIMULATED, facts_beside
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
-from gpr20_analysis.formats.touchstone import HEIGHT_WORDS, MOVED
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
@@ -27,7 +25,6 @@ ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}
 PLACE = [
     re.compile(rf"(?<![A-Z]){one}([+-]?\d+(?:[.,]\d+)?)(?![.,]?\d)", re.IGNORECASE) for one in "XYZ"
 ]
-HEIGHT = re.compile(rf"{re.escape(HEIGHT_WORDS)} (\d[\d.e+-]*)")
 BYTES_PER_BYTE = 20.0  # of memory, for a text of numbers
 NOISE_COLUMNS = 5
 SAME_HZ, LOWEST_HZ, HIGHEST_HZ = 0.5, 1e5, 1e12
@@ -43,7 +40,7 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
         AnalysisError: Places are not known, or frequencies are uneven.
         UnreadableFileError: There is no such file, one is damaged, or frequencies or kinds differ.
     """
-    from skrf.io.touchstone import Touchstone  # an optional library
+    from skrf.io.touchstone import Touchstone  # slow to import
 
     folder = path if path.is_dir() else path.parent
     paths = [one for one in folder.iterdir() if one.suffix.lower() in ENTRY]
@@ -65,12 +62,11 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
     if options.spacing_m is None:
         placed = sorted((_place(folder, one), one) for one in paths)
         paths, places = [one for _, one in placed], np.array([place for place, _ in placed])
-    facts = facts_beside(folder)
     size = sum(one.stat().st_size for one in paths)
     work.require_bytes(BYTES_PER_BYTE * size, Message("reading {file}", file=folder.name))
     read = [_read(Touchstone, one) for one in progress(paths, len(paths))]
     first_hz = read[0][0]
-    for one, (own_hz, _, _) in zip(paths, read):
+    for one, (own_hz, _) in zip(paths, read):
         if own_hz.shape != first_hz.shape or np.abs(own_hz - first_hz).max() > SAME_HZ:
             raise refusal(
                 Message(
@@ -79,17 +75,7 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
                     first=paths[0].name,
                 )
             )
-    comments = "\n".join(comment for _, _, comment in read)
-    heights = [HEIGHT.search(comment) for _, _, comment in read]
-    found = Traces(
-        folder,
-        np.array([one for _, one, _ in read]),
-        frequency_hz=first_hz,
-        height_m=np.array([float(one.group(1)) if one else np.nan for one in heights]),
-        simulated=True if SIMULATED in comments else None,
-        facts=facts,
-        was_moved=MOVED in comments,
-    )
+    found = Traces(folder, np.array([one for _, one in read]), frequency_hz=first_hz)
     if places is not None:
         found.x_m, found.y_m, found.rotation_deg = places.T
     survey = as_survey(found, options)
@@ -97,8 +83,8 @@ def read_touchstone(path: Path, options: ImportOptions, progress: Progress) -> x
     return survey
 
 
-def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
-    """Return frequencies [Hz], spectrum and comments."""
+def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray]:
+    """Return frequencies [Hz] and spectrum."""
     check_regular(path, follow_link=True)
     try:
         file = reader(str(path))
@@ -113,7 +99,6 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         descends = ~(np.diff(frequency_hz) > 0.0)
         if not len(spectrum) or (spectrum.shape != frequency_hz.shape and not descends.any()):
             raise ValueError("not one value for each frequency")
-        comments = str(file.get_comments())
     # On damaged files scikit-rf and numpy raise exceptions of many kinds.
     except Exception as error:
         raise other_kind(path.name, "Touchstone", error) from error
@@ -123,7 +108,7 @@ def _read(reader: Any, path: Path) -> Tuple[np.ndarray, np.ndarray, str]:
         raise Header(path.name, later).refused("frequency [Hz]", higher)
     for one in frequency_hz[[0, -1]]:
         Header(path.name, {"frequency [Hz]": one}).number("frequency [Hz]", LOWEST_HZ, HIGHEST_HZ)
-    return frequency_hz, spectrum, comments
+    return frequency_hz, spectrum
 
 
 def _place(folder: Path, path: Path) -> Tuple[float, float, float]:

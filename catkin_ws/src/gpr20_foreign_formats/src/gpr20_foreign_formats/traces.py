@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Mapping, Optional, Union
+from typing import Any, Callable, Dict, List, Optional, Union
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import on_grid
 from gpr20_analysis.formats.imports import ImportFormat, ImportOptions
 from gpr20_analysis.read import survey_attributes
-from gpr20_analysis.sentences import with_notes, with_sentence
+from gpr20_analysis.sentences import with_notes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -39,9 +39,6 @@ class Traces:
         start_s: Time of the first sample.
         zero_s: Time at which the pulse leaves the antennas.
         frequency_hz: None over time.
-        height_m: NaN if unknown.
-        facts: What is known of the survey besides.
-        was_moved: The traces were shifted before, so delays are not those of the antennas.
     """
 
     path: Path
@@ -53,11 +50,7 @@ class Traces:
     x_m: Optional[np.ndarray] = None
     y_m: Union[float, np.ndarray] = 0.0
     rotation_deg: Union[float, np.ndarray] = 0.0
-    height_m: Union[float, np.ndarray] = np.nan
     separation_m: Optional[float] = None
-    simulated: Optional[bool] = None
-    facts: Mapping[str, Any] = field(default_factory=dict)
-    was_moved: bool = False
     notes: List[Message] = field(default_factory=list)
 
 
@@ -80,7 +73,7 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         UnreadableFileError: Times or places are wrong.
     """
     count, samples = found.values.shape
-    height_m = found.height_m if options.height_m is None else options.height_m
+    height_m = np.nan if options.height_m is None else options.height_m
     zero_s = found.zero_s if options.time_zero_s is None else options.time_zero_s
     separation_m = found.separation_m if options.separation_m is None else options.separation_m
     zero_ns = None if zero_s is None else zero_s * NS_PER_S
@@ -102,18 +95,12 @@ def as_survey(found: Traces, options: ImportOptions) -> xr.Dataset:
         printable(found.path.name),
         _positions(found, options.spacing_m),
         found.values,
-        np.broadcast_to(height_m, (count,)).tolist(),
+        [height_m] * count,
         found.frequency_hz,
         found.notes,
-        simulated=found.simulated,
-        facts=found.facts,
         delay_s=delay_s,
     ).assign_attrs(attributes)
-    data = data.assign_attrs(with_notes(data, _assumed(found.path.name, data)))
-    if found.was_moved:
-        why = Message("the export had shifted the traces to time zero, so depths would be wrong")
-        data = data.assign_attrs(with_sentence(data.attrs, dataset.DISPLAY_ONLY, why))
-    return data
+    return data.assign_attrs(with_notes(data, _assumed(found.path.name, data)))
 
 
 def _assumed(file: str, data: xr.Dataset) -> List[Message]:

@@ -15,12 +15,12 @@ from fault_kit import raises_fault
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
+from gpr20_analysis.formats.common import to_frequency
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.imports import import_survey
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.plotting.scans import until
-from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.replay import describe
 from gpr20_common.faults import NOT_ALLOWED
@@ -209,8 +209,7 @@ def test_names_that_are_no_utf_8_are_read_and_written(tmp_path):
     output = str(tmp_path / "p\udcff.nc")
     assert main(["process", str(survey), "-o", output, "--step", "background:method=mean"]) == 0
     assert main(["report", str(survey), "-o", str(tmp_path / "r\udcff.html")]) == 0
-    for form, name in (("csv", "o\udcff.csv"), ("segy", "o\udcff.sgy"), ("touchstone", "o\udcff")):
-        assert main(["export", str(survey), str(tmp_path / name), "--format", form]) == 0
+    assert main(["export", str(survey), str(tmp_path / "o\udcff.csv"), "--format", "csv"]) == 0
     folder = tmp_path / "d\udcff"
     assert main(["import", str(path), str(folder), "--format", "dt1"]) == 0
     (made,) = (one for one in folder.iterdir() if one.is_dir())

@@ -22,7 +22,7 @@ from test_arrays_import import a_line, write_arrays
 from gpr20_analysis import faults
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.formats.common import to_frequency
 from gpr20_common.faults import NOT_ALLOWED
 
 MOST_BYTES = 64 << 20

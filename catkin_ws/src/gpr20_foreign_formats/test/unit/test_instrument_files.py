@@ -6,16 +6,11 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 from obspy.io.segy.segy import _read_segy
-from random_surveys import random_survey
 
-from gpr20_analysis import import_survey
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.formats.exports import export_survey
-from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample import REAL_LINE_FILE
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.radar.frequency_to_delay import delay_kernel
 
 X_M = np.arange(kit.TRACES) * kit.SPACING_M
 STEP_S = kit.WINDOW_NS * 1e-9 / kit.SAMPLES
@@ -182,26 +177,3 @@ def test_a_real_line_is_the_same_in_its_dzt_file(tmp_path):
     np.testing.assert_array_equal(scans.values[0, 0, :, 2:].real * 2**15, values[:, 2:])
     assert float(scans.delay[1]) == pytest.approx(8e-9 / 512)
     assert float(scans.x[-1]) == pytest.approx(2.802, abs=1e-3)
-
-
-@each_case("seed", range(3))
-def test_own_exports_of_radar_lines_come_back(seed, tmp_path_factory):
-    tmp_path, own = tmp_path_factory.mktemp("own"), random_survey(seed)
-    export_survey(own, tmp_path / "t", "touchstone")
-    found = import_survey(tmp_path / "t", "touchstone")
-    np.testing.assert_allclose(found.s21.values, own.s21.values, rtol=1e-12)
-    np.testing.assert_allclose(found.height.values, own.height.values, atol=1e-6)
-    for turn, path in enumerate(export_survey(own, tmp_path / "s.sgy", "segy")):
-        part, found = own.isel(polarization=[turn]), import_survey(path, "segy")
-        assert found.polarization.values.tolist() == part.polarization.values.tolist()
-        kernel = delay_kernel(own.frequency.values, found.delay.values)
-        usable = (found.quality.values & 3) == 0
-        expected = (part.s21.values @ kernel).real[usable]
-        scale = np.abs(expected).max()
-        np.testing.assert_allclose(found.a_scan.values[usable].real, expected, atol=1e-6 * scale)
-        np.testing.assert_allclose(found.height, part.height, atol=0.51e-4)
-        assert found.attrs["simulated"] == own.attrs["simulated"]
-    shifted = process_survey(random_survey(2, one_polarization=True), "time_zero")
-    for form, name in (("segy", "m.sgy"), ("touchstone", "m")):
-        (path,) = export_survey(shifted, tmp_path / name, form)
-        assert "display_only" in import_survey(path, form).attrs

@@ -27,7 +27,7 @@ from gpr20_imaging.mid.imaging import MOST_KEPT, MOST_WAITING, Imaging
 from gpr20_survey.folder import soil_note
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
-from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import Targets
 
 LOWERED, LOWEST_NICE = worker_process.PREFIX, 19
 LIMIT_S = 100.0

@@ -36,9 +36,9 @@ from gpr20_survey.plan.annotation import EMPTY, Site
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
-from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace.sweep import Sweep
+from gpr20_survey.trace.sweep_settings import CalibrationStatus
 
 LIMIT_S = 60.0
 # The imaginary part of every sweep; the real part is its number, a small difference beside it.

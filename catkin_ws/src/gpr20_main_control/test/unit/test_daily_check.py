@@ -14,7 +14,7 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.daily_check import CHECK_LIMIT_S, HISTORY, check_figures, judge
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.results.daily_check import Part
+from gpr20_survey.results.answers import Part
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 

@@ -45,8 +45,8 @@ from gpr20_operator.words import (
 )
 from gpr20_survey.plan.annotation import Wgs84Position
 from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.plan.survey_cost import survey_cost
 from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
+from gpr20_survey.plan.survey_points import survey_cost
 from gpr20_survey.plan.survey_state import SurveyState
 
 DEFAULTS = {spec.name: spec.default for spec in PLAN}

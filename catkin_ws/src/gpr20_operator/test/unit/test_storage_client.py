@@ -27,7 +27,7 @@ from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 

@@ -51,7 +51,7 @@ from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.results.candidates import json_text, list_from
 from gpr20_survey.results.found import FORMAT as FOUND
 from gpr20_survey.results.found import What, found_of
-from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import Targets
 
 
 @pytest.fixture

@@ -17,14 +17,13 @@ from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.low.vxi11_server import HOST, ListenError, Vxi11Server
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     AnalyzerOptions,
     SimulatedAnalyzer,
     medium_by_name,
 )
 from gpr20_simulator.mid.world.medium import AntennaPosition
-from gpr20_simulator.mid.world.scene import Scene
+from gpr20_simulator.mid.world.scene import InstrumentScene, Scene
 
 SOCKET_LIMIT_S = 0.1
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from gpr20_simulator.mid.analyzer.in_process import InProcessAnalyzer
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
+from gpr20_simulator.mid.world.scene import InstrumentScene
 
 # Of a sweep that takes time: its points, and the time of each [s].
 POINTS, POINT_S = 101, 350e-6

@@ -3,8 +3,7 @@
 from hypothesis import strategies as st
 
 from gpr20_common.message import Fault, Message
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
+from gpr20_survey.results.candidates import AreaPosition, Candidate, CandidateList, Flag
 
 SURVEY = "5ec1a5d2-0000-4000-8000-000000000000"
 NOTE = Message("{count} places are not sure", count=3).with_fault(Fault("zeros.unproven"))

@@ -13,10 +13,15 @@ from hypothesis import strategies as st
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.survey_state import reported_verdict
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import Flag, json_text, list_from
-from gpr20_survey.results.hidden_target import Target, Targets, target_of
-from gpr20_survey.results.hiding_map import ONLY_THIS, hiding_from, hiding_json
+from gpr20_survey.results.candidates import AreaPosition, Flag, json_text, list_from
+from gpr20_survey.results.hiding_map import (
+    ONLY_THIS,
+    Target,
+    Targets,
+    hiding_from,
+    hiding_json,
+    target_of,
+)
 
 EXAMPLE = candidate_list(
     [candidate(flags=[Flag.EDGE, Flag.ONE_POLARIZATION]), candidate(2)],

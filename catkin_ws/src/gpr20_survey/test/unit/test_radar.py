@@ -22,10 +22,10 @@ from gpr20_survey.radar.depth import (
     SPEED_OF_LIGHT_M_S,
     delay_of_depth,
     depth_of_delay_m,
+    one_way_delay_s,
     one_way_path_m,
 )
 from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
-from gpr20_survey.radar.refraction import one_way_delay_s
 from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
 
 

@@ -10,15 +10,14 @@ from survey_examples import PARAMETERS as SMALL
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
 from gpr20_survey.plan.robot_description import RobotConfig
-from gpr20_survey.plan.survey_cost import (
+from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
+from gpr20_survey.plan.survey_points import (
     axis_move_duration_s,
     planned_times,
     survey_cost,
+    survey_points,
 )
-from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
-from gpr20_survey.plan.survey_points import survey_points
-from gpr20_survey.trace.ms2026c import sweep_duration_s
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings, sweep_duration_s
 
 CONFIG = RobotConfig(AXES, simulated=True)
 PARAMETERS = SurveyParameters("127.0.0.1", 6.0e8, 6.0e9, 501, 50.0, 150.0, 5, 50.0, 150.0, 5)

@@ -17,9 +17,8 @@ from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, utc_time
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import TRACE_FIELDS
+from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue
 from gpr20_survey.trace.trace_block import TraceBlock, block_fields, block_from
 
 

@@ -21,9 +21,8 @@ from trace_examples import MESSAGES, assert_same_numbers, make_trace
 from gpr20_survey.axes.axis_id import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_json, trace_message, utc_time
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import TRACE_FIELDS
+from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue
 
 TYPE = "gpr20_msgs/msg/Trace"
 TYPES = get_typestore(Stores.ROS1_NOETIC)

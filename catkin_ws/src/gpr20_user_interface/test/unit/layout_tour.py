@@ -34,7 +34,7 @@ from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress,
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.found import What

@@ -12,7 +12,7 @@ from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import Request
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 

@@ -15,7 +15,7 @@ from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What
-from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.window.rail import TabName
 

@@ -26,8 +26,7 @@ from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.daily_check import Part
+from gpr20_survey.results.answers import AnalyzerTest, Part
 from gpr20_user_interface.look.look import TOUCH_PX
 from gpr20_user_interface.pages.robot.page import LEVEL_LOOKS
 from gpr20_user_interface.window.rail import TabName

@@ -15,7 +15,7 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.plan.survey_cost import SurveyCost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 

@@ -20,9 +20,8 @@ from gpr20_analysis.dataset import (
     require,
     usable,
 )
-from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.imaging.image_traces import COPIES, traces_of
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.sentences import DOUBTS, LIST_ATTRIBUTES, sentences_of

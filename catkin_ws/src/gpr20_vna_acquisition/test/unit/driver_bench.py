@@ -9,9 +9,9 @@ import numpy as np
 
 from gpr20_common.message import Message
 from gpr20_simulator.mid.analyzer.in_process import CLOSE, CONNECT, InProcessAnalyzer
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
+from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError

@@ -28,9 +28,9 @@ from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.mid.analyzer.in_process import CONNECT
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
+from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings

@@ -40,7 +40,7 @@ from gpr20_msgs.srv import (
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.trace.trace import AuxValue
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 from trace_examples import assert_same_numbers, make_trace

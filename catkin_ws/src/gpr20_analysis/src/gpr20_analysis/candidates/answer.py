@@ -30,8 +30,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.work import Progress, no_progress

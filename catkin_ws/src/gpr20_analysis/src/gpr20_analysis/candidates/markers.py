@@ -17,8 +17,7 @@ from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.markers import Marker, present_markers
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, AreaPosition
 from gpr20_survey.trace.utc_time import moment_text
 
 NONE = "-"

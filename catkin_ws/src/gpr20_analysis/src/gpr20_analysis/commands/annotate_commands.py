@@ -31,8 +31,7 @@ from gpr20_survey.plan.annotation import (
     annotation_of,
     position_from_text,
 )
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import list_from
+from gpr20_survey.results.candidates import AreaPosition, list_from
 from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.trace import utc_time
 

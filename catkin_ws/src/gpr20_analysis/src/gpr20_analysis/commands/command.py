@@ -45,13 +45,11 @@ SUMMARIES: Dict[str, Tuple[str, str]] = {
     "antenna": ("antenna", "fit the model of the antennas to surveys of a metal plate"),
     "plot": ("plot", "draw a survey or its A-scans"),
     "annotate": ("annotate", "note name, site, position and finds of a survey; list markers"),
-    "trial": ("trial", "score lists of candidates against buried targets"),
     "verify": ("survey", "check a survey's folder, and repair its log and manifest"),
     "sign": ("survey", "sign a survey as it is now"),
-    "export": ("file", "write a survey in another format: NetCDF, CSV, SEG-Y, Touchstone, ROS"),
+    "export": ("file", "write a survey in another format: NetCDF, CSV, ROS"),
     "import": ("file", "read measurements and simulations of other programs as a survey"),
     "report": ("report", "write one page with everything about a survey"),
-    "batch": ("batch", "run a command on many surveys side by side"),
     "sample": ("file", "write a copy of a small simulated survey, to try the other commands on"),
     "doctor": ("robot", "find what is wrong with the robot and this computer"),
     "replay": ("robot", "publish a recorded survey on its ROS topics"),
@@ -61,7 +59,7 @@ SUMMARIES: Dict[str, Tuple[str, str]] = {
 The subcommand is the constant of its name there, such as INFO.
 """
 ENGLISH = {"annotate", "antenna", "delay", "export", "import", "process"} | {
-    *("replay", "sample", "sign", "trial", "view")
+    *("replay", "sample", "sign", "view")
 }
 """Subcommands that say nothing of what operators read in their language."""
 COMMANDS = ExtensionPoint(

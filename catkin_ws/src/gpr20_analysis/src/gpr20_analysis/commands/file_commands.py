@@ -15,11 +15,10 @@ from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.commands import inputs, outputs
 from gpr20_analysis.commands.command import DONE, Command, per
 from gpr20_analysis.errors import AnalysisError, ExportError, check_ending, not_there
+from gpr20_analysis.formats.common import to_frequency
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
-from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_path, is_simulated
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
 from gpr20_analysis.formats.imports import IMPORTS, Band, ImportOptions, import_survey
-from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_analysis.sample import real_line, sample_survey
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -45,7 +44,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
 
 
 def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    from gpr20_analysis.formats import bags, exports
+    from gpr20_analysis.formats import exports
 
     form, output = chosen.format, chosen.output
     if output is None:
@@ -57,19 +56,15 @@ def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 ),
                 fault=faults.INPUT,
             )
-        return _say(bags.make_survey_bag(chosen.survey), chosen.survey, catalogue)
+        return _say(exports.make_survey_bag(chosen.survey), chosen.survey, catalogue)
     exports.check_format(output, form)
     outputs.check([output], [chosen.survey], chosen.overwrite)
     progress = inputs.progress_bar("writing")
     if form in exports.OF_RECORDINGS:
-        written = bags.export_recording(chosen.survey, output, form, progress)
+        written = exports.export_recording(chosen.survey, output, form, progress)
         return _say(written, output, catalogue)
     survey = inputs.load(chosen, catalogue)
-    paths = exports.output_paths(survey, output, form)
-    beside = [facts_path(path) for path in paths if form in exports.WRITERS]
-    outputs.check([*paths, *beside], [chosen.survey], chosen.overwrite)
-    for path, content in exports.export_survey(survey, output, form, progress).items():
-        say(f"{path}: {content}")
+    say(f"{output}: {exports.export_survey(survey, output, form, progress)}")
     return inputs.status_of(survey)
 
 
@@ -130,12 +125,12 @@ def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = import_survey(chosen.input, chosen.format, progress, **options)
     if dataset.A_SCAN in survey:
         survey = to_frequency(survey, *(astuple(band) if band else ()))
-    if chosen.real_ground and is_simulated(survey):
+    if chosen.real_ground and dataset.is_simulated(survey):
         raise AnalysisError(
             Message("{path} holds simulated data; leave out --real-ground", path=chosen.input)
         )
     if chosen.real_ground:
-        survey = survey.assign_attrs({SIMULATED_KEY: 0})
+        survey = survey.assign_attrs({dataset.SIMULATED: 0})
     inputs.print_warnings(survey, catalogue)
     if into_folder:
         source = ImportSource.of(chosen.input, chosen.format)

@@ -10,13 +10,12 @@ from typing import List, Tuple
 from gpr20_analysis.candidates.answer import Answer, answer
 from gpr20_analysis.candidates.files import ENDINGS, output_paths, write_candidates
 from gpr20_analysis.candidates.table import candidate_lines
-from gpr20_analysis.commands import image_options, inputs, outputs, steps
+from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.errors import StepError
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
 from gpr20_analysis.imaging.permittivity import permittivity_line
-from gpr20_analysis.processing.chain import recorded_steps, text_of
-from gpr20_analysis.processing.step_functions import STEPS
+from gpr20_analysis.processing.chain import STEPS, recorded_steps, text_of
 from gpr20_analysis.sentences import DOUBTS, NOTES, labelled, shown
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -26,17 +25,17 @@ from gpr20_survey.results.candidates import json_text
 
 def _add_process(parser: argparse.ArgumentParser) -> None:
     inputs.add_survey(parser)
-    steps.add_steps(parser)
+    image_options.add_steps(parser)
     outputs.add_output(parser, [NETCDF], "result: .nc", required=True)
 
 
 def _process(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    wanted = steps.steps_of(chosen)
+    wanted = image_options.chosen_steps(chosen)
     if not wanted:
         names = ", ".join(STEPS.names())
         raise StepError(Message("no step was given; use --step with one of: {steps}", steps=names))
-    outputs.check([chosen.output], steps.inputs_of(chosen, wanted), chosen.overwrite)
-    result, status = steps.process(inputs.load(chosen, catalogue), wanted, catalogue)
+    outputs.check([chosen.output], image_options.inputs_of(chosen, wanted), chosen.overwrite)
+    result, status = image_options.process(inputs.load(chosen, catalogue), wanted, catalogue)
     write_dataset(result, chosen.output)
     say(f"{chosen.output}, made by the steps:", *map(text_of, recorded_steps(result)))
     return status
@@ -83,7 +82,7 @@ def _answer(
 ) -> Tuple[Answer, int]:
     options = image_options.options_of(chosen)
     wanted = image_options.steps_of(chosen)
-    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
+    outputs.check(written, image_options.inputs_of(chosen, wanted), chosen.overwrite)
     survey, status = image_options.processed(chosen, options, wanted, catalogue)
     return answer(survey, options, inputs.progress_bar("imaging")), status
 

@@ -1,25 +1,32 @@
-"""The options of an image, for every command that makes one."""
+"""The processing steps that a subcommand is given, and the options of an image."""
 
 from __future__ import annotations
 
 import argparse
+import enum
 from pathlib import Path
-from typing import List, Tuple
+from typing import List, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
 
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.commands import inputs, steps
+from gpr20_analysis.commands import inputs
 from gpr20_analysis.commands.command import per
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import METHODS, Method, imaging_method
-from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY
-from gpr20_analysis.imaging.permittivity_source import BuriedReference
+from gpr20_analysis.imaging.image_options import METHODS, ImageOptions, Method, imaging_method
+from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, BuriedReference
 from gpr20_analysis.imaging.records import Ground
-from gpr20_analysis.processing.chain import Step, checked
+from gpr20_analysis.processing.chain import (
+    FUNCTIONS,
+    Step,
+    StepFunction,
+    apply_steps,
+    checked,
+    step_from_text,
+)
+from gpr20_analysis.read.load import load_survey
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
@@ -33,7 +40,7 @@ SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Declare survey, steps, and how an image is made."""
     inputs.add_survey(parser)
-    steps.add_steps(parser)
+    add_steps(parser)
     add = parser.add_argument
     add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
     add("--antenna", type=Path, metavar="MODEL",
@@ -120,7 +127,7 @@ def steps_of(chosen: argparse.Namespace) -> List[Step]:
         StepError: A step is malformed.
     """
     antenna = [checked("antenna", {"model": str(chosen.antenna)})] if chosen.antenna else []
-    return [*antenna, *steps.steps_of(chosen)]
+    return [*antenna, *chosen_steps(chosen)]
 
 
 def processed(
@@ -134,4 +141,66 @@ def processed(
     survey = inputs.load(chosen, catalogue)
     if chosen.antenna:
         survey = with_height(survey, options.height_m)
-    return steps.process(survey, wanted, catalogue)
+    return process(survey, wanted, catalogue)
+
+
+def add_steps(parser: argparse.ArgumentParser) -> None:
+    """Declare the steps."""
+    parser.add_argument(
+        "--step",
+        action="append",
+        default=[],
+        metavar="NAME[:PARAMETER=VALUE,...]",
+        help="a step; may be repeated, steps are applied in order; "
+        + "; ".join(map(_usage, FUNCTIONS)),
+    )
+
+
+def chosen_steps(chosen: argparse.Namespace) -> List[Step]:
+    """Return the chosen steps.
+
+    Raises:
+        StepError: A step is malformed.
+    """
+    return [step_from_text(text) for text in chosen.step]
+
+
+def inputs_of(chosen: argparse.Namespace, steps: Sequence[Step]) -> List[Path]:
+    """Return all files and folders that are read, which must not be written."""
+    named = [
+        Path(step.parameters[key])
+        for step in steps
+        for key, (kind, _) in step.function.parameters.items()
+        if kind is xr.Dataset
+    ]
+    return [chosen.survey, *named]
+
+
+def process(
+    survey: xr.Dataset, steps: Sequence[Step], catalogue: Catalogue
+) -> Tuple[xr.Dataset, int]:
+    """Apply the steps; return the result and the exit status for all surveys that were read.
+
+    A survey that a step names is refused if it is damaged; warnings about it are printed.
+    """
+    statuses = [inputs.status_of(survey)]
+
+    def read(path: str) -> xr.Dataset:
+        reference = load_survey(path, progress=inputs.progress_bar(f"reading {path}"))
+        inputs.print_warnings(reference, catalogue, path)
+        statuses.append(inputs.status_of(reference))
+        return reference
+
+    for step in inputs.progress_bar("processing")(steps, len(steps)):
+        survey = apply_steps(survey, [step], read)
+    return survey, max(statuses)
+
+
+def _usage(name: str) -> str:
+    known = StepFunction(name, FUNCTIONS[name]).parameters
+    parameters = ",".join(f"{key}={_choice(kind)}" for key, (kind, _) in known.items())
+    return f"{name}:{parameters}" if parameters else name
+
+
+def _choice(kind: type) -> str:
+    return "|".join(one.value for one in kind) if issubclass(kind, enum.Enum) else kind.__name__

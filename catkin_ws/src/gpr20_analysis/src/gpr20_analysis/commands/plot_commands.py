@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Optional
 
 import xarray as xr
 
-from gpr20_analysis.commands import inputs, outputs, steps
+from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command
 from gpr20_analysis.dataset import A_SCAN, DELAY, MM_PER_M, X, Y
 from gpr20_analysis.imaging.image_options import ImageOptions, check_range
@@ -25,7 +25,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add = parser.add_argument
     add("kind", choices=KINDS, help="what to draw")
     inputs.add_survey(parser)
-    steps.add_steps(parser)
+    image_options.add_steps(parser)
     add("--x", type=float, metavar="MM", help="place of an A- or B-scan; default the middle")
     add("--y", type=float, metavar="MM", help="place of an A- or B-scan; default the middle")
     add("--along", choices=(X, Y), help="direction of a B-scan; default x")
@@ -39,9 +39,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _plot(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    wanted = steps.steps_of(chosen)
-    outputs.check([chosen.output], steps.inputs_of(chosen, wanted), chosen.overwrite)
-    data, status = steps.process(inputs.load(chosen, catalogue), wanted, catalogue)
+    wanted = image_options.chosen_steps(chosen)
+    outputs.check([chosen.output], image_options.inputs_of(chosen, wanted), chosen.overwrite)
+    data, status = image_options.process(inputs.load(chosen, catalogue), wanted, catalogue)
     outputs.save_figure(_figure(data, chosen, catalogue), chosen.output)
     return status
 

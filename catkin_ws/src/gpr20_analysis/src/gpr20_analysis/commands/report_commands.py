@@ -13,7 +13,7 @@ import xarray as xr
 from gpr20_analysis import dataset
 from gpr20_analysis.candidates.answer import with_height
 from gpr20_analysis.candidates.files import JSON, output_paths
-from gpr20_analysis.commands import image_options, inputs, outputs, steps
+from gpr20_analysis.commands import image_options, inputs, outputs
 from gpr20_analysis.commands.command import Command, per
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.hiding.files import read_hiding, write_hiding
@@ -26,8 +26,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.results.hidden_target import Targets, target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Targets, target_of
 
 STANDARD = HidingOptions()
 
@@ -35,17 +34,14 @@ STANDARD = HidingOptions()
 def _add_report(parser: argparse.ArgumentParser) -> None:
     image_options.add_options(parser)
     outputs.add_output(parser, [".html"], "report to write: .html", required=True)
-    parser.add_argument("--pdf", type=Path, help="print it as PDF, too, by Chromium or WeasyPrint")
     add_hiding(parser)
 
 
 def _report(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    from gpr20_analysis.report.page import write_pdf
     from gpr20_analysis.report.sections import write_report
 
     options, wanted = image_options.options_of(chosen), image_options.steps_of(chosen)
-    written = [one for one in (chosen.output, chosen.pdf) if one]
-    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
+    outputs.check([chosen.output], image_options.inputs_of(chosen, wanted), chosen.overwrite)
     # The report shows the survey before and after the chosen steps.
     first, later = (wanted[:1], wanted[1:]) if chosen.antenna else ([], wanted)
     survey, status = image_options.processed(chosen, options, first, catalogue)
@@ -55,8 +51,6 @@ def _report(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     write_report(
         survey, chosen.survey, chosen.output, options, later, chosen.language, progress, hiding
     )
-    if chosen.pdf:
-        write_pdf(chosen.output, chosen.pdf)
     say(chosen.output)
     return status
 
@@ -97,7 +91,7 @@ def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     written: List[Path] = []
     for path in chosen.output:
         written += [path] if path.suffix in outputs.PICTURES else output_paths(path)
-    outputs.check(written, steps.inputs_of(chosen, wanted), chosen.overwrite)
+    outputs.check(written, image_options.inputs_of(chosen, wanted), chosen.overwrite)
     survey = with_height(inputs.load(chosen, catalogue), options.height_m)
     hiding = HidingOptions(
         depth_m=tuple(np.round(chosen.target_depths, 6).tolist()),

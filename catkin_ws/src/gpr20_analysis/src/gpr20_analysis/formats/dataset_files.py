@@ -27,7 +27,6 @@ from gpr20_analysis.errors import (
     check_ending,
     not_there,
 )
-from gpr20_analysis.formats.facts import marked
 from gpr20_analysis.sentences import (
     LIST_ATTRIBUTES,
     sentences_of,
@@ -68,7 +67,8 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     check_ending(path, (NETCDF,))
     stored = _as_real(dataset.described(data.copy()))
     title = f"GPR-20 survey {data.attrs.get('survey_id', '')}".rstrip()
-    of_file = ("CF-1.9", marked(title, data), "written by gpr20_analysis")
+    title += " (SIMULATED)" if dataset.is_simulated(data) else ""
+    of_file = ("CF-1.9", title, "written by gpr20_analysis")
     stored.attrs.update(zip(OF_FILE, of_file))
     # The conventions want these last where there is a depth; spectra end with the frequency.
     for axis in (dataset.Y, dataset.X) if dataset.DEPTH in stored.dims else ():
@@ -76,7 +76,7 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
         stored[axis].attrs.update(as_plane)
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, stored.nbytes + OVERHEAD_BYTES) as own:
-        # to_netcdf imports distributed, which takes half a second, to ask for a cluster's locks.
+        # to_netcdf imports distributed, where it is installed, to ask for a cluster's locks.
         store = H5NetCDFStore.open(str(own), mode="w", lock=threading.Lock(), **CHECKED)
         try:
             stored.dump_to_store(store, encoding=_encoding(stored))

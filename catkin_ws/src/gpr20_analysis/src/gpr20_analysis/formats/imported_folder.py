@@ -19,7 +19,6 @@ from gpr20_analysis import __version__, dataset, faults
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
-from gpr20_analysis.formats.facts import SIMULATED_KEY, facts_of
 from gpr20_analysis.read import survey_attributes
 from gpr20_analysis.sentences import DECISIONS, sentences_of
 from gpr20_analysis.work import Progress, no_progress
@@ -272,7 +271,7 @@ class _Content:
             "time": utc_time.iso_text(self._now_us),
             "software": SOFTWARE,
             TIMES_KNOWN: self._are_times_known,
-            **facts_of(self._survey),
+            **survey_attributes.imported_entry(self._survey),
             DECISIONS: list(map(str, sentences_of(self._survey, DECISIONS))),
         }
         description: Dict[str, Any] = {
@@ -283,8 +282,8 @@ class _Content:
             IMPORTED: entry,
             ANNOTATION: _annotation(attributes).values(),
         }
-        if SIMULATED_KEY in attributes:
-            description[SIMULATED_KEY] = bool(attributes[SIMULATED_KEY])
+        if dataset.SIMULATED in attributes:
+            description[dataset.SIMULATED] = bool(attributes[dataset.SIMULATED])
         text = survey_metadata.encode(description).decode("ascii")
         survey_metadata.parse_object(text, survey_folder.SURVEY_FILE)
         return description

@@ -18,7 +18,6 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.dataset import aux_names
-from gpr20_analysis.formats.facts import SIMULATED_KEY, is_simulated
 from gpr20_analysis.sentences import DOUBTS, sentences_of
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.terminal_text import printable
@@ -64,7 +63,7 @@ def write_plain_csv(survey: xr.Dataset, path: Path, progress: Progress = no_prog
         for name in ("index", dataset.HEIGHT, dataset.TIMESTAMP, dataset.QUALITY)
     )
     # Empty if it is not known.
-    simulated = str(int(is_simulated(survey))) if SIMULATED_KEY in survey.attrs else ""
+    simulated = str(int(dataset.is_simulated(survey))) if dataset.SIMULATED in survey.attrs else ""
     codes = " ".join(one.fault_code for one in sentences_of(survey, DOUBTS))
     aux = [survey[name].transpose(*dataset.SAMPLE_DIMS) for name in aux_names(survey)]
     turns_deg, y_m, x_m = (survey[axis].values for axis in dataset.SAMPLE_DIMS)

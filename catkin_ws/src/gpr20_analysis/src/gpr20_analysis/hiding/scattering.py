@@ -20,9 +20,8 @@ from typing import Tuple
 import numpy as np
 from scipy.special import spherical_jn, spherical_yn
 
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.refraction import tangent_in_air
-from gpr20_survey.results.hidden_target import Target
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, tangent_in_air
+from gpr20_survey.results.hiding_map import Target
 
 STEP_M = 0.005
 """Of the distances of a table."""

@@ -14,27 +14,25 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy as np
 import xarray as xr
+from scipy.stats import beta
 
 from gpr20_analysis import work
 from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.candidates.search import surveyed_m2
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, X, Y, require, usable
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.injection import with_targets
+from gpr20_analysis.hiding.injection import of_model, of_surface, with_targets
 from gpr20_analysis.hiding.scattering import Soil, echo_of
-from gpr20_analysis.hiding.transmission import of_model, of_surface
 from gpr20_analysis.imaging.image_options import ImageOptions, check_range
 from gpr20_analysis.imaging.permittivity import Source
 from gpr20_analysis.processing.antenna_step import require_measured
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_analysis.trial.statistics import detection_interval
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
 from gpr20_survey.results.candidates import Candidate, CandidateList
-from gpr20_survey.results.hidden_target import Target
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Target
 
 # A candidate is the target if it is so near to it: across its rim, above its top, below its bottom.
 NEAR_M, ABOVE_M, BELOW_M = 0.03, 0.03, 0.06
@@ -50,6 +48,7 @@ PLACE_SHARE = 0.4
 MOST_PLACES = 40
 # Arrays as large as the spectra that are held at once by each thread.
 COPIES = 6.0
+OUTSIDE = 0.025  # of a 95 % interval, on each side
 Place = Tuple[float, float]
 """X and Y [m]."""
 
@@ -298,6 +297,13 @@ def _counted(
         notes=(*listed.notes, *_notes(listed, target)),
         position=listed.position,
     )
+
+
+def detection_interval(found: int, targets: int) -> Tuple[float, float]:
+    """Return the 95 % interval of a probability of detection (Clopper and Pearson, 1934)."""
+    low = 0.0 if found == 0 else float(beta.ppf(OUTSIDE, found, targets - found + 1))
+    high = 1.0 if found == targets else float(beta.ppf(1.0 - OUTSIDE, found + 1, targets - found))
+    return low, high
 
 
 def _notes(listed: CandidateList, target: Target) -> Sequence[Message]:

@@ -13,12 +13,17 @@ from typing import Any, Tuple
 import numpy as np
 
 from gpr20_analysis.errors import MissingLibraryError, library_missing
-from gpr20_analysis.imaging.a_scans import gated_a_scans
-from gpr20_analysis.imaging.records import Focus, Ground, Traces, antenna_offset_m, reach
+from gpr20_analysis.imaging.records import (
+    Focus,
+    Ground,
+    Traces,
+    antenna_offset_m,
+    gated_a_scans,
+    reach,
+)
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.refraction import one_way_delay_s, tangent_in_air
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_delay_s, tangent_in_air
 
 # The error of linear interpolation over the distance is less than step^2 / 8 times the second
 # derivative of the delay: 0.5 mrad at 6 GHz and 0.1 m of height.

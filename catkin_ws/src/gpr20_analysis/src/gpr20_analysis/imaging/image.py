@@ -23,10 +23,9 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.echoes import Imager, PointEchoes, find_echoes, local_clutter
-from gpr20_analysis.imaging.image_options import ImageOptions
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.image_traces import traces_of
-from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.permittivity_source import permittivity_of
+from gpr20_analysis.imaging.permittivity import permittivity_of
 from gpr20_analysis.imaging.records import Focus, Ground, Traces, longer_m
 from gpr20_analysis.processing.delay import delay_to_remove_s, recorded_separation_m
 from gpr20_analysis.processing.sweep import FrequencyGrid

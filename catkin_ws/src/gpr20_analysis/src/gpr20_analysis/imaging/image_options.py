@@ -1,24 +1,75 @@
-"""How an image is made: the method, and the values it needs."""
+"""How an image is made: the method, also one of an installed package, and the values it needs."""
 
 from __future__ import annotations
 
 import numbers
 from dataclasses import dataclass
-from typing import Optional, Tuple
+from typing import Callable, ClassVar, Optional, Tuple
 
 import numpy as np
 
+from gpr20_analysis import faults
+from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.methods import Method
-from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY
-from gpr20_analysis.imaging.permittivity_source import BuriedReference
-from gpr20_analysis.imaging.records import Ground
+from gpr20_analysis.imaging.back_projection import back_projection_image
+from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, BuriedReference
+from gpr20_analysis.imaging.phase_shift import phase_shift_image
+from gpr20_analysis.imaging.records import Focus, Ground, Traces
+from gpr20_analysis.work import Progress
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, number_between
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
 from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+
+DEFAULT_STEPS = ("background:method=surface",)
+"""Steps before an image of a survey without steps."""
+
+
+@dataclass(frozen=True)
+class Method:
+    """How an image is computed; that of a sum of traces is the sum of their images.
+
+    Attributes:
+        name: Its name, which images record.
+        image: Makes the image (depth, y, x) of one polarization, complex.
+        exact_paths: It knows the separation of the antennas, and uneven ground.
+    """
+
+    name: str
+    image: Callable[[Traces, Focus, Progress], np.ndarray]
+    exact_paths: bool = False
+
+    PHASE_SHIFT: ClassVar[Method]
+    BACK_PROJECTION: ClassVar[Method]
+
+
+Method.PHASE_SHIFT = Method("phase-shift", phase_shift_image)
+Method.BACK_PROJECTION = Method("back-projection", back_projection_image, exact_paths=True)
+
+METHODS = ExtensionPoint(
+    "gpr20_analysis.imaging_methods",
+    Message("the method"),
+    fault=faults.STEPS,
+    own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
+    kind=Method,
+)
+"""By this, other packages add imaging methods."""
+
+
+def imaging_method(name: str) -> Method:
+    """Return an imaging method.
+
+    Args:
+        name: Its name; also that of a method of another installed package.
+
+    Raises:
+        MissingLibraryError: Its package is not installed.
+        AnalysisError: There is none, or its package cannot be used.
+    """
+    found: Method = METHODS.find(name)
+    return found
 
 
 @dataclass(frozen=True)

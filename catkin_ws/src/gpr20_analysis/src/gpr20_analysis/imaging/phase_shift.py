@@ -22,13 +22,11 @@ from numpy.polynomial.chebyshev import chebpts1
 
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.imaging.a_scans import weighted_gate
-from gpr20_analysis.imaging.records import Focus, Traces, reach
+from gpr20_analysis.imaging.records import Focus, Traces, reach, weighted_gate
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_delay_s
 
 # Positions are read from axes that count steps of 0.01 mm.
 GRID_TOLERANCE = 0.02

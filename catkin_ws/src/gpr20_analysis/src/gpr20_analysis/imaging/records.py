@@ -1,4 +1,4 @@
-"""The inputs of the imaging methods."""
+"""The inputs of imaging methods, and fine A-scans, from which voxels are interpolated."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Tuple
 
 import numpy as np
+import scipy.fft
 
-from gpr20_analysis.processing.sweep import FrequencyGrid
+from gpr20_analysis.processing.sweep import FrequencyGrid, summed
 from gpr20_survey.radar.frequency_to_delay import Window
 
 
@@ -85,3 +86,89 @@ def reach(focus: Focus) -> Tuple[float, float]:
 def longer_m(deep_m: float, separation_m: float) -> float:
     """Return how much longer the way between antennas that are apart is than that down [m]."""
     return float(np.hypot(deep_m, separation_m / 2.0)) - deep_m
+
+
+# Linear interpolation between samples of the analytic signal loses (2 pi f dt)^2 / 8 of a
+# component: 0.6 % at 3.3 GHz, 2 % at 6 GHz, without a phase error.
+SAMPLE_S = 10.6e-12
+
+
+# Share of the gate over which it fades in, and again over which it fades out.
+TRANSITION = 0.06
+# Traces that are transformed at once: about 20 MiB.
+BLOCK = 2048
+
+
+def gated_a_scans(
+    spectra: np.ndarray, sweep: FrequencyGrid, window: Window, longest_delay_s: float
+) -> Tuple[np.ndarray, float]:
+    """Return analytic A-scans (trace, delay) from delay 0 on, complex64, and their step [s].
+
+    Args:
+        spectra: Spectra (trace, frequency).
+        sweep: Their frequencies.
+        window: Weights over the band.
+        longest_delay_s: Longest two-way delay; the A-scans are slightly longer [s].
+    """
+    coarse, matrix = weighted_gate(sweep, longest_delay_s, window)
+    count = scipy.fft.next_fast_len(int(np.ceil(coarse.unambiguous_s / SAMPLE_S)))
+    sample_s = coarse.unambiguous_s / count
+    # Compiled loops read until there without a check.
+    found = np.zeros((len(spectra), int(np.ceil(longest_delay_s / sample_s)) + 4), np.complex64)
+    for first in range(0, len(spectra), BLOCK):
+        block = slice(first, first + BLOCK)
+        gated = spectra[block].astype(np.complex64, copy=False) @ matrix
+        samples = summed(gated, coarse, count)[:, : found.shape[1]]
+        found[block, : samples.shape[1]] = samples
+    return found, sample_s
+
+
+def weighted_gate(
+    sweep: FrequencyGrid, longest_delay_s: float, window: Window
+) -> Tuple[FrequencyGrid, np.ndarray]:
+    """Return a coarser sweep as `gated_sweep`, and its matrix with the weights over the band."""
+    coarse, gate = gated_sweep(sweep, longest_delay_s)
+    shares = window.shares(sweep.count) * (coarse.step_hz / sweep.step_hz)
+    return coarse, (gate * shares[:, None]).astype(np.complex64)
+
+
+def gated_sweep(sweep: FrequencyGrid, longest_delay_s: float) -> Tuple[FrequencyGrid, np.ndarray]:
+    """Return a coarser sweep and the matrix that transforms spectra to it.
+
+    The coarser spectrum is that of the trace times a gate, which passes delays from 0 to the
+    longest in full and is 0 outside of twice its transition before and after. The gate is a
+    raised-cosine in time, so its spectrum is known in closed form and no transform is needed.
+
+    Args:
+        sweep: The frequencies of the spectra.
+        longest_delay_s: Longest two-way delay that must remain [s].
+
+    Returns:
+        The sweep, and a matrix (count of the sweep given, count of the sweep returned): the
+        product spectra @ matrix is the gated spectra; that of an echo within the gate keeps its
+        values. If gating would save nothing, the sweep itself and the identity.
+    """
+    width_s = longest_delay_s * (1.0 + TRANSITION)
+    support_s = width_s * (1.0 + TRANSITION)
+    band_hz = sweep.step_hz * (sweep.count - 1)
+    count = math.ceil(band_hz * support_s) + 1
+    if count >= sweep.count:
+        return sweep, np.eye(sweep.count)
+    coarse = FrequencyGrid(sweep.start_hz, band_hz / (count - 1), count)
+    off_hz = coarse.frequency_hz[None, :] - sweep.frequency_hz[:, None]
+    matrix = _gate_spectrum(off_hz, width_s) * np.exp(-1j * np.pi * off_hz * longest_delay_s)
+    return coarse, matrix * sweep.step_hz
+
+
+def _gate_spectrum(off_hz: np.ndarray, width_s: float) -> np.ndarray:
+    """Fourier transform of a raised-cosine gate about 0, in seconds."""
+    turns = off_hz * width_s
+    denominator = 1.0 - (2.0 * TRANSITION * turns) ** 2
+    # At its zero the quotient's limit is pi / 4.
+    regular = np.abs(denominator) > 1e-9
+    quotient = np.where(
+        regular,
+        np.cos(np.pi * TRANSITION * turns) / np.where(regular, denominator, 1.0),
+        np.pi / 4.0,
+    )
+    return width_s * np.sinc(turns) * quotient

@@ -44,9 +44,8 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.delay import REMOVED, known_height
-from gpr20_analysis.processing.samples import matched
 from gpr20_analysis.processing.surface_echo import SURFACE_DELAY, thinned
-from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, steps_to_top
+from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, matched, steps_to_top
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message

@@ -33,7 +33,7 @@ from gpr20_analysis.dataset import (
 )
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.processing.delay import ADVANCE
-from gpr20_analysis.processing.samples import matched
+from gpr20_analysis.processing.sweep import matched
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.radar.depth import two_way_delay_s

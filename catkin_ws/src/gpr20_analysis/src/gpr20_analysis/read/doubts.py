@@ -27,9 +27,9 @@ from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
 from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
-from gpr20_survey.plan.zero_history import UNPROVEN, ZEROS, Proof, UsedZeros
+from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.calibration import CalibrationStatus
+from gpr20_survey.trace.sweep_settings import CalibrationStatus
 
 Described = Mapping[str, Any]
 REASONS, LISTED = 2, 5

@@ -13,14 +13,17 @@ from gpr20_analysis import dataset
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.formats.dataset_files import NETCDF, checked, read_dataset
-from gpr20_analysis.formats.facts import attributes_of
 from gpr20_analysis.formats.imports import refuse_device, refuse_importable
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.recordings import is_recording
 from gpr20_analysis.read.sources import Damage, Source, open_source
-from gpr20_analysis.read.survey_attributes import OF_PEOPLE, aux_variables, survey_attributes
-from gpr20_analysis.read.survey_grid import unknown_plan
-from gpr20_analysis.read.traces import Sample, TraceTable, trace_variables
+from gpr20_analysis.read.survey_attributes import (
+    OF_PEOPLE,
+    aux_variables,
+    imported_attributes,
+    survey_attributes,
+)
+from gpr20_analysis.read.traces import Sample, TraceTable, trace_variables, unknown_plan
 from gpr20_analysis.sentences import DECISIONS, NOTES, first_of, with_sentences
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.errors import InvalidValueError
@@ -264,7 +267,11 @@ def _attributes(
     notes += _texts(imported.get(NOTES))
     attributes: Dict[str, Any] = {
         # What people add to a survey may have been changed since.
-        **{name: one for name, one in attributes_of(imported).items() if name not in OF_PEOPLE},
+        **{
+            name: one
+            for name, one in imported_attributes(imported).items()
+            if name not in OF_PEOPLE
+        },
         "format": dataset.FORMAT,
         "source": source.name,
         "survey_id": table.survey_id,

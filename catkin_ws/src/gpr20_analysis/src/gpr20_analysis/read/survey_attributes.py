@@ -9,18 +9,28 @@ from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, 
 
 import numpy as np
 
-from gpr20_analysis.dataset import AUX_PREFIX
+from gpr20_analysis.dataset import (
+    AUX_PREFIX,
+    DISPLAY_ONLY,
+    MM_PER_M,
+    POLARIZATION,
+    PROCESSING,
+    SAMPLE_DIMS,
+)
+from gpr20_analysis.sentences import DOUBTS, kept_doubts, sentences_of
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS, present_markers
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.results.candidates import AreaPosition
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import AuxValue
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from gpr20_analysis.read.traces import Sample
 
 NAME, OPERATOR, SITE, NOTES = "survey_name", "operator", "site", "survey_notes"
@@ -34,6 +44,13 @@ ANTENNA_DELAY = "antenna_delay_s"
 ANTENNA_SEPARATION = "antenna_separation_m"
 """Distance between the antennas [m]; images use it unless another one is given."""
 WIDEST_SEPARATION_M = 2.0
+# What the log of an imported survey keeps of its Dataset.
+KEPT_TEXTS = ("survey_id", NAME, OPERATOR, SITE, NOTES, OUTPUT_POWER, PROCESSING, DISPLAY_ONLY)
+KEPT_NUMBERS = (
+    *(LATITUDE, LONGITUDE, IF_BANDWIDTH, AVERAGES),
+    *(ANTENNA_DELAY, ANTENNA_SEPARATION),
+)
+GRID = ("polarization_deg", "y_mm", "x_mm")
 S_PER_NS = 1e-9
 DELAY_KEY = "antenna_delay_ns"
 
@@ -61,6 +78,31 @@ def survey_attributes(
         first, *others = {one[name] for one in settings}
         if first and not others:
             found[name] = first
+    return found
+
+
+def imported_entry(data: xr.Dataset) -> Dict[str, Any]:
+    """Return what the log of an imported survey keeps, as values of JSON."""
+    found: Dict[str, Any] = {one: str(data.attrs[one]) for one in KEPT_TEXTS if one in data.attrs}
+    found.update({one: float(data.attrs[one]) for one in KEPT_NUMBERS if one in data.attrs})
+    doubts = kept_doubts(sentences_of(data, DOUBTS))
+    if doubts:
+        found[DOUBTS] = "\n".join(doubts)
+    for name, axis in zip(GRID, SAMPLE_DIMS):
+        scale = 1.0 if axis == POLARIZATION else MM_PER_M
+        found[name] = (data[axis].values.astype(float) * scale).tolist()
+    return {**found, "notes": list(map(str, sentences_of(data, "notes")))}
+
+
+def imported_attributes(entry: Mapping[str, Any]) -> Dict[str, Any]:
+    """Return the attributes of an entry, except those of a wrong type."""
+    found: Dict[str, Any] = {
+        one: entry[one] for one in KEPT_TEXTS if isinstance(entry.get(one), str)
+    }
+    for one in KEPT_NUMBERS:
+        value = entry.get(one)
+        if isinstance(value, (int, float)) and np.isfinite(value):
+            found[one] = float(value)
     return found
 
 

@@ -11,8 +11,7 @@ from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks, doubts
 from gpr20_analysis.read.sources import whole_description
-from gpr20_analysis.read.survey_grid import unknown_plan
-from gpr20_analysis.read.traces import Sample
+from gpr20_analysis.read.traces import Sample, unknown_plan
 from gpr20_analysis.read.verdict import Verification
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.errors import InvalidValueError

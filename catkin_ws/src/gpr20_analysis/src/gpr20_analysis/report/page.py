@@ -1,29 +1,22 @@
-"""A report, the one self-contained HTML file that it is, and its print as PDF."""
+"""A report, and the one self-contained HTML file that it is."""
 
 from __future__ import annotations
 
 import base64
 import html
 import io
-import shutil
-import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, List, Sequence, Tuple
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, MissingLibraryError, check_ending
 from gpr20_common.catalogue import Language
-from gpr20_common.message import Message
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-HTML, PDF = ".html", ".pdf"
+HTML = ".html"
 RESOLUTION_DPI = 110
-BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-PRINT = ("--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer")
-PRINT_LIMIT_S = 120.0
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;color:#222;max-width:70rem;margin:0 auto;"
     "padding:0 1rem 2rem}h1{font-size:1.5rem;margin:1rem 0}h2{font-size:1.15rem;margin-top:2rem;"
@@ -94,35 +87,6 @@ def save_report(made: Report, output: Path) -> None:
     """
     with atomic_output(output) as place:
         place.write_text(page(made), encoding="utf-8")
-
-
-def write_pdf(report: Path, output: Path) -> None:
-    """Print the file of a report as PDF, by a browser or WeasyPrint.
-
-    Raises:
-        MissingLibraryError: There is neither.
-        AnalysisError: The path has another ending, or the program failed.
-    """
-    check_ending(output, (PDF,))
-    program = next(filter(None, map(shutil.which, (*BROWSERS, "weasyprint"))), None)
-    if program is None:
-        raise MissingLibraryError(
-            Message("--pdf needs Chromium or WeasyPrint; install one, or print the page")
-        )
-    with atomic_output(output) as place:
-        arguments = [*PRINT, f"--print-to-pdf={place}", report.resolve().as_uri()]
-        if Path(program).name == "weasyprint":
-            arguments = [str(report), str(place)]
-        done = subprocess.run(
-            [program, *arguments],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=PRINT_LIMIT_S,
-            check=False,
-        )
-        if done.returncode != 0 or not place.exists():
-            details = done.stderr.decode("utf-8", "replace")[-500:]
-            raise ExportError(Message("the report was not printed", details=details))
 
 
 def page(report: Report) -> str:

@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis.formats.common import as_dataset
-from gpr20_analysis.processing.to_frequency import to_frequency
+from gpr20_analysis.formats.common import as_dataset, to_frequency
 from gpr20_analysis.read import survey_attributes
 from gpr20_common.message import Message
 

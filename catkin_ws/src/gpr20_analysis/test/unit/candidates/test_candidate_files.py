@@ -20,8 +20,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.results.area_position import AreaPosition
-from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED
+from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, AreaPosition
 
 PEAKS = [(0, 0.15, 0.15, 0.15, 40.0), (1, 0.15, 0.15, 0.15, 35.0), (0, 0.05, 0.24, 0.2, 38.0)]
 POSITION = {"latitude_deg": 4.60283, "longitude_deg": -74.06514, "heading_deg": 30.0}

@@ -25,7 +25,7 @@ IMAGE = ("--permittivity", "4", "--depth", "0", "0.02", "0.005", "--height", "0.
 # The arguments of a command that writes, and what it may replace.
 WRITERS = [
     (("export", "SURVEY", "PLACE/o.nc", "--format", "netcdf"), "o.nc"),
-    (("export", "SURVEY", "PLACE/o.sgy", "--format", "segy"), "o_090.sgy"),
+    (("export", "SURVEY", "PLACE/o.csv", "--format", "csv"), "o.csv"),
     (("process", "SURVEY", "--step", "time", "-o", "PLACE/q.nc"), "q.nc"),
     (("image", "SURVEY", *IMAGE, "-o", "PLACE/i.nc"), "i.nc"),
     (("plot", "coverage", "SURVEY", "-o", "PLACE/c.png"), "c.png"),
@@ -61,7 +61,7 @@ def test_a_folder_that_holds_something_is_never_replaced(finished, tmp_path, ref
     (tmp_path / "home" / "thesis.txt").write_text("precious")
     home = str(tmp_path / "home")
     for call in (
-        ("export", str(finished), home, "--format", "touchstone", "--overwrite"),
+        ("export", str(finished), home, "--format", "ros2", "--overwrite"),
         ("process", str(finished), "--step", "time", "-o", home + ".nc", "--overwrite"),
     ):
         if call[0] == "process":
@@ -114,7 +114,7 @@ def test_work_that_is_cut_off_leaves_nothing_half_written(
 
 @pytest.fixture(scope="module")
 def survey_file(tmp_path_factory):
-    """A survey that takes long to write file by file."""
+    """A survey that takes long to write line by line."""
     count, path = 100, tmp_path_factory.mktemp("survey") / "s.nc"
     place_m, shape = np.arange(count) / 100.0, (2, count, count)
     s21, frequency_hz = np.ones((*shape, 51), complex), np.linspace(6e8, 6e9, 51)
@@ -124,8 +124,8 @@ def survey_file(tmp_path_factory):
 
 
 def test_what_is_ended_leaves_nothing_behind(survey_file, tmp_path):
-    call = ["export", str(survey_file), str(tmp_path / "out"), "--format", "touchstone"]
-    process = begun(call, lambda: list(tmp_path.glob(f"{BESIDE}*/out/*.s2p")))
+    call = ["export", str(survey_file), str(tmp_path / "out.csv"), "--format", "csv"]
+    process = begun(call, lambda: list(tmp_path.glob(f"{BESIDE}*/out.csv")))
     try:
         process.send_signal(signal.SIGTERM)
         _, error = process.communicate(timeout=TIME_LIMIT_S)

@@ -19,7 +19,7 @@ from gpr20_analysis import entry_points, faults
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.imports import import_survey
-from gpr20_analysis.imaging.methods import imaging_method
+from gpr20_analysis.imaging.image_options import imaging_method
 from gpr20_analysis.processing.chain import (
     apply_steps,
     recorded_steps,

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
@@ -15,15 +16,20 @@ from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.hiding.injection import with_targets
 from gpr20_analysis.hiding.scattering import Soil, echo_of
-from gpr20_analysis.hiding.search import Detector, HidingOptions, is_found, map_hidden
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
+from gpr20_analysis.hiding.search import (
+    Detector,
+    HidingOptions,
+    detection_interval,
+    is_found,
+    map_hidden,
+)
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.results.hidden_target import Target, Targets
+from gpr20_survey.results.hiding_map import Target, Targets
 
 SMALL = HidingOptions((0.03, 0.15), rounds=2, loss_tangent=0.0)
 FEW_MM = np.linspace(60.0, 420.0, 11)
@@ -73,6 +79,14 @@ def test_the_same_seed_gives_the_same_map_and_another_seed_an_alike_one(ground, 
     assert not np.array_equal(other.within_m, found.within_m)
     apart = (other.lowest > found.highest) | (found.lowest > other.highest)
     assert apart.mean() < 0.15
+
+
+@each_case(
+    "found, targets, published",
+    [(50, 50, (0.929, 1.0)), (45, 48, (0.828, 0.987)), (0, 7, (0.0, 0.410)), (0, 0, (0.0, 1.0))],
+)
+def test_a_share_has_the_interval_of_clopper_and_pearson(found, targets, published):
+    assert detection_interval(found, targets) == pytest.approx(published, abs=6e-4)
 
 
 def noise(survey, level):

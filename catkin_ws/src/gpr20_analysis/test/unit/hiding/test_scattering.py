@@ -5,10 +5,9 @@ import pytest
 from echoes_kit import by_default
 from recorded_worlds import UNIANDES, area, dataset, disc
 
-from gpr20_analysis.hiding.injection import with_targets
+from gpr20_analysis.hiding.injection import of_surface, with_targets
 from gpr20_analysis.hiding.scattering import Soil, ball_amplitude_m, echo_of
-from gpr20_analysis.hiding.transmission import of_surface
-from gpr20_survey.results.hidden_target import Target, Targets, target_of
+from gpr20_survey.results.hiding_map import Target, Targets, target_of
 
 FREQUENCY_HZ = np.linspace(0.6e9, 3.5e9, 30)
 LIGHT_M_S = 299792458.0

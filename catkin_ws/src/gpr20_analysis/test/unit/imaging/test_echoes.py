@@ -17,7 +17,7 @@ from survey_kit import POINTS, make_survey, planned_trace
 from gpr20_analysis.candidates.answer import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.image_options import Method
 from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_analysis.read.load import GrowingSurvey, load_survey
 from gpr20_common.faults import BUSY

@@ -14,8 +14,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Focus, Ground, Traces
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
@@ -23,7 +22,7 @@ from gpr20_analysis.work import on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.world.scene import Surface
-from gpr20_survey.radar.refraction import one_way_delay_s
+from gpr20_survey.radar.depth import one_way_delay_s
 
 TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))
 QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}

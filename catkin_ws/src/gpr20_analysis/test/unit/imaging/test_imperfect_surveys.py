@@ -12,8 +12,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import DISPLAY_ONLY, HEIGHT, S21, Quality
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import Method
+from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.background import Background, remove_background
 from gpr20_analysis.processing.delay import set_time_zero, to_time

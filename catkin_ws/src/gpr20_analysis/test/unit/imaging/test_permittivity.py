@@ -10,10 +10,12 @@ from run_seed import LONG
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
-from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.methods import DEFAULT_STEPS
-from gpr20_analysis.imaging.permittivity import permittivity_line, permittivity_range
-from gpr20_analysis.imaging.permittivity_source import BuriedReference
+from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
+from gpr20_analysis.imaging.permittivity import (
+    BuriedReference,
+    permittivity_line,
+    permittivity_range,
+)
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.faults import NOT_ALLOWED

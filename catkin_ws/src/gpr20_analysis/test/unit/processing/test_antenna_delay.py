@@ -18,7 +18,7 @@ from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.imaging.permittivity_source import BuriedReference
+from gpr20_analysis.imaging.permittivity import BuriedReference
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_analysis.processing.delay import set_time_zero, to_time
 from gpr20_analysis.processing.surface_echo import fit_delay

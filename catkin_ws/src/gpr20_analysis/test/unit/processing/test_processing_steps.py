@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from gpr20_analysis import faults
 from gpr20_analysis.dataset import S21_DIMS
+from gpr20_analysis.formats.common import to_frequency
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
 from gpr20_analysis.processing.chain import (
     apply_steps,
@@ -20,11 +21,11 @@ from gpr20_analysis.processing.chain import (
     text_of,
 )
 from gpr20_analysis.processing.delay import to_time
-from gpr20_analysis.processing.samples import (
+from gpr20_analysis.processing.sweep import (
+    FrequencyGrid,
+    select_band,
     select_polarization,
 )
-from gpr20_analysis.processing.sweep import FrequencyGrid, select_band
-from gpr20_analysis.processing.to_frequency import to_frequency
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.radar.frequency_to_delay import Window
 

@@ -17,15 +17,14 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.formats.plain_csv import write_plain_csv
-from gpr20_analysis.formats.touchstone import write_touchstone
 from gpr20_analysis.read.load import load_survey
-from gpr20_analysis.read.survey_grid import grid_of
+from gpr20_analysis.read.traces import grid_of
 from gpr20_analysis.report.summary import summarize
 from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.trace import AuxValue
 
 ALL = len(POINTS)
 SETTINGS = {"if_bandwidth_hz": 1000.0, "averages": 4, "output_power": "HIGH"}
@@ -170,13 +169,10 @@ def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
     assert summarize(survey)["sensor soil"] == "0 to 5.5 °C, mean 2.75 °C (samples: 12)"
 
 
-def test_the_settings_of_the_analyzer_are_in_summary_and_exports(folder, tmp_path, capsys):
+def test_the_settings_of_the_analyzer_are_in_the_summary(folder, capsys):
     assert main(["info", str(folder), "--json"]) == 0
     shown = json.loads(capsys.readouterr().out)
     assert (shown["IF bandwidth"], shown["averages"]) == ("1000 Hz", "4")
-    assert main(["export", str(folder), str(tmp_path / "ts"), "--format", "touchstone"]) == 0
-    first = sorted((tmp_path / "ts").iterdir())[0]
-    assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in first.read_text()
 
 
 def test_settings_and_zeros_that_differ_are_at_their_samples_also_in_a_file(tmp_path):
@@ -206,7 +202,3 @@ def test_settings_and_zeros_that_differ_are_at_their_samples_also_in_a_file(tmp_
     assert np.isnat(survey.zero_times.values[~held]).all()
     write_dataset(survey, tmp_path / "survey.nc")
     assert load_survey(tmp_path / "survey.nc").equals(survey)
-    write_touchstone(survey, tmp_path / "ts")
-    (own,), (other,) = ((tmp_path / "ts").glob(f"{index:06d}_*") for index in (5, 6))
-    assert "if_bandwidth_hz 20.0, averages 1, output_power LOW" in own.read_text()
-    assert "if_bandwidth_hz 1000.0, averages 4, output_power HIGH" in other.read_text()

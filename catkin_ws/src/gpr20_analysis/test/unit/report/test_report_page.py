@@ -3,7 +3,6 @@
 import base64
 import math
 import re
-import shutil
 
 import pytest
 import xarray as xr
@@ -13,8 +12,6 @@ from survey_kit import POINTS, describe_again, make_survey
 from translation_kit import shown_is_translated  # noqa: F401
 
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.errors import MissingLibraryError
-from gpr20_analysis.report import page as pages
 from gpr20_analysis.report.page import Report, Section, page
 from gpr20_analysis.report.sections import title_of
 from gpr20_analysis.sentences import ENGLISH
@@ -71,21 +68,6 @@ def test_the_page_loads_nothing_and_answers_in_the_order_of_an_officer(tmp_path)
 def test_the_title_is_name_site_and_date_and_never_the_id(known, title):
     survey = xr.Dataset(attrs={"survey_id": "e0bd3ae3", "source": "line.nc", **known})
     assert title_of(survey, ENGLISH) == title
-
-
-def test_a_pdf_is_printed_by_a_browser_or_refused_with_what_to_install(
-    tmp_path, monkeypatch, finished
-):
-    html, pdf = tmp_path / "r.html", tmp_path / "r.pdf"
-    html.write_text(page(Report("t", [Section("t", lines=["a"])])), encoding="utf-8")
-    if any(map(shutil.which, pages.BROWSERS)):
-        pages.write_pdf(html, pdf)
-        assert pdf.read_bytes().startswith(b"%PDF")
-    monkeypatch.setenv("PATH", "")
-    with pytest.raises(MissingLibraryError, match="Chromium or WeasyPrint"):
-        pages.write_pdf(html, tmp_path / "other.pdf")
-    assert not (tmp_path / "other.pdf").exists()
-    assert main(["report", str(finished), "-o", str(tmp_path / "r.txt")]) == 3
 
 
 @pytest.mark.usefixtures("blank_figures")

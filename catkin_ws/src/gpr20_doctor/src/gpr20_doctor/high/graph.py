@@ -23,7 +23,7 @@ from gpr20_msgs.srv import TestAnalyzer
 from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 
 # Clocks are compared for so long at least [s].
 WATCH_S = 1.5

@@ -17,7 +17,7 @@ from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 
 
 def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:

@@ -25,8 +25,7 @@ from gpr20_survey.folder.survey_folder import TRACES_FOLDER
 from gpr20_survey.radar.soils import requested_permittivity
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_survey.results.hidden_target import target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, target_of
 from gpr20_survey.results.volume import ExportPart
 
 MOST_WAITING = 8

@@ -17,8 +17,7 @@ from gpr20_common.message import Message
 from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.exporting import Exporter
 from gpr20_survey.results.focused_image import FocusedImage
-from gpr20_survey.results.hidden_target import target_of
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 message_of = gpr20_analysis.message_of
 

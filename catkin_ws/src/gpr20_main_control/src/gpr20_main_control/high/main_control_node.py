@@ -51,7 +51,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.soils import requested_permittivity
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 
 PUBLISHING_PERIOD_S = 0.1
 NODE = "main_control"

@@ -40,7 +40,7 @@ from gpr20_survey.radar.frequency_to_delay import (
     delay_kernel,
     unambiguous_s,
 )
-from gpr20_survey.results.daily_check import Part
+from gpr20_survey.results.answers import Part
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_survey.trace.utc_time import iso_text

@@ -38,7 +38,7 @@ from gpr20_survey.faults import NO_PLAN, NONE_OPEN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 
 # A request waits this long for another one to end [s].
 REQUEST_LIMIT_S = 5.0

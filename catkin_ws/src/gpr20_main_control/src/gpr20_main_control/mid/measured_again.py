@@ -7,10 +7,6 @@ With r the earlier sweep and m the later one, the ratio m / r gives at each freq
 amplitude, 20 log10 |m / r| [dB], and of phase, arg(m / r) [deg, -180 to 180]. Summed over the
 band each frequency counts by its power |r|^2, so that nulls, where only noise is left, count for
 nothing: RMS = sqrt(sum(|r|^2 d^2) / sum(|r|^2)).
-
-What is common to the band is one gain and one delay, as of a cable that grew warm. With
-c = m conj(r), the delay t = -arg(sum(c[k+1] conj(c[k]))) / (2 pi df) needs no unwrapped phase; it
-is unambiguous within half of the reciprocal of the frequency step df.
 """
 
 from __future__ import annotations
@@ -25,26 +21,19 @@ from gpr20_common.message import Message, numeral, verbatim
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_survey.plan.survey_parameters import SurveySettings
-from gpr20_survey.radar.frequency_to_delay import phase_advance
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
 
 # Another rotation must fit at least this many times better [power] to count as the true one.
 ROTATION_FACTOR = 2.0
-PS = 1e12
 
 
 @dataclass(frozen=True)
 class Drift:
-    """The difference of a later sweep from an earlier one; infinite if that has no signal.
-
-    The first two are weighted by power, the others are common to the band.
-    """
+    """The difference of a later sweep from an earlier one; infinite if that has no signal."""
 
     amplitude_rms_db: float = math.inf
     phase_rms_deg: float = math.inf
-    gain_db: float = math.inf
-    delay_s: float = math.inf
 
 
 def s21_of(sweep: Sweep) -> np.ndarray:
@@ -52,8 +41,8 @@ def s21_of(sweep: Sweep) -> np.ndarray:
     return sweep.s21_real + 1j * sweep.s21_imag
 
 
-def drift_between(frequency_hz: np.ndarray, earlier: np.ndarray, later: np.ndarray) -> Drift:
-    """Return the drift of S21 between two sweeps of the same, evenly spaced frequencies."""
+def drift_between(earlier: np.ndarray, later: np.ndarray) -> Drift:
+    """Return the drift of S21 between two sweeps of the same frequencies."""
     power = np.abs(earlier) ** 2
     known = power > 0.0
     if not known.any():
@@ -63,17 +52,8 @@ def drift_between(frequency_hz: np.ndarray, earlier: np.ndarray, later: np.ndarr
     ratio = later[known] / earlier[known]
     with np.errstate(divide="ignore"):
         amplitude_db = 20.0 * np.log10(np.abs(ratio))
-    common = later * np.conj(earlier)
-    turn = np.sum(common[1:] * np.conj(common[:-1]))
-    step_hz = float(frequency_hz[-1] - frequency_hz[0]) / (len(frequency_hz) - 1)
-    delay_s = -float(np.angle(turn)) / (2.0 * math.pi * step_hz)
-    aligned = np.abs(np.sum(common * phase_advance(frequency_hz, np.array(delay_s))))
-    return Drift(
-        _weighted_rms(amplitude_db, weights),
-        _weighted_rms(np.degrees(np.angle(ratio)), weights),
-        _decibels(float(aligned), float(np.sum(power))),
-        delay_s,
-    )
+    phase_deg = np.degrees(np.angle(ratio))
+    return Drift(_weighted_rms(amplitude_db, weights), _weighted_rms(phase_deg, weights))
 
 
 def difference_db(earlier: np.ndarray, later: np.ndarray) -> float:
@@ -257,8 +237,7 @@ class DriftLimits:
 
     def _since_accepted(self, repeated: Repeated) -> Drift:
         stored = repeated.stored
-        earlier = self._accepted.get(stored.index, s21_of(stored))
-        return drift_between(stored.frequency_hz, earlier, repeated.mean)
+        return drift_between(self._accepted.get(stored.index, s21_of(stored)), repeated.mean)
 
     def _part_of_limits(self, drift: Drift) -> float:
         return max(
@@ -270,14 +249,12 @@ class DriftLimits:
 def _recorded(repeated: Repeated) -> Dict[str, Any]:
     """Return the drift at one rotation since the survey's start."""
     stored, (first, second) = repeated.stored, repeated.again
-    drift = drift_between(stored.frequency_hz, s21_of(stored), repeated.mean)
+    drift = drift_between(s21_of(stored), repeated.mean)
     return {
         "index": stored.index,
         "z_deg": stored.z_coord_deg,
         "amplitude_rms_db": finite(drift.amplitude_rms_db),
         "phase_rms_deg": finite(drift.phase_rms_deg),
-        "gain_db": finite(drift.gain_db),
-        "delay_ps": finite(drift.delay_s * PS),
         "noise_db": finite(noise_db(s21_of(first), s21_of(second))),
         "height_difference_m": finite(repeated.height_difference_m),
     }

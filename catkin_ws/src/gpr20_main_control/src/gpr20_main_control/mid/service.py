@@ -25,7 +25,7 @@ from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import NOT_HOMED
 from gpr20_survey.plan.robot_description import axis_parameters
 from gpr20_survey.radar.frequency_to_delay import decibels
-from gpr20_survey.results.analyzer_test import AnalyzerTest
+from gpr20_survey.results.answers import AnalyzerTest
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import SweepSettings
 

@@ -15,7 +15,7 @@ from gpr20_main_control.mid.devices.described_robot import AuxSensors, SensorInp
 from gpr20_survey.faults import SENSOR_FAILED
 from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.aux_value import AuxValue
+from gpr20_survey.trace.trace import AuxValue
 
 NOW_US = 1_790_000_000_000_000
 

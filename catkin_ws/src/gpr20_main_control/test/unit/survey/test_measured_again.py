@@ -7,6 +7,7 @@ import threading
 
 import numpy as np
 import pytest
+from case_kit import each_case
 from cut_off_surveys import stored_trace
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -15,10 +16,12 @@ from survey_examples import AXES, PARAMETERS
 
 from gpr20_main_control import faults
 from gpr20_main_control.mid.measured_again import (
+    DriftLimits,
     KnownPoint,
     Repeated,
     drift_between,
     known_traces,
+    s21_of,
 )
 from gpr20_main_control.mid.survey.survey_plan import plan_survey
 from gpr20_survey.folder.log_record import Kind
@@ -48,18 +51,17 @@ def echoes(seed):
 @given(
     st.integers(0, 2**31),
     st.floats(-20.0, 20.0),
-    st.floats(-4e-9, 4e-9),
+    st.floats(-170.0, 170.0),
     st.floats(-120.0, -60.0),
 )
-def test_a_known_gain_and_delay_are_recovered_below_noise(seed, gain_db, delay_s, noise):
+def test_a_known_gain_and_phase_are_recovered_below_noise(seed, gain_db, phase_deg, noise):
     before = echoes(seed)
     level = math.sqrt(2.0 * np.mean(np.abs(before) ** 2)) * 10.0 ** (noise / 20.0)
     noisy = before + hiss(np.random.default_rng(seed + 1), level, 501)
-    changed = noisy * echo(10.0 ** (gain_db / 20.0), delay_s)
-    found = drift_between(HZ, before, changed)
-    assert found.gain_db == pytest.approx(gain_db, abs=0.02)
-    assert found.delay_s == pytest.approx(delay_s, abs=1e-12)
+    changed = noisy * 10.0 ** (gain_db / 20.0) * np.exp(1j * np.radians(phase_deg))
+    found = drift_between(before, changed)
     assert found.amplitude_rms_db == pytest.approx(abs(gain_db), abs=0.05)
+    assert found.phase_rms_deg == pytest.approx(abs(phase_deg), abs=0.3)
 
 
 # A known point.
@@ -166,9 +168,19 @@ def test_each_drift_that_is_too_large_pauses_and_is_accepted_as_it_is_after_resu
     paused = [(one, *mark) for one in (first, second) for mark in ((True, False), (False, True))]
     assert marks(visiting) == paused + [(one, False, False) for one in rest]
     # What is stored is the drift since the start, whatever was accepted.
-    gains_db = [one["rotations"][1]["gain_db"] for one in visits(visiting)]
-    expected_db = [20.0 * math.log10(gain) for gain in (1.5, 1.5, *[0.75] * (len(rest) + 2))]
-    assert gains_db == pytest.approx(expected_db, abs=0.01)
+    drifts_db = [one["rotations"][1]["amplitude_rms_db"] for one in visits(visiting)]
+    gains = (1.5, 1.5, *[0.75] * (len(rest) + 2))
+    assert drifts_db == pytest.approx([abs(20.0 * math.log10(one)) for one in gains], abs=0.01)
+
+
+@each_case("share, asks", [(0.9, False), (1.1, True)])
+def test_a_drift_of_the_phase_alone_asks_the_operator_too(share, asks):
+    settings = SurveySettings(0.0)
+    (stored,) = traces_at([1])
+    turned = s21_of(stored) * np.exp(1j * np.radians(share * settings.drift_limit_deg))
+    (again,) = traces_at([1], s21_real=turned.real, s21_imag=turned.imag)
+    visit = DriftLimits(settings).visit([Repeated(stored, (again, again))], 5, "")
+    assert (visit.exceeded is not None) is asks
 
 
 def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):

@@ -23,8 +23,7 @@ from gpr20_survey.results.candidates import Candidate, CandidateList, json_text
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.found import FORMAT as FOUND_FORMAT
 from gpr20_survey.results.found import Found, What, found_of, present
-from gpr20_survey.results.hidden_target import Targets
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import HidingMap, Targets
 from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_survey.trace import utc_time
 

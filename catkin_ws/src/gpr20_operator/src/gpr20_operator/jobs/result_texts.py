@@ -16,7 +16,7 @@ from gpr20_survey.plan.imported import IMPORTED
 from gpr20_survey.radar.soils import ANY_SOIL, soil_of
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
 from gpr20_survey.results.found import Found, What
-from gpr20_survey.results.hidden_target import Targets
+from gpr20_survey.results.hiding_map import Targets
 from gpr20_survey.results.survey_summary import SurveySummary
 
 FROM_MARK = Message("X, Y: mm from the frame's mark")

@@ -20,7 +20,6 @@ from gpr20_operator.plan.fields import (
 from gpr20_operator.robot.events import Configured
 from gpr20_operator.settings_file import Newest
 from gpr20_operator.words import number_from_text
-from gpr20_survey.plan.survey_cost import SurveyCost, survey_cost
 from gpr20_survey.plan.survey_parameters import (
     MAX_TRACES,
     MIN_GRID_POINTS,
@@ -29,8 +28,9 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     find_problems,
 )
+from gpr20_survey.plan.survey_points import SurveyCost, survey_cost
 from gpr20_survey.radar.depth import one_way_path_m
-from gpr20_survey.trace.ms2026c import MIN_FREQUENCY_SPACING_HZ
+from gpr20_survey.trace.sweep_settings import MIN_FREQUENCY_SPACING_HZ
 
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5

@@ -17,8 +17,7 @@ from gpr20_operator.robot.events import Request, RobotDescribed
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CHECK_ORDER
-from gpr20_survey.results.analyzer_test import AnalyzerTest
-from gpr20_survey.results.daily_check import Part
+from gpr20_survey.results.answers import AnalyzerTest, Part
 
 # Service ends by itself when nothing was touched for this long [s].
 IDLE_LIMIT_S = 120.0

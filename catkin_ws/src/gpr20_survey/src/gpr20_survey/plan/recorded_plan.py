@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import enum
 from dataclasses import astuple, dataclass
 from typing import Any, List, Mapping, Optional, Tuple
 
@@ -11,12 +12,50 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded, record_from
 from gpr20_survey import faults
+from gpr20_survey.axes.axis_id import Zeros, are_zeros
 from gpr20_survey.axes.axis_parameters import MAX_STEP_SIZE, MIN_STEP_SIZE
 from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel, check
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
+
+# The entry of the report.
+ZEROS = "zeros"
+UNPROVEN = Message("the zeros of the axes are not proven to be those of the traces before")
+"""The remark on the quality of a trace whose zeros nobody has proven."""
+
+
+class Proof(enum.Enum):
+    """How it is known that the coordinates of other zeros are those of the survey."""
+
+    START = "start"
+    """They are the zeros of the first trace."""
+    MEASURED = "measured"
+    """The survey homed the axes itself, and a known point agreed at every rotation."""
+    ACCEPTED = "accepted"
+    """Nothing proves it; the operator decided to continue."""
+
+
+@dataclass(frozen=True)
+class UsedZeros:
+    """Zeros of a part of a survey.
+
+    Attributes:
+        from_index: Index of the first trace that was to be measured with them.
+        time: When the survey began to use them, ISO 8601.
+        proof: How it is known that they are where the former ones were.
+    """
+
+    zeros: Zeros
+    from_index: int
+    time: str
+    proof: Proof
+
+    def __post_init__(self) -> None:
+        if not are_zeros(self.zeros):
+            raise InvalidValueError(Message("zeros are not those of three axes"))
+
 
 REFINES = "refines"
 """Key of the description; only in a survey that measures a part of another one more finely."""

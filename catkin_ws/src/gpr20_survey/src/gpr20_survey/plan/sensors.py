@@ -10,7 +10,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
-from gpr20_survey.trace.aux_value import (
+from gpr20_survey.trace.trace import (
     AUX_NAME,
     AUX_UNIT,
     MAX_AUX_VALUES,

@@ -15,15 +15,16 @@ from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_common.mid.checks import instrument_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_survey import faults
-from gpr20_survey.trace.ms2026c import (
+from gpr20_survey.trace.sweep_settings import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,
     MIN_FREQUENCY_HZ,
     MIN_FREQUENCY_POINTS,
     MIN_FREQUENCY_SPACING_HZ,
+    AnalyzerSettings,
+    SweepSettings,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 
 # Wider than those of the MS2026C: other analyzers have other values. The driver checks the rest.
 MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ = 1.0, 1.0e7

@@ -1,7 +1,11 @@
-"""What a sweep covers, how it is measured, and the frequencies that follow from it."""
+"""What a sweep covers, the state of the analyzer's calibration, and the limits of an MS2026C.
+
+Its limits and durations are those of Anritsu's manual 10580-00306.
+"""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,9 +17,9 @@ from gpr20_survey.trace import trace_form as forms
 
 # Far beyond what any analyzer has.
 MAX_IF_BANDWIDTH_HZ = 1.0e9
-MAX_AVERAGES = 1_000_000
+_MOST_AVERAGES = 1_000_000
 _BANDWIDTH = forms.between(0.0, MAX_IF_BANDWIDTH_HZ, faults.VNA_FAILED)
-_AVERAGES = forms.between(0, MAX_AVERAGES, faults.VNA_FAILED)
+_AVERAGES = forms.between(0, _MOST_AVERAGES, faults.VNA_FAILED)
 _POWER = forms.printable(32, faults.VNA_FAILED)
 
 
@@ -74,3 +78,75 @@ class SweepSettings:
     def fulfils(self, wanted: SweepSettings) -> bool:
         is_fulfilled = self.analyzer.fulfils(wanted.analyzer)
         return is_fulfilled and replace(self, analyzer=wanted.analyzer) == wanted
+
+
+class CalibrationStatus(enum.IntEnum):
+    """The calibration by the scale of the MS2026C; its order is not one of quality.
+
+    NOT_REPORTED is not on that scale: the analyzer does not say how good its calibration is, or
+    whether it has one.
+    """
+
+    NONE = 0
+    HIGH = 1
+    MODERATE_POWER = 2
+    MODERATE_TEMPERATURE = 3
+    LOW = 4
+    NOT_REPORTED = 5
+
+    @property
+    def meaning(self) -> Message:
+        return {
+            CalibrationStatus.NONE: Message("no calibration"),
+            CalibrationStatus.HIGH: Message("calibrated, accuracy high"),
+            CalibrationStatus.MODERATE_POWER: Message(
+                "moderate, power level changed since calibration"
+            ),
+            CalibrationStatus.MODERATE_TEMPERATURE: Message(
+                "moderate, temperature changed by more than 5 degrees since calibration"
+            ),
+            CalibrationStatus.LOW: Message(
+                "low, temperature changed by more than 10 degrees since calibration"
+            ),
+            CalibrationStatus.NOT_REPORTED: Message("not reported by this analyzer"),
+        }[self]
+
+
+# Of an MS2026C: [SENSe]:FREQuency:STARt
+MIN_FREQUENCY_HZ = 5.0e3
+MAX_FREQUENCY_HZ = 6.0e9
+MIN_FREQUENCY_POINTS = 2
+MAX_FREQUENCY_POINTS = 4000
+# Closer frequencies could be one to the synthesizer.
+MIN_FREQUENCY_SPACING_HZ = 1.0
+# [SENSe]:SWEep:IFBW
+IF_BANDWIDTHS_HZ = (
+    *(10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0),
+    *(10_000.0, 20_000.0, 50_000.0, 100_000.0),
+)
+MAX_AVERAGES = 65_535
+# :SOURce:POWer
+OUTPUT_POWERS = ("LOW", "HIGH")
+# What the robot's group states for its unit, at the IF bandwidth that it usually has.
+SECONDS_PER_POINT = 350.0e-6
+USUAL_IF_BANDWIDTH_HZ = 10_000.0
+
+
+def sweep_duration_s(
+    sweep: SweepSettings,
+    seconds_per_point: float = SECONDS_PER_POINT,
+    unknown_if_bandwidth_hz: float = USUAL_IF_BANDWIDTH_HZ,
+) -> float:
+    """Return about how long a trace takes [s], with its averages.
+
+    A narrower IF bandwidth makes each point longer by the time that its filter needs, which is
+    about the inverse of the bandwidth.
+
+    Args:
+        sweep: What is measured.
+        seconds_per_point: Duration of one point at the usual IF bandwidth [s].
+        unknown_if_bandwidth_hz: Assumed where `sweep` leaves the bandwidth to the instrument [Hz].
+    """
+    bandwidth_hz = sweep.analyzer.if_bandwidth_hz or unknown_if_bandwidth_hz
+    slower_s = max(0.0, 1.0 / bandwidth_hz - 1.0 / USUAL_IF_BANDWIDTH_HZ)
+    return sweep.points * (seconds_per_point + slower_s) * max(1, sweep.analyzer.averages)

@@ -12,8 +12,7 @@ from gpr20_survey import faults
 from gpr20_survey.axes.axis_id import ANTENNA_LINK
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_form as forms
-from gpr20_survey.trace.aux_value import AuxValue
-from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
+from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue, Trace
 
 DATATYPE = "gpr20_msgs/Trace"
 _HEADER = "uint32 seq\ntime stamp\nstring frame_id\n"

@@ -11,8 +11,7 @@ from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import instrument_address, ipv4_address, is_extension, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
-from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_survey.trace.ms2026c import (
+from gpr20_survey.trace.sweep_settings import (
     IF_BANDWIDTHS_HZ,
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
@@ -22,9 +21,10 @@ from gpr20_survey.trace.ms2026c import (
     MIN_FREQUENCY_SPACING_HZ,
     OUTPUT_POWERS,
     SECONDS_PER_POINT,
+    CalibrationStatus,
+    SweepSettings,
     sweep_duration_s,
 )
-from gpr20_survey.trace.sweep_settings import SweepSettings
 from gpr20_vna_acquisition.errors import VnaIdentityError
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
 from gpr20_vna_acquisition.mid.ms2026c_commands import OPTIONAL

@@ -20,7 +20,7 @@ from gpr20_survey.folder.signature import try_to_sign
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.low.bag_processes import bag_bytes

@@ -19,7 +19,7 @@ from gpr20_survey.folder.recovery import Change
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import trace_json, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing import faults

@@ -23,9 +23,8 @@ from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
-from gpr20_survey.files.file_sums import regular_files
+from gpr20_survey.files.file_sums import PIECE_BYTES, add_folder, regular_files
 from gpr20_survey.files.folder_lock import writer_of
-from gpr20_survey.files.folder_zip import PIECE_BYTES, add_folder
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object

@@ -28,8 +28,8 @@ from gpr20_survey.plan.robot_description import (
     robot_config,
 )
 from gpr20_survey.plan.sensors import Sensor
-from gpr20_survey.trace.aux_value import AuxValue
 from gpr20_survey.trace.sweep import storable_remark
+from gpr20_survey.trace.trace import AuxValue
 
 # Without which no survey is measured, and what operators call them.
 NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}

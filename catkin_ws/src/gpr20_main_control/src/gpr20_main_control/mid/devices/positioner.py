@@ -22,7 +22,7 @@ from gpr20_main_control.mid.waits import POLL_S, Interruption, Workers, result_o
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED, ZERO_UNKNOWN
-from gpr20_survey.plan.survey_cost import axis_move_duration_s
+from gpr20_survey.plan.survey_points import axis_move_duration_s
 
 # Nodes that are launched together, and links that were down, are connected within this time [s].
 CONNECTION_LIMIT_S = 20.0

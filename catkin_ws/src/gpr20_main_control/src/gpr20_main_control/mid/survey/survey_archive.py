@@ -27,8 +27,7 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.recorded_plan import REFINES
 from gpr20_survey.plan.robot_description import STORAGE_NAME
 from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.plan.survey_cost import needed_bytes
-from gpr20_survey.plan.survey_points import SurveyPoint
+from gpr20_survey.plan.survey_points import SurveyPoint, needed_bytes
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
 

@@ -16,10 +16,9 @@ from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
 from gpr20_survey.plan.robot_description import RobotConfig
-from gpr20_survey.plan.survey_cost import planned_times
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
-from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
-from gpr20_survey.results.reopened_survey import ReopenedSurvey
+from gpr20_survey.plan.survey_points import SurveyPoint, planned_times, survey_points
+from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 

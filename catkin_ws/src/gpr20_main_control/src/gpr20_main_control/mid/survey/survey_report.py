@@ -18,9 +18,9 @@ from gpr20_main_control.mid.survey.survey_status import Coverage
 from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
 from gpr20_survey.axes.axis_parameters import AxisParameters
 from gpr20_survey.faults import CLOCK_WRONG, OTHER_ZEROS
-from gpr20_survey.folder.survey_metadata import FAULT_CODE, REASON_MESSAGE, message_record
+from gpr20_survey.folder.survey_metadata import FAULT_CODE, message_record
+from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.plan.survey_state import COVERAGE_LETTERS
-from gpr20_survey.plan.zero_history import UNPROVEN, ZEROS, Proof, UsedZeros
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
@@ -273,7 +273,7 @@ class SurveyReport:
         """Return the report as the log stores it; of a survey that has ended, with its coverage.
 
         `coverage` has one letter per planned sample, in the order of the plan: m measured,
-        f failed, - not visited. Sentences are stored twice: as English text, and as template and
+        f failed, - not visited. Warnings are stored twice: as English text, and as template and
         values for clients that translate them.
         """
         report = {
@@ -282,20 +282,8 @@ class SurveyReport:
             ZEROS: plain(self.zeros.used),
         }
         if ended:
-            verdict = self.coverage.verdict()
             report.update(
-                complete=verdict.complete,
-                verdict=str(verdict.message),
-                verdict_message=message_record(verdict.message),
+                complete=self.coverage.verdict().complete,
                 coverage="".join(COVERAGE_LETTERS[state] for state in self.coverage.states),
-                failed=[
-                    {
-                        "index": index,
-                        "reason": str(reason),
-                        REASON_MESSAGE: message_record(reason),
-                        FAULT_CODE: reason.fault_code,
-                    }
-                    for index, reason in sorted(self.coverage.reasons.items())
-                ],
             )
         return json.dumps(report)

@@ -7,7 +7,6 @@ from typing import Iterable
 
 import numpy as np
 
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_settings import (
     BANDWIDTHS_HZ,
@@ -18,6 +17,7 @@ from gpr20_simulator.mid.analyzer.vna_settings import (
     VnaSettings,
 )
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.world.scene import InstrumentScene
 
 # After the point; 8 keep a float32 exactly.
 TRACE_DIGITS, FREQUENCY_DIGITS = 8, 12

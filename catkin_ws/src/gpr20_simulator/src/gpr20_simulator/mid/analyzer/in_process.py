@@ -13,11 +13,11 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.mid.analyzer.instrument import SimulatedVna
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.medium import AntennaPosition, SweptMedium
+from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError, VnaNoAnswerError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.exchanges import Transport

@@ -13,7 +13,6 @@ from gpr20_common.low.clock import Clock
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
 from gpr20_simulator.mid.analyzer import scpi
 from gpr20_simulator.mid.analyzer.data_blocks import DataBlock, DataBlocks
-from gpr20_simulator.mid.analyzer.instrument_scene import NOT_CALIBRATED, InstrumentScene
 from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiCommand, ScpiError
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_settings import (
@@ -26,6 +25,7 @@ from gpr20_simulator.mid.analyzer.vna_settings import (
     VnaSettings,
 )
 from gpr20_simulator.mid.faults import FaultBoard, VnaFault
+from gpr20_simulator.mid.world.scene import NOT_CALIBRATED, InstrumentScene
 
 SWEEP_COMPLETE = 256
 WRONG_IDENTITY = '"Rohde&Schwarz,ZNL6,SIMULATED,1.0"'

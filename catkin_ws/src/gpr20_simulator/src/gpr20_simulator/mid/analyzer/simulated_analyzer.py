@@ -10,13 +10,12 @@ from gpr20_common.message import Message
 from gpr20_simulator.faults import SimulatorError
 from gpr20_simulator.low.vxi11_server import Vxi11Server
 from gpr20_simulator.mid.analyzer.instrument import Capture, SimulatedVna
-from gpr20_simulator.mid.analyzer.instrument_scene import InstrumentScene
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace
 from gpr20_simulator.mid.analyzer.vna_settings import VnaSettings
 from gpr20_simulator.mid.faults import FaultBoard
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, SweptMedium
-from gpr20_simulator.mid.world.scene import Scene
+from gpr20_simulator.mid.world.scene import InstrumentScene, Scene
 
 
 def medium_by_name(name: str, scene: Scene) -> SweptMedium:

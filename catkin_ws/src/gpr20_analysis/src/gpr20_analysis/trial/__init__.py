@@ -1,1 +1,0 @@
-"""Blind trials: lanes with known targets, lists of candidates, and their score."""

@@ -1,0 +1,64 @@
+"""What services of the robot answer, and what the daily check asks for, as records."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Optional, Tuple
+
+from gpr20_common.message import Message
+from gpr20_survey.trace.trace import Trace
+
+
+@dataclass(frozen=True)
+class ReopenedSurvey:
+    """A survey that was cut off or ended early, open again: the answer of reopen_survey.
+
+    Attributes:
+        recent: Those of the first traces of the plan that are stored, and the traces stored last,
+            the latest last.
+        repairs: What was repaired; the answer has it as a part of its sentence only.
+    """
+
+    survey_id: str
+    path: str
+    metadata_json: str
+    report_json: str
+    stored_indices: Tuple[int, ...]
+    recent: Tuple[Trace, ...]
+    repairs: Tuple[Message, ...] = ()
+    interrupted: str = ""
+
+
+@dataclass(frozen=True)
+class AnalyzerTest:
+    """What a test of the analyzer has found, up to its first failure; None: it had none.
+
+    The calibration is the name of a `CalibrationStatus`; another version of the software may know
+    more of them.
+    """
+
+    address: str
+    identity: str = ""
+    calibration: str = ""
+    points: int = 0
+    sweep_duration_s: float = 0.0
+    level_db: float = 0.0
+    failure: Optional[Message] = None
+
+
+class Part(enum.Enum):
+    """What the antennas see, numbered as in gpr20_msgs/DailyCheck."""
+
+    EMPTY = "empty"
+    PLATE = "plate"
+    REFLECTOR = "reflector"
+
+
+INSTRUCTIONS = {
+    Part.EMPTY: Message(
+        "Empty sweep: let the antennas see the sky or an absorber, and nothing else within 2 m."
+    ),
+    Part.PLATE: Message("Metal plate: put it below the antennas, at its mark."),
+    Part.REFLECTOR: Message("Known reflector: take the plate away and put it at its mark."),
+}
