@@ -38,8 +38,8 @@ from gpr20_common.catalogue import Language, languages
 from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.cards import NoticeView
+from gpr20_user_interface.pages.alerts import NoticeView
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay

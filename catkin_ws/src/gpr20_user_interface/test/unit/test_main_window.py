@@ -235,10 +235,10 @@ def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_ever
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
     band = field.top_bar.band
     for tab, overlay in places_in(field):
-        field.settings.cover.dimmed = True
+        field.touch_binding.cover.dimmed = True
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
         assert (band.title.whole, band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (tab, overlay)
-        assert not field.settings.cover.isVisible() and is_free(field, band), (tab, overlay)
+        assert not field.touch_binding.cover.isVisible() and is_free(field, band), (tab, overlay)
         code, known = next(states)
         show(field, snapshot(code, **known))
         for locked in (False, True):

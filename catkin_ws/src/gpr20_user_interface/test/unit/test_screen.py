@@ -68,13 +68,13 @@ def window(opened):
 def dim(window, clock, shown=None):
     clock.advance(AFTER_S)
     show(window, shown or snapshot(SurveyState.SURVEYING))
-    return window.settings.cover.isVisible()
+    return window.touch_binding.cover.isVisible()
 
 
 def test_the_first_touch_only_wakes_and_the_next_one_acts(window, finger, clock):
     assert dim(window, clock)
     finger.tap(window.rail.settings)
-    assert not window.settings.cover.isVisible()
+    assert not window.touch_binding.cover.isVisible()
     assert not window.settings.isVisible()
     finger.tap(window.rail.settings)
     assert window.settings.isVisible()
@@ -99,7 +99,7 @@ def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
         assert not dim(window, clock, shown)
         assert dim(window, clock)
         show(window, shown)
-        assert not window.settings.cover.isVisible()
+        assert not window.touch_binding.cover.isVisible()
         window.notice.hide()
     window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
     assert not dim(window, clock)

@@ -24,7 +24,7 @@ from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import Look, Theme
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.surveys.survey_list import map_picture
+from gpr20_user_interface.pages.surveys import map_picture
 from gpr20_user_interface.window.rail import TabName
 
 SPANISH = read_catalogue(Language.SPANISH)

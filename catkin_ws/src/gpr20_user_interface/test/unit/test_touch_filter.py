@@ -14,15 +14,8 @@ from window_helpers import show, wishes
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.touch.guard import (
-    HOLD_S,
-    MAX_STEP_S,
-    QUIET_S,
-    Hold,
-    TouchGuard,
-    TouchTarget,
-)
-from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.touch.guard import QUIET_S, TouchGuard, TouchTarget
+from gpr20_user_interface.touch.hold import HOLD_S, MAX_STEP_S, Hold, HoldButton
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.window.rail import TabName
 

@@ -20,8 +20,7 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.robot.events import StopRequested
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.low.display import problem_of
-from gpr20_user_interface.low.process import SecondStopSignal, StopSignals
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, problem_of
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""A sheet over the tabs that leaves the top bar, and with it STOP, free."""
+"""Pages, and sheets over them that leave the top bar, and with it STOP, free."""
 
 from __future__ import annotations
 
@@ -6,8 +6,25 @@ from PyQt5.QtCore import QEvent, QObject, Qt
 from PyQt5.QtGui import QHideEvent, QShowEvent
 from PyQt5.QtWidgets import QFrame, QWidget
 
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.look.look import TOP_BAR_PX, look_of
-from gpr20_user_interface.touch.filter import note_touch_change
+from gpr20_user_interface.touch.guard import note_touch_change
+
+
+class Page:
+    """Follows events and what is known; the pages of the window override what they need."""
+
+    def on_event(self, event: object) -> None:
+        """Take an event."""
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now; 5 times a second."""
+
+    def draw(self) -> None:
+        """Draw what is new; 5 times a second."""
+
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size, where it was not written by `say`."""
 
 
 class Overlay(QFrame):

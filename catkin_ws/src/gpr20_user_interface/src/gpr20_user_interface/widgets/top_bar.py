@@ -12,8 +12,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.condition import Condition, JobLevel, condition_of, left_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.icons import sign
-from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, Look
+from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, Look, sign
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say, set_look

@@ -15,12 +15,11 @@ from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth, 
 from gpr20_operator.robot.notices import Notice, node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.look.icons import icon
-from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
+from gpr20_user_interface.look.look import GAP_PX, TextColours, icon, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.robot.service import ServiceScreen
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.pages.service import ServiceScreen
+from gpr20_user_interface.touch.hold import HoldButton
+from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,

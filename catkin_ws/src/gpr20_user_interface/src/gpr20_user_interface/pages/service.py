@@ -19,7 +19,7 @@ from gpr20_survey.results.daily_check import INSTRUCTIONS
 from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_number, shown_text
-from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.widgets import (
     column,

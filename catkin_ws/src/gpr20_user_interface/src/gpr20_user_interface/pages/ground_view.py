@@ -20,9 +20,8 @@ from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import Mark, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
-from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
-from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
+from gpr20_user_interface.widgets.labels import EmptyState, PulledText, SurveyBand
 from gpr20_user_interface.widgets.plot import UNIT, Plot, image_of
 from gpr20_user_interface.widgets.widgets import (
     column,

@@ -33,9 +33,8 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_lim
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
-from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
-from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet
+from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import AreaTile, TileButton
 from gpr20_user_interface.widgets.widgets import grid
 

@@ -21,17 +21,16 @@ from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import Languages, shown_text
-from gpr20_user_interface.pages.result.entries import PlaceSheet, SoilSheet
-from gpr20_user_interface.pages.result.sheets import (
+from gpr20_user_interface.pages.result_entries import PlaceSheet, SoilSheet
+from gpr20_user_interface.pages.result_sheets import (
     DoubtsSheet,
     HidingSheet,
     StickSheet,
     with_remedy,
 )
-from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.labels import SurveyBand
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.labels import EmptyState, SurveyBand
+from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import (
     column,

@@ -17,8 +17,8 @@ from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soi
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
-from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet
-from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.pages.result_sheets import LONGEST_NAME, ResultSheet
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
 from gpr20_user_interface.widgets.widgets import new_button, say
 

@@ -1,19 +1,28 @@
-"""The survey that runs: how far it is in large figures, and its map."""
+"""SURVEY: its plan, its result, or while it runs how far it is in large figures and its map."""
 
 from __future__ import annotations
 
+from typing import Callable
+
 from PyQt5.QtCore import pyqtSignal
-from PyQt5.QtWidgets import QWidget
+from PyQt5.QtWidgets import QStackedWidget, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed, TracePresenter
 from gpr20_operator.robot.condition import left_of
-from gpr20_operator.robot.snapshot import Snapshot, area_of, line_of, percent_of, survey_name
+from gpr20_operator.robot.snapshot import (
+    JobScreen,
+    Snapshot,
+    area_of,
+    line_of,
+    percent_of,
+    survey_name,
+)
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
 from gpr20_user_interface.widgets.labels import LinesLabel
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row
 
 UNKNOWN = "—"
@@ -69,3 +78,57 @@ class JobPage(QWidget, Page):
             if state != self._drawn:
                 self._drawn = state
                 self.map.show_coverage(model)
+
+
+class SurveyTab(QStackedWidget, Page):
+    """Shows the screen that the state of the survey needs.
+
+    Args:
+        plan: The plan of the next survey.
+        job: A survey that runs, or a replay.
+        result: A survey that has ended, or a stored one.
+        open_result: Opens the result of a survey, by id or folder.
+    """
+
+    def __init__(
+        self, plan: QWidget, job: QWidget, result: QWidget, open_result: Callable[[str], None]
+    ) -> None:
+        super().__init__()
+        self._screen = JobScreen()
+        self._plan, self._job = plan, job
+        self._result, self._open_result = result, open_result
+        # Folder of a stored survey whose result was opened; empty: none.
+        self._opened = ""
+        for screen in (plan, job, result):
+            self.addWidget(screen)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show the screen that is needed now."""
+        self._screen.note(snapshot)
+        if snapshot.running:
+            self._opened = ""
+        self._show(snapshot)
+
+    def show_plan(self, snapshot: Snapshot) -> None:
+        """Show the plan of the next survey; not while one is running."""
+        self._opened = ""
+        self._screen.leave(snapshot)
+        self._show(snapshot)
+
+    def show_result(self, folder: str, snapshot: Snapshot) -> None:
+        """Show the result of a stored survey; not while one is running."""
+        if not snapshot.running:
+            self._opened = folder
+            self._show(snapshot)
+
+    def _show(self, snapshot: Snapshot) -> None:
+        survey, screen = self._opened, self._plan
+        if self._screen.visible:
+            screen = self._job
+            if snapshot.state is not None and not snapshot.running and snapshot.replay is None:
+                survey = survey or snapshot.state.survey_id
+        if survey:
+            self._open_result(survey)
+            screen = self._result
+        if self.currentWidget() is not screen:
+            self.setCurrentWidget(screen)
