@@ -143,7 +143,7 @@ def wrong(spec):
         window.control.form.set_text(spec.name, "-7 x5")
         window.control.show_plan()
         for tile in (window.control.tiles[spec.tile], window.control.start):
-            assert tile.sentence.isVisible() and not tile.sentence.is_cut, tile.sentence.whole
+            assert tile.sentence.isVisible() and not tile.sentence.is_cut, tile.sentence.text()
 
     return plan(act)
 
@@ -324,7 +324,7 @@ def results(window):
     yield shown("last places")
     find(MANY[24:27])
     yield shown("doubtful places")
-    assert not [row.title.whole for row in page.rows[:3] if row.title.is_cut]
+    assert not [row.title.text() for row in page.rows[:3] if row.title.is_cut]
 
     find()
     page.rows[4].click()

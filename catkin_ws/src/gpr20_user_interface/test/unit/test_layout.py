@@ -239,9 +239,7 @@ def texts_on(window):
     """Return what is seen, but for the details, which are technical, and the sticks."""
     for one in window.findChildren(QWidget):
         if one.isVisible() and one.objectName() not in ("details", "choice"):
-            names = (
-                ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
-            )
+            names = ("text", "toPlainText", "placeholderText")
             found = [getattr(one, name, "") for name in names]
             said = [text() if callable(text) else text for text in found]
             yield from (text for text in said if isinstance(text, str))

@@ -63,7 +63,7 @@ def test_state_and_progress_are_seen_once_on_every_tab(window, band):
     for tab in TabName:
         window.show_tab(tab)
         show(window, surveying)
-        shown = (band.title.whole, band.message.whole)
+        shown = (band.title.text(), band.message.text())
         figures = (window.job.percent.text(), window.job.left.text())
         if tab is TabName.SURVEY:
             assert (*shown, *figures) == ("SURVEYING", "As it is", "99 %", "2 min left")
@@ -88,7 +88,7 @@ def test_the_band_says_ready_where_start_would_start(window, band):
             window.control.form.set_text("x_spacing_mm", text)
             window.control.show_plan()
             show(window, snapshot(code))
-            assert band.title.whole == title, (tab, code, text)
+            assert band.title.text() == title, (tab, code, text)
             assert band.level is (JobLevel.DONE if title == "FINISHED" else JobLevel.REST)
 
 
@@ -120,7 +120,7 @@ def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(wi
         running = code is SurveyState.SURVEYING
         assert (window.survey_tab.currentWidget() is page) is running
     assert (page.left.text(), page.percent.text()) == ("18 min left", "42 %")
-    assert (page.line.text(), page.area.whole) == ("Line 1 of 4", "Field 4, 100 x 60 mm")
+    assert (page.line.text(), page.area.text()) == ("Line 1 of 4", "Field 4, 100 x 60 mm")
     assert page.percent.fontMetrics().height() >= 2.5 * page.area.fontMetrics().height()
     # The map has the rest.
     assert page.map.width() > 0.55 * page.width() and page.map.height() > 0.9 * page.height()
@@ -133,12 +133,12 @@ def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
         begun = state_of(SurveyState.CHECKING, survey_id=survey)
         show(window, job(SurveyState.CHECKING, state=begun))
         window.draw()
-        assert "Field 4" not in window.job.area.whole and drawn.pop() is None
+        assert "Field 4" not in window.job.area.text() and drawn.pop() is None
         text = description(survey_id=survey, annotation={"name": "Field 4"})
         window.on_event(SurveyDescribed(text))
         show(window, job(SurveyState.SURVEYING, state=begun))
         window.draw()
-        assert drawn.pop().survey_id == survey and "Field 4" in window.job.area.whole
+        assert drawn.pop().survey_id == survey and "Field 4" in window.job.area.text()
 
 
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window, band):
@@ -237,7 +237,10 @@ def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_ever
     for tab, overlay in places_in(field):
         field.touch_binding.cover.dimmed = True
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
-        assert (band.title.whole, band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (tab, overlay)
+        assert (band.title.text(), band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (
+            tab,
+            overlay,
+        )
         assert not field.touch_binding.cover.isVisible() and is_free(field, band), (tab, overlay)
         code, known = next(states)
         show(field, snapshot(code, **known))

@@ -7,7 +7,17 @@ import pytest
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from view_kit import FOLDER, configured, past_survey, snapshot
-from window_helpers import click, enter, hold, hold_to_start, open_field, show, start, wishes
+from window_helpers import (
+    click,
+    enter,
+    hold,
+    hold_to_start,
+    open_field,
+    press_keys,
+    show,
+    start,
+    wishes,
+)
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveysListed
@@ -20,16 +30,11 @@ from gpr20_user_interface.widgets.keys import ERASE
 
 
 def lines(tile):
-    return tuple(line.whole for line in tile.lines if line.whole)
+    return tuple(line.text() for line in tile.lines if line.text())
 
 
 def tile(window, which):
     return lines(window.control.tiles[which])
-
-
-def press(window, keys):
-    for key in keys:
-        window.values.keys.press(key)
 
 
 IDLE = snapshot(SurveyState.IDLE)
@@ -46,7 +51,7 @@ def test_the_tiles_show_the_plan_of_a_new_robot_and_start_carries_what_was_enter
         Tile.AREA: ("X 50 - 150 mm", "Y 50 - 150 mm"),
         Tile.SPACING: ("10 mm", "11 x 11 points"),
         Tile.FREQUENCIES: ("600 to 6000 MHz", "501 points"),
-        Tile.VNA: ("as configured", "as set"),
+        Tile.VNA: ("usual address", "as set on the VNA"),
         Tile.SOIL: ("Dry sand", "permittivity 4"),
         Tile.ANTENNAS: ("0, 90°", "2 traces per stop"),
     }
@@ -70,7 +75,7 @@ def test_a_touch_fills_in_an_area_and_undo_brings_back_what_there_was(idle):
     assert tile(idle, Tile.AREA) == ("X 175 - 475 mm", "Y 250 - 550 mm")
     before = idle.control.parameters
     open_field(idle, "x_start_mm")
-    press(idle, "999")
+    press_keys(idle.values.keys, "999")
     click(values.presets[0])
     click(values.undo)
     click(values.done)
@@ -85,7 +90,7 @@ def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle
     click(idle.values.done)
     shown, locked = idle.control.tiles[Tile.SPACING], idle.control.start
     assert words in shown.sentence.text() and shown.property("level") == "wrong"
-    assert locked.sentence.text() == f"Correct first: {shown.title.whole}"
+    assert locked.sentence.text() == f"Correct first: {shown.title.text()}"
     start(idle)
     assert wishes(idle) == []
     enter(idle, "x_spacing_mm", "10")
@@ -154,13 +159,13 @@ def test_the_area_is_drawn_within_the_reach_of_the_robot_with_y_upwards(idle):
 
 def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idle):
     field = open_field(idle, "x_stop_mm")
-    press(idle, ["6", "0", "0", ".", "1", "2", "3", "4", "5", ERASE])
+    press_keys(idle.values.keys, ["6", "0", "0", ".", "1", "2", "3", "4", "5", ERASE])
     assert lines(field) == ("600.1234|",)
     click(idle.values.done)
     assert tile(idle, Tile.AREA)[0] == "X 50 - 600.12 mm"
     assert idle.control.parameters.x_stop_mm == 600.1234
     open_field(idle, "x_spacing_mm")
-    press(idle, "20")
+    press_keys(idle.values.keys, "20")
     click(idle.values.done)
     assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "29 x 11 points")
     # A real keyboard.

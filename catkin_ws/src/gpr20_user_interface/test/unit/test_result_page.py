@@ -4,7 +4,7 @@ import pytest
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, show
+from window_helpers import click, hold, press_keys, show
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.ground.traces import SurveysListed
@@ -80,11 +80,11 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     window.past.result_requested.emit(SURVEY)
     show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
     named = f"SIMULATED; PAST SURVEY: {local_time(past_survey().started)}"
-    assert page.band.isVisible() and page.band.whole.startswith(named)
+    assert page.band.isVisible() and page.band.text().startswith(named)
     page.place_sheet.ask(page.result.shown[0])
     page.stick_sheet.open_now()
     for sheet in (page.place_sheet, page.stick_sheet):
-        assert sheet.band.isVisible() and sheet.band.whole == page.band.whole
+        assert sheet.band.isVisible() and sheet.band.text() == page.band.text()
         sheet.hide()
     listed = past_survey(stored_traces=40, complete=True, outcome="finished")
     window.show_tab(TabName.SURVEYS)
@@ -102,7 +102,7 @@ def shown_rows(page):
 
 
 def numbers(page):
-    return [row.title.whole.split(":")[0] for row in shown_rows(page)]
+    return [row.title.text().split(":")[0] for row in shown_rows(page)]
 
 
 def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(done):
@@ -112,12 +112,12 @@ def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(don
     assert view.more.text() == "10\nmore"
     assert [one.text for one in view.picture.marks] == ["1"]
     (row,) = shown_rows(view)
-    assert row.lines[0].whole == "85 ±6 mm deep; edge"
+    assert row.lines[0].text() == "85 ±6 mm deep; measure beyond"
     click(view.more)
     assert numbers(view) == ["2", "3", "4", "5", "6"]
     assert all(one.doubtful for one in view.picture.marks)
     labels = [label for row in shown_rows(view) for label in (row.title, row.lines[0])]
-    assert not [label.whole for label in labels if label.is_cut]
+    assert not [label.text() for label in labels if label.is_cut]
     click(view.more)
     assert numbers(view) == ["7", "8", "9", "10", "11"]
     click(view.more)
@@ -180,10 +180,10 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     assert not done.place_sheet.store.isEnabled()
     click(done.place_sheet.whats[What.SCRAP])
     click(done.place_sheet.who)
-    done.place_sheet.pad.press("Ana")
+    press_keys(done.place_sheet.pad, "Ana")
     click(done.place_sheet.pad.accept_button)
     click(done.place_sheet.deep)
-    done.place_sheet.pad.press("35")
+    press_keys(done.place_sheet.pad, "35")
     click(done.place_sheet.pad.accept_button)
     click(done.place_sheet.store)
     assert node.of("fact") == []
@@ -196,7 +196,7 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     node.ticket("fact").done(None)
     node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
-    assert "35" in done.rows[0].lines[0].whole
+    assert "35" in done.rows[0].lines[0].text()
     assert done.result.noting.state is JobState.DONE
 
 

@@ -215,5 +215,5 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     # Other sensors have tiles below the nodes.
     soil = NodeHealth("sensors/soil", HealthLevel.OK, verbatim("0.25 m3/m3"), {})
     show(service, snapshot(SurveyState.IDLE, health=HealthReport((*nodes, soil))))
-    assert "soil" in service.robot.overview.tile("sensors/soil").text()
+    assert "soil" in service.robot.overview.tile("sensors/soil").sentence.text()
     assert service.minimumSizeHint().height() <= 480

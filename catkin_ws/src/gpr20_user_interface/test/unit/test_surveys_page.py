@@ -71,12 +71,12 @@ def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, l
         survey = past_survey(**changes)
         window.on_event(SurveysListed("", (survey,), False))
         listed.choose(survey)
-        found.append((listed.resume.isEnabled(), listed.open.isEnabled()))
+        found.append((listed.resume.isVisible(), listed.open.isVisible()))
     assert found == [(True, True), (False, True), (False, False)]
 
 
 def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, listed, storage):
-    assert listed.resume.isEnabled()
+    assert listed.resume.isVisible()
     for act, count in (
         (lambda: show(window, RUNS), 1),
         (lambda: window.on_event(SurveyDescribed(description())), 2),
@@ -85,7 +85,7 @@ def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, 
     ):
         act()
         assert sum(one[0] == "list" for one in storage.asked) == count
-        assert listed.resume.isEnabled() is (count == 3)
+        assert listed.resume.isVisible() is (count == 3)
         words = "33 of 40 traces missing" if count == 3 else "Running"
         assert words in listed.details.text()
 

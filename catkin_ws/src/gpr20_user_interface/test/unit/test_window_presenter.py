@@ -137,13 +137,13 @@ def test_figures_of_the_robot_complete_the_preview(parts, estimator):
     # What was overtaken by another question is not shown.
     window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert window.control.start.lines[0].whole == "242 traces"
+    assert window.control.start.lines[0].text() == "242 traces"
     window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
     window.refresh()
-    assert window.control.start.lines[0].whole == "242 traces, 1 min"
+    assert window.control.start.lines[0].text() == "242 traces, 1 min"
     enter(window, "x_spacing_mm", "20")
     assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), configured(""))
-    assert window.control.start.lines[0].whole == "132 traces"
+    assert window.control.start.lines[0].text() == "132 traces"
 
 
 def test_only_a_main_control_that_starts_surveys_is_a_robot():
@@ -160,5 +160,5 @@ def test_the_band_names_the_robot_that_stop_stops(opened):
     for name, begin in (("", ""), ("robot1", "robot1: "), ("a" * 20 + "/1", f"…{'a' * 13}/1: ")):
         window.top_bar.show_robot(name)
         show(window, snapshot(SurveyState.SURVEYING))
-        shown = window.top_bar.band.message.whole
+        shown = window.top_bar.band.message.text()
         assert shown.startswith(begin) and (": " in shown) is bool(name)

@@ -22,6 +22,7 @@ from gpr20_operator.plan.stored import PlanMemory
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED, Pad
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 
@@ -138,6 +139,20 @@ def enter(window, name, text):
     QTest.keyClick(window.values, Qt.Key_Delete)
     QTest.keyClicks(window.values, text)
     click(window.values.done)
+
+
+def press_keys(keys, texts):
+    """Touch the keys of texts, one by one, on a block of keys or on a pad."""
+    for text in texts:
+        block = keys
+        if isinstance(keys, Pad):
+            block = keys.letters if keys.digits.isHidden() else keys.digits
+        if text in (" ", "\n"):
+            click(keys.space if text == " " else keys.line)
+            continue
+        if block is not keys and block is keys.letters:
+            block.show_page(next(one for one in (PLAIN, SHIFTED, OTHERS) if text in "".join(one)))
+        click(next(key for key in block.keys if key.property("character") == text))
 
 
 def click(button):

@@ -37,7 +37,7 @@ from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.plot import image_of
-from gpr20_user_interface.widgets.widgets import column, new_button, row, say
+from gpr20_user_interface.widgets.widgets import column, new_button, offer, row, say
 
 SWATCH_PX = 24
 NAMES = {
@@ -66,7 +66,6 @@ class LayersSheet(Overlay):
         self.background = self._key(self._toggle_background)
         self.follow = self._key(lambda: model.follow(not model.follows))
         self.done = self._key(self.hide)
-        say(self.next_problem, Message("Next\ngap"))
         say(self.done, Message("CLOSE"))
         self.next_problem.clicked.connect(self.hide)
         for layer, key in self.layers.items():
@@ -80,7 +79,7 @@ class LayersSheet(Overlay):
         self._show()
         super().open()
 
-    def restyle(self) -> None:
+    def show_again(self) -> None:
         """Paint the swatches in the colours of the look."""
         look = look_of(self)
         size = look.px(SWATCH_PX)
@@ -94,12 +93,14 @@ class LayersSheet(Overlay):
         for layer, key in self.layers.items():
             key.setChecked(layer is settings.layer)
         # Nobody asked yet where a mine could hide: that takes minutes.
-        self.layers[Layer.HIDING].setEnabled(model.additions.hiding is not None)
+        asked = None if model.additions.hiding is not None else Message("Hiding: ask\nin Result")
+        offer(self.layers[Layer.HIDING], NAMES[Layer.HIDING], asked)
         counts = model.survey.map.counts()
         for state, (_swatch, label) in self.legend.items():
             number = "—" if counts is None else str(counts[state])
             say(label, Message("{name}: {number}", name=STATE_NAMES[state], number=number))
-        self.next_problem.setEnabled(model.survey.map.next_problem(None) is not None)
+        gap = model.survey.map.next_problem(None) is not None
+        offer(self.next_problem, Message("Next\ngap"), None if gap else Message("No gap\nis left"))
         rotation_deg = 0.0 if grid is None else grid.rotations_deg[settings.polarization]
         say(self.polarization, Message("Antenna\n{rotation:g}°", rotation=rotation_deg))
         along_x, along_y = Message("Section\nalong X"), Message("Section\nalong Y")
@@ -236,6 +237,7 @@ class GroundPage(QObject, Page):
     def show_again(self) -> None:
         """Show the same in another language, theme or size."""
         self.view.show_again()
+        self.layers.show_again()
 
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""

@@ -6,7 +6,7 @@ from typing import Dict, List
 
 from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtGui import QKeyEvent
-from PyQt5.QtWidgets import QPushButton, QSizePolicy, QWidget
+from PyQt5.QtWidgets import QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
@@ -22,7 +22,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import EMPTY, Annotation, annotation_of
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock, Pad
@@ -33,7 +33,6 @@ from gpr20_user_interface.widgets.widgets import (
     column,
     grid,
     holding,
-    in_two_lines,
     new_button,
     new_label,
     row,
@@ -41,11 +40,8 @@ from gpr20_user_interface.widgets.widgets import (
     tiled,
 )
 
-# As in the style sheet.
-PRESETS_PX = 232
 MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
-PRESET_FRAME_PX = 10
 # More characters than any parameter needs, an address of any form included.
 MAX_LENGTH = 80
 
@@ -151,14 +147,13 @@ class ValueSheet(Overlay):
         if check.parameters is not None and check.permittivity is not None:
             quarter_mm = quarter_wavelength_mm(check.parameters, check.permittivity)
         self._offered = chosen.presets(self._form.travel, quarter_mm)
-        room_px = look_of(self).px((PRESETS_PX - GAP_PX) / PRESET_COLUMNS - PRESET_FRAME_PX)
         for number, button in enumerate(self.presets):
             button.setVisible(number < len(self._offered))
             if number < len(self._offered):
                 preset = self._offered[number]
-                button.setText(in_two_lines(shown_text(preset.title), button, room_px))
-                fits = (self._form.texts[name] == text for name, text in preset.texts.items())
-                button.setChecked(all(fits))
+                fits = all(self._form.texts[name] == text for name, text in preset.texts.items())
+                level = "chosen" if fits else ""
+                button.show_texts("", sentence=shown_text(preset.title), level=level)
 
     def _set_text(self, text: str) -> None:
         self._fresh, self._touched = False, True
@@ -190,12 +185,10 @@ class ValueSheet(Overlay):
         field.clicked.connect(lambda: self._choose(number))
         return field
 
-    def _preset(self, number: int) -> QPushButton:
-        button = new_button(lambda: self._on_preset(number))
-        button.setObjectName("preset")
-        button.setCheckable(True)
+    def _preset(self, number: int) -> TileButton:
+        button = TileButton(lines=0)
         button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        button.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
+        button.clicked.connect(lambda: self._on_preset(number))
         return button
 
     def _lay_out(self) -> None:
@@ -270,7 +263,7 @@ class AnnotationSheet(Overlay):
     def show_now(self) -> None:
         """Write what is entered."""
         survey = self.tr("Survey {survey}").format(survey=self.survey)
-        self.title.show_text(survey if self.survey else self.tr("Next survey"))
+        self.title.setText(survey if self.survey else self.tr("Next survey"))
         for name, tile in self.tiles.items():
             empty = SPECS[name].empty if not self.survey else None
             shown = self.texts[name] or ("" if empty is None else shown_text(empty))

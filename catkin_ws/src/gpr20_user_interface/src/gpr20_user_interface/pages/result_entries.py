@@ -20,7 +20,7 @@ from gpr20_user_interface.look.translation import sentence_text, shown_number, s
 from gpr20_user_interface.pages.result_sheets import LONGEST_NAME, ResultSheet
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
-from gpr20_user_interface.widgets.widgets import new_button, say
+from gpr20_user_interface.widgets.widgets import new_button, offer, say
 
 NONE = "—"
 PERMITTIVITIES = Message(
@@ -52,10 +52,8 @@ class PlaceSheet(ResultSheet):
         self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
         self.store = HoldButton()
         self.store.held.connect(self._on_store)
-        say(self.store, Message("Hold to\nstore"))
-        finer, view = Message("Measure\nfiner"), Message("Show in\nGround")
-        self.finer = new_button(lambda: self._leave(self.finer_wanted), finer)
-        self.view = new_button(lambda: self._leave(self.show_wanted), view)
+        self.finer = new_button(lambda: self._leave(self.finer_wanted))
+        self.view = new_button(lambda: self._leave(self.show_wanted), Message("Show in\nGround"))
         self.add_text()
         self.add_row(*self.whats.values())
         self.add_row(self.deep, self.who, self.store)
@@ -82,8 +80,11 @@ class PlaceSheet(ResultSheet):
         if place is None or record is None:
             self.hide()
             return
-        self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
-        self.finer.setEnabled(record.grid.plan is not None)
+        known = self._what is not None and bool(self._who)
+        missing = None if known and not noting.running else Message("Say what\nand who")
+        offer(self.store, Message("Hold to\nstore"), missing)
+        no_plan = None if record.grid.plan is not None else Message("Finer: not\nimported")
+        offer(self.finer, Message("Measure\nfiner"), no_plan)
         self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
         found, hidden = self.result.find_at(place), self.result.hiding.result
         lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
@@ -141,7 +142,6 @@ class SoilSheet(ResultSheet):
         self.unknown, self.other = self._key(None), new_button(self._on_other)
         self.use = HoldButton()
         self.use.held.connect(self._on_use)
-        say(self.use, Message("Hold to use it"))
         say(self.title, Message("Soil of this survey"))
         self.add_row(*self.soils.values())
         self.add_row(self.unknown, self.other)
@@ -164,7 +164,8 @@ class SoilSheet(ResultSheet):
         other, known = self._value, [one.value.permittivity for one in Soils]
         number = "" if other is None or other in known else f"\n{shown_number(other)}"
         self.other.setText(self.tr("Other value") + number)
-        self.use.setEnabled(self._value != self.result.permittivity)
+        used = self._value == self.result.permittivity
+        offer(self.use, Message("Hold to use it"), Message("It is used now") if used else None)
         self.text.setText(
             self.tr(
                 "Depths, places, hiding places and reports use this permittivity. The search "

@@ -17,14 +17,13 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.analyzer_test import AnalyzerTest
 from gpr20_survey.results.daily_check import INSTRUCTIONS
 from gpr20_survey.trace.calibration import CalibrationStatus
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,
-    in_two_lines,
     new_button,
     new_label,
     row,
@@ -39,8 +38,6 @@ LAMPS = {
     True: Message("● closed"),
     False: Message("○ open"),
 }
-# What the text of an instrument's button has room for.
-BUTTON_PX = 190
 
 
 class ServiceScreen(QWidget):
@@ -94,11 +91,11 @@ class ServiceScreen(QWidget):
             self._show_axis(axis, model)
             for button in self.moves[axis]:
                 button.setEnabled(free)
-        text = shown_text(Message("DAILY CHECK"))
+        text = Message("DAILY\nCHECK")
         if model.part is not None:
             number = PARTS.index(model.part) + 1
-            text = shown_text(Message("MEASURE {number}/{total}", number=number, total=len(PARTS)))
-        self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
+            text = Message("MEASURE\n{number}/{total}", number=number, total=len(PARTS))
+        say(self.daily, text)
         lines = {
             self.measure: _height_lines(model.height),
             self.analyzer: _analyzer_lines(model),

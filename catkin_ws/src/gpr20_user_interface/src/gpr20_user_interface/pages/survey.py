@@ -40,13 +40,14 @@ class JobPage(QWidget, Page):
         self._named = ("", "")
         self._drawn: object = None
         self.percent = new_label("percent")
-        stored = new_label("quiet", text=Message("stored"))
+        self.stored = new_label("quiet")
         self.left, self.line = new_label("figure", wraps=True), new_label("figure", wraps=True)
         self.area = LinesLabel()
         self.area.setObjectName("quiet")
-        self.map = GroundPicture(interactive=False)
+        self.map = GroundPicture(interactive=False, beside=True)
+        self.map.labels = ("X mm", "Y mm")
         self.notes = new_button(self.notes_pressed.emit, Message("NOTES"))
-        left = column(self.percent, stored, self.left, self.line, (self.area, 1), self.notes)
+        left = column(self.percent, self.stored, self.left, self.line, (self.area, 1), self.notes)
         self.setLayout(row((left, 2), (self.map, 3), margin=GAP_PX))
 
     def on_event(self, event: object) -> None:
@@ -58,7 +59,14 @@ class JobPage(QWidget, Page):
         """Show what is known now."""
         percent = percent_of(snapshot)
         self.percent.setText(UNKNOWN if percent is None else f"{percent} %")
-        for label, text in ((self.left, left_of(snapshot)), (self.line, line_of(snapshot))):
+        progress, stored = snapshot.progress, None
+        if percent is not None and progress is not None:
+            done, planned = progress.visited_points, progress.total_points
+            stored = Message("{done} of {planned} traces stored", done=done, planned=planned)
+        for label, text in (
+            (self.stored, stored),
+            *((self.left, left_of(snapshot)), (self.line, line_of(snapshot))),
+        ):
             label.setText("" if text is None else sentence_text(text))
             label.setVisible(text is not None)
         # Not the name of the survey before this one, until it is described.
@@ -66,7 +74,7 @@ class JobPage(QWidget, Page):
         known = snapshot.state is not None and snapshot.state.survey_id == survey_id
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
-        self.area.show_text(", ".join(text for text in (name if known else "", area) if text))
+        self.area.setText(", ".join(text for text in (name if known else "", area) if text))
         self.notes.setVisible(snapshot.running and snapshot.replay is None)
 
     def draw(self) -> None:

@@ -1,14 +1,16 @@
-"""The list of stored surveys: what a row says, and the map of a survey."""
+"""ARCHIVE: the stored surveys; a touch on one shows its map, its answer and what can be done."""
 
 from __future__ import annotations
 
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from PyQt5.QtCore import QAbstractListModel, QModelIndex, QRectF, QSize, Qt, pyqtSignal
+import numpy as np
+from PyQt5.QtCore import QAbstractListModel, QModelIndex, QPointF, QRectF, QSize, Qt, pyqtSignal
 from PyQt5.QtGui import QBrush, QColor, QPainter, QPixmap, QPixmapCache, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
+from gpr20_operator.ground.coverage import Cell
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys, title_of
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
@@ -21,10 +23,11 @@ from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, icon, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.scrolling import FingerList
+from gpr20_user_interface.widgets.ground_picture import cells_image
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.labels import ElidedLabel, EmptyState, PulledText
 from gpr20_user_interface.widgets.overlay import Page
-from gpr20_user_interface.widgets.widgets import column, holding, new_button, row, tiled
+from gpr20_user_interface.widgets.widgets import column, holding, new_button, row, say, tiled
 
 ROW_PX = 80
 PICTURE_PX = 64
@@ -99,14 +102,14 @@ class SurveysModel(QAbstractListModel):
 
 
 def map_picture(survey: SurveySummary, size_px: int, look: Look) -> QPixmap:
-    """Return the map of a survey: full where all is stored, hatched where a part is.
+    """Return the map of a survey: full where all is stored, striped where a part is.
 
     Args:
         survey: Its summary.
         size_px: Of both sides.
         look: Colours.
     """
-    size_mm, shape = (survey.width_mm, survey.height_mm), (survey.map_columns, survey.map_rows)
+    size_mm, shape = (survey.width_mm, survey.height_mm), (survey.map_rows, survey.map_columns)
     key = f"survey {size_mm} {shape} {survey.map_percent!r} {size_px} {look.theme}"
     known = QPixmapCache.find(key)
     if known is not None:
@@ -114,30 +117,18 @@ def map_picture(survey: SurveySummary, size_px: int, look: Look) -> QPixmap:
     picture = QPixmap(size_px, size_px)
     picture.fill(Qt.GlobalColor.transparent)
     if 0 < shape[0] * shape[1] == len(survey.map_percent) and min(size_mm) > 0.0:
+        percent = np.frombuffer(survey.map_percent, np.uint8).reshape(shape)
+        part = np.where(percent > 0, Cell.PARTLY, Cell.MISSING)
+        cells = np.where(percent == 100, Cell.DONE, part).astype(np.uint8)
+        area = QRectF(0.0, 0.0, *(one * size_px / max(size_mm) - 1.0 for one in size_mm))
+        area.moveCenter(QPointF(size_px / 2.0, size_px / 2.0))
         painter = QPainter(picture)
-        _paint_map(painter, survey, size_px, look)
+        painter.drawImage(area, cells_image(cells, size_px, look.theme))
+        painter.setPen(QColor(look.colour(Mark.BORDER)))
+        painter.drawRect(area)
         painter.end()
     QPixmapCache.insert(key, picture)
     return picture
-
-
-def _paint_map(painter: QPainter, survey: SurveySummary, size_px: int, look: Look) -> None:
-    scale = size_px / max(survey.width_mm, survey.height_mm)
-    width, height = survey.width_mm * scale, survey.height_mm * scale
-    left, top = (size_px - width) / 2.0, (size_px - height) / 2.0
-    painter.fillRect(QRectF(left, top, width, height), QColor(look.colour(Mark.PAPER)))
-    part = QBrush(QColor(look.colour(Mark.STOP_PARTLY)), Qt.BrushStyle.Dense4Pattern)
-    whole = QBrush(QColor(look.colour(Mark.STOP_DONE)))
-    cell_width, cell_height = width / survey.map_columns, height / survey.map_rows
-    for place, percent in enumerate(survey.map_percent):
-        if percent:
-            row, column = divmod(place, survey.map_columns)
-            # Y points upwards.
-            x, y = left + cell_width * column, top + cell_height * (survey.map_rows - 1 - row)
-            cell = QRectF(x, y, cell_width + 0.5, cell_height + 0.5)
-            painter.fillRect(cell, whole if percent == 100 else part)
-    painter.setPen(QColor(look.colour(Mark.BORDER)))
-    painter.drawRect(QRectF(left, top, width - 1.0, height - 1.0))
 
 
 MAP_PX = 80
@@ -315,8 +306,10 @@ class SurveysPage(QWidget, Page):
             (self.resume, surveys.can_resume),
             (self.notes, lambda one: one.problem is None),
         ):
-            button.setEnabled(chosen is not None and can(chosen))
-            button.setVisible(chosen is not None)
+            button.setVisible(chosen is not None and can(chosen))
+        # What a touch does: the search takes its time.
+        searched = self._answer.problem is None
+        say(self.result, Message("Result") if searched else Message("Search\nand show"))
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
             title, lines = shown_text(title_of(chosen)), self._lines(chosen)
@@ -324,7 +317,7 @@ class SurveysPage(QWidget, Page):
         self.map.setVisible(chosen is not None and bool(chosen.map_percent))
         if surveys.problem is not None:
             lines = [sentence_text(surveys.problem)]
-        self.title.show_text(title)
+        self.title.setText(title)
         self.details.setText("\n".join(lines))
 
     def _lines(self, survey: SurveySummary) -> List[str]:

@@ -23,19 +23,9 @@ class LinesLabel(QLabel):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
 
     @property
-    def whole(self) -> str:
-        """The text without anything left out."""
-        return self.text()
-
-    @property
     def is_cut(self) -> bool:
         """Whether some of the text has no room."""
         return "".join("".join(self.shown_lines()).split()) != "".join(self.text().split())
-
-    def show_text(self, text: str) -> None:
-        """Show as much of a text as fits."""
-        if text != self.text():
-            self.setText(text)
 
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         """Qt: it may be as narrow as it must."""
@@ -122,7 +112,7 @@ class SurveyBand(ElidedLabel):
         """Show it; None: nothing."""
         self.setVisible(band is not None)
         if band is not None:
-            self.show_text(shown_text(band))
+            self.setText(shown_text(band))
 
 
 SIGN_PX = 64

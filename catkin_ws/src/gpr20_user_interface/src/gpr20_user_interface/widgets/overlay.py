@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, QObject, Qt
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QHideEvent, QShowEvent
 from PyQt5.QtWidgets import QFrame, QWidget
 
@@ -39,11 +39,10 @@ class Overlay(QFrame):
         self.setObjectName("sheet")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.hide()
-        window.installEventFilter(self)
 
     def open(self) -> None:
         """Cover the tabs."""
-        self._cover()
+        self.cover()
         self.show()
         self.raise_()
 
@@ -57,24 +56,8 @@ class Overlay(QFrame):
         super().hideEvent(event)
         note_touch_change(self)
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: something happens to the window."""
-        if event.type() == QEvent.Type.Resize and self.isVisible():
-            self._cover()
-        return super().eventFilter(watched, event)
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed."""
-        if event.type() == QEvent.Type.StyleChange:
-            if self.isVisible():
-                self._cover()
-            self.restyle()
-        super().changeEvent(event)
-
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look, where the style sheet cannot set them."""
-
-    def _cover(self) -> None:
+    def cover(self) -> None:
+        """Lie below the top bar, also after the window has another size."""
         window = self.parentWidget()
         top_px = look_of(self).px(TOP_BAR_PX)
         self.setGeometry(0, top_px, window.width(), window.height() - top_px)

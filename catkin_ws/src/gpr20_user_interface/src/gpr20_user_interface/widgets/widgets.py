@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from typing import Callable, Optional, Sequence, TypeVar, Union
 
-from PyQt5.QtCore import QEvent, Qt
+from PyQt5.QtCore import QEvent
 from PyQt5.QtWidgets import (
     QApplication,
     QBoxLayout,
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QLayout,
     QPushButton,
-    QScrollArea,
     QVBoxLayout,
     QWidget,
 )
@@ -22,7 +20,6 @@ from PyQt5.QtWidgets import (
 from gpr20_common.message import Message
 from gpr20_user_interface.look.look import GAP_PX, Look
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 AnyLayout = TypeVar("AnyLayout", bound=QLayout)
 # Property of a layout: its margin and its gap in pixels of the design.
@@ -106,6 +103,12 @@ def say(widget: QWidget, message: Message) -> None:
     widget.setText(shown_text(message))
 
 
+def offer(button: QPushButton, text: Message, obstacle: Optional[Message] = None) -> None:
+    """Let a button be touched; else it says why it cannot."""
+    button.setEnabled(obstacle is None)
+    say(button, obstacle or text)
+
+
 def say_again(window: QWidget) -> None:
     """Write the texts of a window in the language of the application."""
     for widget in window.findChildren(QWidget):
@@ -135,18 +138,6 @@ def new_button(act: Callable[[], None], text: Union[str, Message] = "") -> QPush
     return button
 
 
-def scroll_area(content: QWidget) -> QScrollArea:
-    """Return an area that a finger pulls where its content is higher."""
-    area = QScrollArea()
-    area.setWidget(content)
-    area.setWidgetResizable(True)
-    area.setFrameShape(QFrame.Shape.NoFrame)
-    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-    scroll_by_finger(area)
-    return area
-
-
 def set_look(widget: QWidget, name: str, value: object) -> None:
     """Set a property that the style sheet asks for; it looks at them only when it is applied."""
     if widget.property(name) != value:
@@ -155,20 +146,3 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         widget.style().polish(widget)
         # The padding of a label, too, may be another one.
         QApplication.sendEvent(widget, QEvent(QEvent.Type.StyleChange))
-
-
-def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:
-    """Return a text with a line break where it is wider than its button.
-
-    Args:
-        text: One line.
-        button: Its font is used.
-        room_px: Width inside the button [px].
-    """
-    if button.fontMetrics().horizontalAdvance(text) <= room_px:
-        return text
-    spaces = [place for place, character in enumerate(text) if character == " "]
-    if not spaces:
-        return text
-    middle = min(spaces, key=lambda place: abs(2 * place - len(text)))
-    return text[:middle] + "\n" + text[middle + 1 :]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Optional, Sequence
 
-from PyQt5.QtCore import QEvent, QObject, QPoint, QRect, Qt, pyqtSignal
+from PyQt5.QtCore import QPoint, QRect, Qt, pyqtSignal
 from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QRegion
 from PyQt5.QtWidgets import QPushButton, QWidget
 
@@ -46,7 +46,6 @@ class DimCover(QWidget):
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
         self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
         self.hide()
-        window.installEventFilter(self)
 
     def refresh(self, awake: bool) -> None:
         """Dim the screen when it is time.
@@ -72,12 +71,6 @@ class DimCover(QWidget):
         self._touched_s = self._clock.now_s()
         self._show()
         return was_dimmed
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: something happens to the window."""
-        if event.type() == QEvent.Type.Resize:
-            self._show()
-        return super().eventFilter(watched, event)
 
     def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
         """Qt: draw the widget."""
@@ -118,7 +111,6 @@ class LockBand(QWidget):
         self.setLayout(row((self.text, 1), self.unlock))
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.hide()
-        window.installEventFilter(self)
 
     def show_state(self, locked: bool) -> None:
         """Show whether the screen is locked; a screen that is too small always says so."""
@@ -128,18 +120,6 @@ class LockBand(QWidget):
         say(self.text, Message("Screen locked. STOP works.") if locked else small)
         self.setVisible(locked or not look_of(self).touchable)
         self.cover()
-
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: something happens to the window."""
-        if event.type() == QEvent.Type.Resize:
-            self.cover()
-        return super().eventFilter(watched, event)
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed, such as the size of everything."""
-        if event.type() == QEvent.Type.StyleChange:
-            self.show_state(self.locked)
-        super().changeEvent(event)
 
     def cover(self) -> None:
         """Lie over everything that is there, also over what has opened since."""

@@ -41,7 +41,7 @@ from gpr20_user_interface.pages.survey import JobPage, SurveyTab
 from gpr20_user_interface.pages.surveys import SurveysPage
 from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.overlay import Page
+from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.widgets.widgets import column, fit_layouts, row, say_again
 from gpr20_user_interface.window.lock import TouchBinding
@@ -210,6 +210,10 @@ class MainWindow(QWidget):
         super().resizeEvent(event)
         size = event.size()
         self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
+        for overlay in self.findChildren(Overlay):
+            if isinstance(overlay, Overlay):
+                overlay.cover()
+        self.touch_binding.band.show_state(self.touch_binding.band.locked)
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Qt: something about the window has changed."""
@@ -222,8 +226,8 @@ class MainWindow(QWidget):
     def _show_look(self) -> None:
         self.setStyleSheet(style_sheet(self.look))
         fit_layouts(self, self.look)
-        self.rail.use_look(self.look)
-        self.top_bar.use_look(self.look)
+        self.rail.show_again()
+        self.top_bar.show_again()
         self._show_again()
 
     def _show_again(self) -> None:

@@ -9,7 +9,7 @@ from PyQt5.QtCore import QSize, Qt, pyqtSignal
 from PyQt5.QtWidgets import QButtonGroup, QSizePolicy, QToolButton, QWidget
 
 from gpr20_common.message import Message
-from gpr20_user_interface.look.look import Look, TextColours, icon
+from gpr20_user_interface.look.look import TextColours, icon, look_of
 from gpr20_user_interface.widgets.widgets import column, say
 
 RAIL_PX = 84
@@ -51,7 +51,6 @@ class Rail(QWidget):
         super().__init__()
         self.tabs = {name: _button() for name in TabName}
         self.settings, self.lock = _button(), _button()
-        self._look = Look()
         group = QButtonGroup(self)
         for name, button in self.tabs.items():
             say(button, TITLES[name])
@@ -65,11 +64,11 @@ class Rail(QWidget):
     def show_chosen(self, name: TabName) -> None:
         """Show which tab is in front."""
         self.tabs[name].setChecked(True)
-        self.use_look(self._look)
+        self.show_again()
 
-    def use_look(self, look: Look) -> None:
-        """Take sizes and colours of a look."""
-        self._look = look
+    def show_again(self) -> None:
+        """Take sizes and colours of the look."""
+        look = look_of(self)
         self.setFixedWidth(look.px(RAIL_PX))
         signs: Dict[QToolButton, str] = {one: name.value for name, one in self.tabs.items()}
         for button, sign in {**signs, self.settings: "settings", self.lock: "lock"}.items():
