@@ -41,9 +41,9 @@ from gpr20_user_interface.look.look import BORDER_PX, Theme
 from gpr20_user_interface.pages.alerts import NoticeView
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.plot import Plot
+from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")

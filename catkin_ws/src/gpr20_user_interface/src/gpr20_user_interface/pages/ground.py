@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 import numpy as np
 from PyQt5.QtCore import QObject, QSize, pyqtSignal
@@ -139,15 +139,6 @@ class LayersSheet(Overlay):
 ShowRefusal = Callable[[Refused, Message], None]
 
 
-class Awaited(NamedTuple):
-    """A place of a survey that is shown as soon as the survey is here."""
-
-    survey_id: str
-    x_mm: float
-    y_mm: float
-    depth_mm: float
-
-
 class GroundPage(QObject, Page):
     """Shows the running survey, or a past one that was opened, with what belongs to it.
 
@@ -178,7 +169,8 @@ class GroundPage(QObject, Page):
         self._survey, self._traces, self._additions = survey, traces, additions
         self._imaging, self._show_refusal = imaging, show_refusal
         self._replay = False
-        self._awaited: Optional[Awaited] = None
+        # A survey, and its place (X, Y, depth) that is shown as soon as the survey is here.
+        self._awaited: Tuple[str, Tuple[float, float, float]] = "", (0.0, 0.0, 0.0)
         self._described: Tuple[Optional[SurveyGrid], Optional[float]] = (None, None)
         self.model = GroundModel(traces.shown, additions)
         self.view = GroundView(self.model)
@@ -202,7 +194,7 @@ class GroundPage(QObject, Page):
         self, survey_id: str, folder: str, x_mm: float, y_mm: float, depth_mm: float
     ) -> None:
         """Show a place of a survey, which is read first if another one is shown."""
-        self._awaited = Awaited(survey_id, x_mm, y_mm, depth_mm)
+        self._awaited = survey_id, (x_mm, y_mm, depth_mm)
         if self._traces.running.survey_id == survey_id:
             self._traces.show_live()
         elif self._traces.shown.survey_id != survey_id:
@@ -290,15 +282,15 @@ class GroundPage(QObject, Page):
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
         self.view.show_band(self._traces.band)
-        shown, awaited = self._traces.shown, self._awaited
+        shown, (awaited, place) = self._traces.shown, self._awaited
         if shown is not self.model.survey:
             self.model.show_survey(shown)
             self.view.refresh()
             if self._traces.opened_folder:
                 self.wanted.emit()
-        if awaited is not None and awaited.survey_id == shown.survey_id:
-            self._awaited = None
-            self.show_place(*awaited[1:])
+        if awaited and awaited == shown.survey_id:
+            self._awaited = "", place
+            self.show_place(*place)
             self.wanted.emit()
 
     def _follow_soil(self) -> None:

@@ -21,9 +21,11 @@ from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import Mark, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
-from gpr20_user_interface.widgets.labels import EmptyState, PulledText, SurveyBand
 from gpr20_user_interface.widgets.plot import UNIT, Plot, image_of
+from gpr20_user_interface.widgets.tile import SurveyBand
 from gpr20_user_interface.widgets.widgets import (
+    EmptyState,
+    PulledText,
     column,
     holding,
     new_button,

@@ -29,10 +29,10 @@ from gpr20_user_interface.pages.result_sheets import (
     with_remedy,
 )
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.labels import EmptyState, SurveyBand
 from gpr20_user_interface.widgets.overlay import Page
-from gpr20_user_interface.widgets.tile import TileButton
+from gpr20_user_interface.widgets.tile import SurveyBand, TileButton
 from gpr20_user_interface.widgets.widgets import (
+    EmptyState,
     column,
     holding,
     new_button,
@@ -48,7 +48,7 @@ SURE, WEAKER = Message("sure echo"), Message("weaker echo")
 FIRST_STEPS: Dict[Flag, Message] = {
     Flag.ONE_POLARIZATION: Message("measure finer"),
     Flag.EDGE: Message("measure beyond"),
-    Flag.SURFACE_RESIDUE: Message("look at the surface"),
+    Flag.SURFACE_RESIDUE: Message("see the surface"),
     Flag.BRIGHTEST: Message("only the brightest"),
 }
 

@@ -20,8 +20,8 @@ from gpr20_survey.trace.calibration import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.labels import PulledText
 from gpr20_user_interface.widgets.widgets import (
+    PulledText,
     column,
     grid,
     new_button,

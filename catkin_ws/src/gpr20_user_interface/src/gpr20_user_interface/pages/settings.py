@@ -103,9 +103,8 @@ class SettingsPage(Overlay):
             (Message("Colours"), self.themes),
             (Message("Dim the screen after"), self.dim_choices),
         )
-        self.labels = [new_label() for _row in rows]
-        for number, (label, (title, choices)) in enumerate(zip(self.labels, rows)):
-            say(label, title)
+        self.labels = [new_label(text=title) for title, _choices in rows]
+        for number, (label, (_title, choices)) in enumerate(zip(self.labels, rows)):
             layout.addWidget(label, number, 0)
             layout.addLayout(row(*((one, 1) for one in choices.values())), number, 1)
         layout.setColumnStretch(1, 1)

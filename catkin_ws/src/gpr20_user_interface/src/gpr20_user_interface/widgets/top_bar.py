@@ -12,9 +12,9 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.condition import Condition, JobLevel, condition_of, left_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, look_of, sign
+from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, look_of, sign
 from gpr20_user_interface.look.translation import sentence_text, shown_text
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
+from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say, set_look
 
 SIGN_PX = 36
@@ -123,16 +123,8 @@ class TopBar(QWidget):
         for button in (self.pause, self.stop):
             button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.pause.hide()
+        self.setObjectName("top_bar")
         self.setLayout(row((self.band, 1), self.remote, self.pause, self.stop))
-
-    def show_again(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        self.setFixedHeight(look.px(TOP_BAR_PX))
-        for button in (self.pause, self.stop):
-            button.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
-        self.layout().setContentsMargins(0, 0, look.px(GAP_PX // 2), 0)
-        self.band.show_again()
 
     def show_robot(self, name: str) -> None:
         """Name the robot that STOP stops, from the next refresh on; empty: it has no name."""

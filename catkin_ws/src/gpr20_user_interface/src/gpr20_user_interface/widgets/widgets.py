@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Callable, Optional, Sequence, TypeVar, Union
 
-from PyQt5.QtCore import QEvent
+from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtWidgets import (
     QApplication,
     QBoxLayout,
@@ -13,17 +13,19 @@ from PyQt5.QtWidgets import (
     QLabel,
     QLayout,
     QPushButton,
+    QTextEdit,
     QVBoxLayout,
     QWidget,
 )
 
 from gpr20_common.message import Message
-from gpr20_user_interface.look.look import GAP_PX, Look
+from gpr20_user_interface.look.look import GAP_PX, Look, TextColours, look_of, sign
 from gpr20_user_interface.look.translation import shown_text
 
 AnyLayout = TypeVar("AnyLayout", bound=QLayout)
 # Property of a layout: its margin and its gap in pixels of the design.
 DESIGN = "design"
+SIGN_PX = 64  # of an empty state
 # Property of a widget: the Message that is its text.
 TEXT = "message"
 
@@ -146,3 +148,63 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         widget.style().polish(widget)
         # The padding of a label, too, may be another one.
         QApplication.sendEvent(widget, QEvent(QEvent.Type.StyleChange))
+
+
+class PulledText(QTextEdit):
+    """A text of several lines that a finger pulls up where there is no room for all of it."""
+
+    def __init__(self, name: str = "") -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setReadOnly(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def text(self) -> str:
+        """Return the text."""
+        return str(self.toPlainText())
+
+    def setText(self, text: str) -> None:  # noqa: N802 (as QLabel names it)
+        """Show a text from its beginning; the same one stays where it was pulled."""
+        if text != self.text():
+            self.setPlainText(text)
+
+
+class EmptyState(QWidget):
+    """A sign, one sentence and at most one button; its page writes the texts.
+
+    Attributes:
+        sentence: What is missing.
+        button: What to do.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._sign, self.sentence = QLabel(), new_label(wraps=True)
+        self._act: Callable[[], None] = lambda: None
+        self.button = new_button(lambda: self._act())
+        for label in (self._sign, self.sentence):
+            label.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        button = row(self.button)
+        button.setAlignment(self.button, Qt.AlignmentFlag.AlignHCenter)
+        layout = column(self._sign, self.sentence, button, gap=2 * GAP_PX)
+        layout.insertStretch(0)
+        layout.addStretch()
+        self.setLayout(layout)
+
+    def show_state(
+        self, name: str, sentence: str, button: str = "", act: Optional[Callable[[], None]] = None
+    ) -> None:
+        """Show what is missing.
+
+        Args:
+            name: Of the sign, as `icon` knows it.
+            sentence: What is missing.
+            button: What to do; empty: there is no button.
+            act: Does it.
+        """
+        look = look_of(self)
+        self._sign.setPixmap(sign(name, look.text(TextColours.QUIET).ink, look.px(SIGN_PX)))
+        self.sentence.setText(sentence)
+        self.button.setText(button)
+        self.button.setVisible(act is not None)
+        self._act = act or self._act

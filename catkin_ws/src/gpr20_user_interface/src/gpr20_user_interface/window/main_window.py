@@ -227,7 +227,7 @@ class MainWindow(QWidget):
         self.setStyleSheet(style_sheet(self.look))
         fit_layouts(self, self.look)
         self.rail.show_again()
-        self.top_bar.show_again()
+        self.top_bar.band.show_again()
         self._show_again()
 
     def _show_again(self) -> None:

@@ -12,10 +12,7 @@ from gpr20_common.message import Message
 from gpr20_user_interface.look.look import TextColours, icon, look_of
 from gpr20_user_interface.widgets.widgets import column, say
 
-RAIL_PX = 84
 ICON_PX = 32
-# What does not belong to the survey: settings and lock.
-FOOT_PX = 52
 
 
 class TabName(enum.Enum):
@@ -51,6 +48,10 @@ class Rail(QWidget):
         super().__init__()
         self.tabs = {name: _button() for name in TabName}
         self.settings, self.lock = _button(), _button()
+        # They do not belong to the survey.
+        for button in (self.settings, self.lock):
+            button.setProperty("foot", True)
+        self.setObjectName("rail_column")
         group = QButtonGroup(self)
         for name, button in self.tabs.items():
             say(button, TITLES[name])
@@ -69,14 +70,11 @@ class Rail(QWidget):
     def show_again(self) -> None:
         """Take sizes and colours of the look."""
         look = look_of(self)
-        self.setFixedWidth(look.px(RAIL_PX))
         signs: Dict[QToolButton, str] = {one: name.value for name, one in self.tabs.items()}
         for button, sign in {**signs, self.settings: "settings", self.lock: "lock"}.items():
             colours = TextColours.CHOSEN if button.isChecked() else TextColours.ARROW
             button.setIcon(icon(sign, look.text(colours).ink, look.px(ICON_PX)))
             button.setIconSize(QSize(look.px(ICON_PX), look.px(ICON_PX)))
-        for button in (self.settings, self.lock):
-            button.setFixedHeight(look.px(FOOT_PX))
 
 
 def _button() -> QToolButton:
