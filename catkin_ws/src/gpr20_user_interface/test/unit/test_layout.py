@@ -164,6 +164,8 @@ def misfits(window, widget):
 def label_misfits(window, label):
     if label.text() and label.fontInfo().pixelSize() < window.look.px(SMALLEST_TEXT_PX) - 1:
         yield "is written too small"
+    if label.text() and label.height() < label.fontMetrics().height() - ROUNDING_PX:
+        yield "is cut off at its top"
     if isinstance(label, CUT) or not label.text():
         return
     if not label.wordWrap():

@@ -11,7 +11,10 @@ from PyQt5.QtWidgets import QLabel, QPushButton, QSizePolicy, QWidget
 from gpr20_common.message import Message
 from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.widgets.widgets import column, set_look
+from gpr20_user_interface.widgets.widgets import column, set_look, spaced
+
+# Above and below: so much is left for four lines of a sentence.
+EDGE_PX = 2
 
 
 class LinesLabel(QLabel):
@@ -113,7 +116,7 @@ class TileButton(QPushButton):
         self._labels = (self.title, *self.lines, self.sentence)
         shown = () if picture is None else ((picture, 4),)
         parts = (self.title, *self.lines, (self.sentence, 1), *shown)
-        self.setLayout(column(*parts, margin=GAP_PX // 2, gap=0))
+        self.setLayout(spaced(column(*parts), GAP_PX, gap=0, edge=EDGE_PX))
         for label in self._labels:
             # The touch is for the button.
             label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)

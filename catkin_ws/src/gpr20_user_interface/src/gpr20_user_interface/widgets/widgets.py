@@ -23,16 +23,25 @@ from gpr20_user_interface.look.look import GAP_PX, Look, TextColours, look_of, s
 from gpr20_user_interface.look.translation import shown_text
 
 AnyLayout = TypeVar("AnyLayout", bound=QLayout)
-# Property of a layout: its margin and its gap in pixels of the design.
+# Property of a layout: its margins beside and above, and its gap, in pixels of the design.
 DESIGN = "design"
 SIGN_PX = 64  # of an empty state
 # Property of a widget: the Message that is its text.
 TEXT = "message"
 
 
-def spaced(layout: AnyLayout, margin: int = 0, gap: int = GAP_PX) -> AnyLayout:
-    """Return a layout whose margin and gap [pixels of the design] the window scales."""
-    layout.setProperty(DESIGN, [margin, gap])
+def spaced(
+    layout: AnyLayout, margin: int = 0, gap: int = GAP_PX, edge: Optional[int] = None
+) -> AnyLayout:
+    """Return a layout whose margins and gap [pixels of the design] the window scales.
+
+    Args:
+        layout: The layout.
+        margin: On each side.
+        gap: Between its parts.
+        edge: Above and below; None: as beside.
+    """
+    layout.setProperty(DESIGN, [margin, margin if edge is None else edge, gap])
     _fit(layout, Look())
     return layout
 
@@ -90,8 +99,8 @@ def fit_layouts(window: QWidget, look: Look) -> None:
 
 
 def _fit(layout: QLayout, look: Look) -> None:
-    margin, gap = (look.px(one) if one else 0 for one in layout.property(DESIGN))
-    layout.setContentsMargins(margin, margin, margin, margin)
+    margin, edge, gap = (look.px(one) if one else 0 for one in layout.property(DESIGN))
+    layout.setContentsMargins(margin, edge, margin, edge)
     if isinstance(layout, QGridLayout):
         layout.setHorizontalSpacing(gap)
         layout.setVerticalSpacing(gap)
