@@ -32,10 +32,10 @@ from PyQt5.QtWidgets import (
 )
 from translation_kit import english_words
 from view_kit import snapshot
-from window_helpers import click, close, open_field, opened_window, show
+from window_helpers import close, opened_window, show
 
 from gpr20_common.catalogue import Language, languages
-from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
+from gpr20_operator.plan.fields import default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
 from gpr20_user_interface.pages.alerts import NoticeView
@@ -309,19 +309,3 @@ def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
         for _page in every_page(window, tab):
             settle()
             assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)
-
-
-def test_a_number_is_whole_or_shows_its_beginning(window):
-    """600.1234 must not read as 500.1234 or 00.1234."""
-    show(window, busiest(SurveyState.IDLE))
-    for spec in (one for one in PLAN if one.tile is not None):
-        for text in ("-9876.123456789", "1" * 40):
-            field = open_field(window, spec.name)
-            window.values.write(text)
-            settle()
-            (line,) = field.lines
-            shown = line.text()
-            assert shown == f"{text}|" or (shown.endswith("…") and text.startswith(shown[:-1]))
-            # Fourteen characters are always seen.
-            assert not line.is_cut or len(shown) > 14
-            click(window.values.done)

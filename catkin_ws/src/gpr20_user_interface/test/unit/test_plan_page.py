@@ -1,6 +1,5 @@
 """The plan in tiles and sheets; START and RESUME; how many touches a survey takes."""
 
-import random
 from dataclasses import replace
 
 import pytest
@@ -239,18 +238,3 @@ def test_a_survey_takes_two_touches_and_with_another_area_five_and_is_remembered
     window, finger = begun(opened)
     finger.start(window)
     assert window.survey.asked == [started] and finger.touches == 2
-
-
-def test_an_address_is_entered_with_the_keys_of_usual_networks(opened):
-    draw = random.Random(1)
-    for network in ("192.168.", "10.", "172."):
-        parts = [str(draw.randint(0, 255)) for _ in range(3 - network.count(".") + 1)]
-        window, finger = begun(opened)
-        finger.touch(window.control.tiles[Tile.VNA])
-        for key in (network, *".".join(parts)):
-            keys = window.values.keys.keys
-            finger.touch(next(one for one in keys if one.property("character") == key))
-        finger.touch(window.values.done)
-        finger.start(window)
-        (started,) = window.survey.asked
-        assert started.vna_address == network + ".".join(parts) and finger.touches <= 17

@@ -14,9 +14,7 @@ from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, show
 
-from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.past_surveys import PastSurveys, searchable, title_of
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
@@ -27,16 +25,10 @@ from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys import map_picture
 from gpr20_user_interface.window.rail import TabName
 
-SPANISH = read_catalogue(Language.SPANISH)
-
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
     for code in (SurveyState.SURVEYING, SurveyState.FINISHED)
 )
-WORDS = st.sampled_from(
-    ["importada", "Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""]
-)
-TEXTS = st.lists(WORDS, max_size=3).map(" ".join)
 
 
 SIZES = {"width_mm": 300.0, "height_mm": 200.0, "map_columns": 2, "map_rows": 2}
@@ -121,25 +113,6 @@ def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
     assert listed.details.text().startswith("This survey was not searched yet")
 
 
-def test_what_is_wrong_with_an_incomplete_survey_is_said():
-    """Never "INCOMPLETE" of a survey whose traces are all stored."""
-    surveys = PastSurveys()
-    whole = past_survey(stored_traces=25000, planned_traces=25000)
-    endings = {
-        dataclasses.replace(whole, complete=True): "complete",
-        dataclasses.replace(whole, outcome="stopped"): "stopped; all traces stored",
-        dataclasses.replace(whole, outcome=""): "not ended; all traces stored",
-        dataclasses.replace(whole, outcome="finished"): "not confirmed; all traces stored",
-        dataclasses.replace(whole, stored_traces=24999): "1 of 25000 traces missing",
-        dataclasses.replace(whole, planned_traces=0): "its plan cannot be read",
-        dataclasses.replace(whole, outcome="imported"): "imported",
-        dataclasses.replace(whole, problem=verbatim("damaged")): "cannot be read",
-    }
-    assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
-    # In one line.
-    assert str(title_of(past_survey(name=" a\nb\tc\n"))) == "a b c"
-
-
 def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
     picture = map_picture(PART, 56, Look()).toImage()
     empty = dataclasses.replace(PART, map_percent=bytes(4))
@@ -175,36 +148,6 @@ def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storag
     assert listed.empty.isVisible() and listed.empty.sentence.text()
     click(listed.empty.button)
     assert listed.list.isVisible() and listed.model.rowCount() == 150
-
-
-SURVEYS = st.builds(
-    dataclasses.replace,
-    st.just(past_survey()),
-    name=TEXTS,
-    site=TEXTS,
-    operator=TEXTS,
-    complete=st.booleans(),
-    outcome=st.sampled_from(["", "stopped", "finished", "imported"]),
-    problem=st.sampled_from([None, None, verbatim("damaged")]),
-)
-
-
-@given(st.lists(SURVEYS, max_size=12), TEXTS, st.integers(0, 12))
-def test_a_search_is_a_plain_filter_of_all_pages_by_names_time_and_ending(surveys, text, split):
-    numbered = tuple(
-        dataclasses.replace(one, folder=f"20261121T{99 - number:06d}_7c9e6679")
-        for number, one in enumerate(surveys)
-    )
-    past = PastSurveys()
-    past.take("", numbered[:split], True)
-    past.take(past.next_before, numbered[split:], False)
-
-    def wanted(survey):
-        shown = map(SPANISH.text, (local_time(survey.started), past.ending(survey)))
-        written = searchable(" ".join((survey.name, survey.site, survey.operator, *shown)))
-        return all(searchable(word) in written for word in text.split())
-
-    assert past.found(text, SPANISH.text) == tuple(filter(wanted, numbered))
 
 
 def pull(window, finger, start, moves):
