@@ -4,7 +4,7 @@ import pytest
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, press_keys, show
+from window_helpers import click, hold, is_cut, press_keys, show
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.ground.traces import SurveysListed
@@ -117,7 +117,7 @@ def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(don
     assert numbers(view) == ["2", "3", "4", "5", "6"]
     assert all(one.doubtful for one in view.picture.marks)
     labels = [label for row in shown_rows(view) for label in (row.title, row.lines[0])]
-    assert not [label.text() for label in labels if label.is_cut]
+    assert not [label.text() for label in labels if is_cut(label)]
     click(view.more)
     assert numbers(view) == ["7", "8", "9", "10", "11"]
     click(view.more)

@@ -54,7 +54,7 @@ def test_nothing_but_a_second_without_a_break_completes_a_hold(steps):
 def button(application):
     window = QWidget()
     window.resize(400, 300)
-    button = HoldButton("START")
+    button = HoldButton()
     button.setParent(window)
     button.setGeometry(100, 100, 200, 72)
     window.show()
@@ -106,7 +106,7 @@ def test_a_touch_that_is_broken_does_nothing(button, held, resting, end):
 
 
 def test_time_as_it_passes_completes_a_hold(application):
-    button = HoldButton("START")
+    button = HoldButton()
     held = QSignalSpy(button.held)
     button.show()
     QTest.mousePress(button, Qt.LeftButton)

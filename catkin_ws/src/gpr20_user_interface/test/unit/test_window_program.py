@@ -92,7 +92,7 @@ def test_it_waits_for_a_display_where_the_launch_says_so():
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run the program up to the graph; return its exit status and what it has said."""
-    monkeypatch.setattr(user_interface, "check_display", lambda _environment: None)
+    monkeypatch.setattr(user_interface, "check_display", lambda: None)
 
     def run(replay=False):
         options = argparse.Namespace(replay=replay, wait_for_display=False)

@@ -141,6 +141,11 @@ def enter(window, name, text):
     click(window.values.done)
 
 
+def is_cut(label):
+    """Return whether some of the text of a LinesLabel has no room."""
+    return "".join("".join(label.shown_lines()).split()) != "".join(label.text().split())
+
+
 def press_keys(keys, texts):
     """Touch the keys of texts, one by one, on a block of keys or on a pad."""
     for text in texts:

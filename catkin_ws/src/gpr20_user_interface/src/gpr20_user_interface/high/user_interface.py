@@ -177,7 +177,7 @@ def _run(options: argparse.Namespace) -> int:
         if options.wait_for_display:
             wait_for_display(_say)
         else:
-            check_display(os.environ)
+            check_display()
     except DisplayUnavailableError as error:
         _say(str(error))
         return EXIT_NO_DISPLAY
@@ -250,7 +250,7 @@ def _robot_is_here() -> bool:
 
 
 def _show(application: QApplication, signals: StopSignals, options: argparse.Namespace) -> int:
-    settings = _path("~settings", DEFAULT_SETTINGS)
+    settings = Path(rospy.get_param("~settings", DEFAULT_SETTINGS)).expanduser()
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
@@ -301,10 +301,6 @@ def _language(remembered: Language) -> Language:
         _log(error.message)
         return Language.ENGLISH
     return remembered
-
-
-def _path(parameter: str, default: str) -> Path:
-    return Path(rospy.get_param(parameter, default)).expanduser()
 
 
 def _log(reason: Message) -> None:

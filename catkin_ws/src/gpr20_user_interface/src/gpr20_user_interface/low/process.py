@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 from types import FrameType
-from typing import Any, Callable, Dict, Mapping, NoReturn, Optional
+from typing import Any, Callable, Dict, NoReturn, Optional
 
 from gpr20_common.message import Message
 from gpr20_operator.errors import DisplayUnavailableError
@@ -86,11 +86,8 @@ OPEN = (
 RETRY_S = 3.0
 
 
-def check_display(environment: Mapping[str, str]) -> None:
+def check_display() -> None:
     """Check that a window can be shown.
-
-    Args:
-        environment: `os.environ` or the like, for the sentence.
 
     Raises:
         DisplayUnavailableError: It cannot.
@@ -98,7 +95,7 @@ def check_display(environment: Mapping[str, str]) -> None:
     problem = problem_of(OPEN)
     if problem is None:
         return
-    name = environment.get("DISPLAY", "")
+    name = os.environ.get("DISPLAY", "")
     what = (
         Message("the display {name} cannot be opened", name=repr(name))
         if name
@@ -140,7 +137,7 @@ def wait_for_display(say: Callable[[str], None]) -> None:
     said = False
     while True:
         try:
-            return check_display(os.environ)
+            return check_display()
         except DisplayUnavailableError as error:
             if not said:
                 say(str(error))

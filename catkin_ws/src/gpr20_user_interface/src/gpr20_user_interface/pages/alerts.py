@@ -53,17 +53,8 @@ class NoticeView(Overlay):
         texts = (self.title, (self.reason, 1), (self.details, 1), self.first_title, self.first)
         self.setLayout(column(*texts, self.then, buttons, margin=2 * GAP_PX))
 
-    def show_notice(self, notice: Notice) -> None:
-        """Open with the texts of a notice."""
-        self.ask(notice, None)
-
-    def ask(self, notice: Notice, on_accepted: Optional[Callable[[], None]]) -> None:
-        """Open with a question; closing it is a no.
-
-        Args:
-            notice: What is asked.
-            on_accepted: Called if the operator accepts; None: nothing is asked.
-        """
+    def show_notice(self, notice: Notice, on_accepted: Optional[Callable[[], None]] = None) -> None:
+        """Open with a notice; or with a question, and call something if it is accepted."""
         self.notice, self._on_accepted = notice, on_accepted
         self._show_details(False)
         self.accept_button.setVisible(on_accepted is not None)
@@ -101,8 +92,7 @@ class StopWarningView(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.setObjectName("stop_warning")
-        self._warning: Optional[Message] = None
-        self.title = new_label("motors_off", wraps=True)
+        self.title = new_label("motors_off", wraps=True, text=MOTORS_OFF)
         self.title.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.text = new_label(wraps=True)
         self.close_button = HoldButton()
@@ -115,10 +105,7 @@ class StopWarningView(Overlay):
         if warning is None:
             self.hide()
             return
-        if warning != self._warning:
-            self._warning = warning
-            say(self.title, MOTORS_OFF)
-            say(self.text, warning)
+        say(self.text, warning)
         if not self.isVisible():
             self.open()
         # Another sheet may have opened since.
@@ -194,7 +181,7 @@ class Alerts(Page):
             return
         # The status of the survey may have opened a notice with the same reason.
         self.notice.hide()
-        self.question.ask(
+        self.question.show_notice(
             analyzer_notice(refusal.message, refusal.other_analyzer),
             lambda: self._ask_resume_with(refusal.other_analyzer),
         )

@@ -73,7 +73,6 @@ class ValueSheet(Overlay):
         self.keys.written.connect(self.write)
         self.keys.commanded.connect(self._on_command)
         self._lay_out()
-        self.show_now()
 
     def show_tile(self, tile: Tile) -> None:
         """Open with the fields of a tile; the first key replaces the first value."""
@@ -112,23 +111,17 @@ class ValueSheet(Overlay):
         else:
             super().keyPressEvent(event)
 
-    def show_now(self) -> None:
-        """Write what is entered."""
-        self.title.setText(shown_text(self._tile.value))
-        self._show()
-
     @property
     def _name(self) -> str:
         return self._specs[self._active].name
 
     def _choose(self, number: int) -> None:
         self._active, self._fresh, self._touched = number, True, False
-        self.show_now()
+        self._show()
 
     def _show(self) -> None:
         """Show texts, keys, presets, and what is wrong or allowed."""
-        if not self._specs:
-            return
+        self.title.setText(shown_text(self._tile.value))
         chosen, check = self._specs[self._active], self._form.check()
         for spec, field in zip(self._specs, self.fields):
             text, active = self._form.texts[spec.name], spec is chosen

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Callable, Dict, Optional
 
 from PyQt5.QtCore import pyqtSignal
@@ -48,7 +49,9 @@ class PlaceSheet(ResultSheet):
         self._what: Optional[What] = None
         self._depth, self._who = "", ""
         self.pad = Pad(window)
-        self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
+        self.whats: Dict[What, QPushButton] = {
+            one: self.choice(partial(self._choose, one)) for one in What
+        }
         self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
         self.store = HoldButton()
         self.store.held.connect(self._on_store)
@@ -97,12 +100,9 @@ class PlaceSheet(ResultSheet):
         if self.result.chosen is not None:
             wanted.emit(self.result.chosen)
 
-    def _key(self, what: What) -> QPushButton:
-        def act() -> None:
-            self._what = what
-            self.show_now()
-
-        return self.choice(act)
+    def _choose(self, what: What) -> None:
+        self._what = what
+        self.show_now()
 
     def _on_depth(self) -> None:
         def take(text: str) -> None:
@@ -138,8 +138,10 @@ class SoilSheet(ResultSheet):
         super().__init__(window, result)
         self._value: Optional[float] = None
         self.pad = Pad(window)
-        self.soils = {one: self._key(one.value.permittivity) for one in Soils}
-        self.unknown, self.other = self._key(None), new_button(self._on_other)
+        known = {one: one.value.permittivity for one in Soils}
+        self.soils = {one: self.choice(partial(self._choose, known[one])) for one in Soils}
+        self.unknown = self.choice(partial(self._choose, None))
+        self.other = new_button(self._on_other)
         self.use = HoldButton()
         self.use.held.connect(self._on_use)
         say(self.title, Message("Soil of this survey"))
@@ -172,9 +174,6 @@ class SoilSheet(ResultSheet):
                 "begins again with it."
             )
         )
-
-    def _key(self, value: Optional[float]) -> QPushButton:
-        return self.choice(lambda: self._choose(value))
 
     def _choose(self, value: Optional[float]) -> None:
         self._value = value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable, Tuple
 
 from PyQt5.QtWidgets import QProgressBar, QPushButton, QWidget
@@ -126,7 +127,7 @@ class HidingSheet(ResultSheet):
 
     def __init__(self, window: QWidget, result: SurveyResult) -> None:
         super().__init__(window, result)
-        self.targets = {one: self._key(one) for one in Targets}
+        self.targets = {one: self.choice(partial(result.choose_target, one)) for one in Targets}
         self.cancel = new_button(lambda: self.result.hiding.end(), Message("CANCEL"))
         self.add_row(*self.targets.values())
         self.add_text()
@@ -149,9 +150,6 @@ class HidingSheet(ResultSheet):
             lines = [ONLY_THIS, *job.result.details]
             rest = "\n".join(map(sentence_text, [HATCHED, *lines]))
         self.show_job(job, rest)
-
-    def _key(self, target: Targets) -> QPushButton:
-        return self.choice(lambda: self.result.choose_target(target))
 
 
 class StickSheet(ResultSheet):

@@ -181,7 +181,7 @@ class SurveysPage(QWidget, Page):
         self.pad = Pad(window)
         self.search = new_button(self._ask_text)
         self.clear = new_button(lambda: self.search_for(""), "✕")
-        self.model = SurveysModel(surveys, self._is_chosen)
+        self.model = SurveysModel(surveys, lambda one: one.folder == self._folder)
         self.list = FingerList()
         self.list.setModel(self.model)
         self.list.tapped.connect(lambda row: self.choose(row.data(SURVEY)))
@@ -236,9 +236,6 @@ class SurveysPage(QWidget, Page):
         """Qt: there is more or less room for rows."""
         super().resizeEvent(event)
         self._read_older()
-
-    def _is_chosen(self, survey: SurveySummary) -> bool:
-        return survey.folder == self._folder
 
     @property
     def _folder(self) -> str:

@@ -66,20 +66,16 @@ class HoldButton(QPushButton):
     """Emits `held` when a finger has rested on it; a tap does nothing.
 
     It fills while it is held. A finger that leaves it, even for a moment, has to begin again.
-
-    Args:
-        text: What it does.
-        clock: Measures the time; by default, time as it passes.
     """
 
     held = pyqtSignal()
 
-    def __init__(self, text: str = "", clock: Optional[Clock] = None) -> None:
-        super().__init__(text)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("hold")
         # A key must not press it.
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._hold = Hold(Clock() if clock is None else clock)
+        self._hold = Hold(Clock())
         self._timer = QTimer(self)
         self._timer.setInterval(TICK_MS)
         self._timer.timeout.connect(self.tick)

@@ -183,7 +183,7 @@ class Pad(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._judge: Judge = lambda _text: ""
-        self._hint, self._first, self._strict = "", "", True
+        self._hint, self._first = "", ""
         self._deliver: Callable[[str], None] = lambda _text: None
         self.title, self.hint = new_label("title", wraps=True), new_label(wraps=True)
         self.edit = PadEdit()
@@ -211,7 +211,6 @@ class Pad(Overlay):
         text: str,
         judge: Judge,
         keys: Keys,
-        strict: bool = True,
     ) -> None:
         """Open with a text. The first digit replaces it; letters are written at its end.
 
@@ -222,9 +221,8 @@ class Pad(Overlay):
             text: The text at first.
             judge: Returns what is allowed instead of a wrong text, while it is written.
             keys: Which keys write it.
-            strict: Whether a wrong text cannot be accepted.
         """
-        self._deliver, self._judge, self._strict = deliver, judge, strict
+        self._deliver, self._judge = deliver, judge
         self._hint, self._first = hint, text
         self.title.setText(title)
         with_letters = keys in (Keys.LETTERS, Keys.LINES)
@@ -258,7 +256,7 @@ class Pad(Overlay):
         """Show what is wrong; a text that was not changed yet is not shown as wrong."""
         text = self.edit.toPlainText()
         problem = self._judge(text)
-        self.accept_button.setEnabled(not (problem and self._strict))
+        self.accept_button.setEnabled(not problem)
         shown = "" if text == self._first else problem
         self.hint.setText(shown or self._hint)
         # There is room for only one of them.

@@ -25,11 +25,6 @@ class LinesLabel(QLabel):
         self.setTextFormat(Qt.TextFormat.PlainText)
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
 
-    @property
-    def is_cut(self) -> bool:
-        """Whether some of the text has no room."""
-        return "".join("".join(self.shown_lines()).split()) != "".join(self.text().split())
-
     def minimumSizeHint(self) -> QSize:  # noqa: N802
         """Qt: it may be as narrow as it must."""
         return QSize(0, self.fontMetrics().height())

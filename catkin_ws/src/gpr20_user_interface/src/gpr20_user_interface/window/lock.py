@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Callable, Optional, Sequence
 
 from PyQt5.QtCore import QPoint, QRect, Qt, pyqtSignal
-from PyQt5.QtGui import QColor, QPainter, QPaintEvent, QRegion
+from PyQt5.QtGui import QRegion
 from PyQt5.QtWidgets import QPushButton, QWidget
 
 from gpr20_common.low.clock import Clock
@@ -18,9 +18,6 @@ from gpr20_user_interface.touch.guard import TouchFilter, TouchGuard
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import new_label, row, say
-
-# An eighth of the light: what is shown can still be read in the dark.
-DARKNESS = QColor(0, 0, 0, 222)
 
 
 class DimCover(QWidget):
@@ -44,7 +41,8 @@ class DimCover(QWidget):
         self._touched_s = clock.now_s()
         self.dimmed = False
         self.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self.setAttribute(Qt.WidgetAttribute.WA_NoSystemBackground)
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self.setObjectName("dark")
         self.hide()
 
     def refresh(self, awake: bool) -> None:
@@ -71,10 +69,6 @@ class DimCover(QWidget):
         self._touched_s = self._clock.now_s()
         self._show()
         return was_dimmed
-
-    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802
-        """Qt: draw the widget."""
-        QPainter(self).fillRect(self.rect(), DARKNESS)
 
     def _show(self) -> None:
         if self.dimmed:
