@@ -201,7 +201,7 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
     for _ in range(2):  # its colour has its size with the next refresh
         show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    tiles = [service.robot.overview.tile(node.name) for node in nodes]
+    tiles = service.robot.overview.tiles
     assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
     for tile in tiles:
         assert tile.isVisible() and tile.height() >= TOUCH_PX
@@ -212,5 +212,5 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     # Other sensors have tiles below the nodes.
     soil = NodeHealth("sensors/soil", HealthLevel.OK, verbatim("0.25 m3/m3"), {})
     show(service, snapshot(SurveyState.IDLE, health=HealthReport((*nodes, soil))))
-    assert "soil" in service.robot.overview.tile("sensors/soil").sentence.text()
+    assert "soil" in service.robot.overview.tiles[len(nodes)].sentence.text()
     assert service.minimumSizeHint().height() <= 480

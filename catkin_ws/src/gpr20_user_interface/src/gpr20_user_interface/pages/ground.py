@@ -136,9 +136,6 @@ class LayersSheet(Overlay):
         self.setLayout(column(*rows, margin=GAP_PX))
 
 
-ShowRefusal = Callable[[Refused, Message], None]
-
-
 class GroundPage(QObject, Page):
     """Shows the running survey, or a past one that was opened, with what belongs to it.
 
@@ -163,7 +160,7 @@ class GroundPage(QObject, Page):
         traces: TracePresenter,
         additions: AdditionsPresenter,
         imaging: Imaging,
-        show_refusal: ShowRefusal,
+        show_refusal: Callable[[Refused, Message], None],
     ) -> None:
         super().__init__(window)
         self._survey, self._traces, self._additions = survey, traces, additions

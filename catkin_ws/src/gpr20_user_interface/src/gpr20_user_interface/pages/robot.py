@@ -85,10 +85,6 @@ class Overview(QWidget):
         """The findings that are listed: what is wrong or not known."""
         return [one for one in self._findings if one.level >= Level.UNKNOWN]
 
-    def tile(self, name: str) -> TileButton:
-        """Return the tile of a node."""
-        return self.tiles[[node.name for node in self._nodes].index(name)]
-
     def show_findings(self, findings: Tuple[Finding, ...]) -> None:
         """Show what is wrong with the robot; most times it is the same as before."""
         self._findings = findings

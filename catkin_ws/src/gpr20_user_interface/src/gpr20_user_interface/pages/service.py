@@ -24,6 +24,7 @@ from gpr20_user_interface.widgets.widgets import (
     PulledText,
     column,
     grid,
+    holding,
     new_button,
     new_label,
     row,
@@ -73,9 +74,7 @@ class ServiceScreen(QWidget):
             say(button, text)
         self._pages = QStackedWidget()
         for layout in (self._axes(), self._instruments()):
-            page = QWidget()
-            page.setLayout(layout)
-            self._pages.addWidget(page)
+            self._pages.addWidget(holding(layout))
         bottom = row((self.outcome, 1), self.switch_button, leave_button)
         self.setLayout(column((self._pages, 1), bottom, margin=GAP_PX))
         self.begin()

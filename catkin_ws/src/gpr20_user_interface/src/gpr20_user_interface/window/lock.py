@@ -46,11 +46,7 @@ class DimCover(QWidget):
         self.hide()
 
     def refresh(self, awake: bool) -> None:
-        """Dim the screen when it is time.
-
-        Args:
-            awake: Whether something is shown that must be seen, such as an alarm.
-        """
+        """Dim the screen when it is time; not if something must be seen, such as an alarm."""
         after_s = self._after_s()
         if awake:
             self.wake()
