@@ -184,7 +184,8 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
     show(filled, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
     filled.show_tab(TabName.GROUND)
     click(view.next)
-    assert not view.finer.isEnabled()  # while a survey runs none can be planned
+    # While a survey runs none can be planned; the button says so.
+    assert not view.finer.isEnabled() and view.finer.text() == "Finer: after\nthe survey"
     show(filled, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
     view.refresh()
     click(view.finer)

@@ -139,21 +139,20 @@ def test_what_the_survey_will_be_is_shown_and_what_is_too_coarse_is_amber(window
 
 
 def test_the_area_is_drawn_within_the_reach_of_the_robot_with_y_upwards(idle):
-    area, pictures = idle.control.area, []
+    reach, dark = idle.control.reach, idle.look.colour(Mark.STOP_DONE)
+    # The numbers have room beside it.
+    assert reach.area.left() > reach.fontMetrics().horizontalAdvance("800")
     idle.control.form.set_texts({"x_start_mm": "0", "x_stop_mm": "650"})
     for y_stop in ("150", "800", "wrong"):
         idle.control.form.set_text("y_stop_mm", y_stop)
         idle.control.show_plan()
-        pictures.append(area.grab().toImage())
-    shades = [
-        [picture.pixelColor(area.width() // 2, y).name() for y in range(80, area.height())]
-        for picture in pictures
-    ]
-    dark = idle.look.colour(Mark.STOP_DONE)
-    counts = [one.count(dark) for one in shades]
-    assert counts[1] > 5 * counts[0] > 0 == counts[2]
-    # The lowest pixel of both is that of Y 50 mm.
-    assert len({len(one) - one[::-1].index(dark) for one in shades[:2]}) == 1
+        picture, x = reach.grab().toImage(), round(reach.to_screen(300.0, 0.0).x())
+        inked = [y for y in range(reach.height()) if picture.pixelColor(x, y).name() == dark]
+        if y_stop == "wrong":
+            assert not inked
+            continue
+        ends = [reach.to_screen(0.0, float(one)).y() for one in (y_stop, "50")]
+        assert [inked[0], inked[-1]] == pytest.approx(ends, abs=2.0)
 
 
 def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idle):

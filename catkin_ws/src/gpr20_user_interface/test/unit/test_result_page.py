@@ -1,6 +1,7 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
 import pytest
+from candidate_examples import candidate
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
@@ -13,7 +14,7 @@ from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.candidates import NO_CLEARANCE
+from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 from gpr20_survey.results.found import What
 from gpr20_survey.results.hidden_target import Targets
 from gpr20_user_interface.look.translation import shown_text
@@ -122,6 +123,21 @@ def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(don
     assert numbers(view) == ["7", "8", "9", "10", "11"]
     click(view.more)
     assert numbers(view) == ["1"]
+
+
+def test_a_sure_place_a_doubted_one_and_a_weaker_echo_differ_in_card_and_words(ended, node):
+    flags = (), (Flag.ONE_POLARIZATION,), (Flag.SURFACE_RESIDUE, Flag.EDGE), (Flag.CLUTTER,)
+    places = [candidate(number, 125.0, 90.0, flags=one) for number, one in enumerate(flags, 1)]
+    search(ended.result, node, places)
+    found = []
+    for _ in range(2):
+        rows = shown_rows(refreshed(ended))
+        found += [(row.lines[0].text().split("; ")[1], row.property("level")) for row in rows]
+        click(ended.more)
+    assert found == [
+        *(("sure echo", "sure"), ("measure finer", ""), ("see the surface", "")),
+        ("weaker echo", "locked"),
+    ]
 
 
 def test_nothing_found_says_what_that_does_not_mean(ended, node):
@@ -246,8 +262,10 @@ def test_where_a_mine_could_hide_is_hatched(done, node):
 
 def test_the_report_takes_two_touches_and_says_when_the_stick_can_go_and_why_it_fails(done, node):
     sheet = done.stick_sheet
+    assert done.stick.text() == "Report: plug\na stick in"
     click(done.stick)
     plug_in(node, BLUE, RED)
+    assert refreshed(done).stick.text() == "Report\nto stick"
     refreshed(done)
     assert node.of("export") == []
     click(sheet.sticks[0])

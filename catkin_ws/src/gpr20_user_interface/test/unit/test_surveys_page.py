@@ -20,7 +20,7 @@ from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.look import Look, Theme
+from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys import map_picture
 from gpr20_user_interface.window.rail import TabName
@@ -108,16 +108,19 @@ def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
     assert node.of("focus") == [(FOLDER, 0.0, True)]
     node.ticket("focus").done(focused(PLACES, SURVEY))
     assert listed.details.text().startswith("1 place to check; 1 weaker echo")
+    assert listed.result.text() == "Result"
     listed.choose(many(1)[0])
     node.ticket("focus").fail(verbatim("this survey was not searched yet"))
     assert listed.details.text().startswith("This survey was not searched yet")
+    assert listed.result.text() == "Search\nand show"
 
 
 def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
     picture = map_picture(PART, 56, Look()).toImage()
     empty = dataclasses.replace(PART, map_percent=bytes(4))
     assert map_picture(empty, 56, Look()).toImage() != picture
-    assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
+    done = Look().colour(Mark.STOP_DONE)
+    assert picture.pixelColor(14, 38).name() == done != picture.pixelColor(14, 18).name()
     assert map_picture(PART, 56, Look(Theme.NIGHT)).toImage() != picture
 
 
