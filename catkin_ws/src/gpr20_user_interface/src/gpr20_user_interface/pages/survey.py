@@ -25,8 +25,6 @@ from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import LinesLabel
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row
 
-UNKNOWN = "—"
-
 
 class JobPage(QWidget, Page):
     """Percentage, time that is left, line, name and area; the map fills the rest."""
@@ -58,7 +56,7 @@ class JobPage(QWidget, Page):
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         percent = percent_of(snapshot)
-        self.percent.setText(UNKNOWN if percent is None else f"{percent} %")
+        self.percent.setText("—" if percent is None else f"{percent} %")
         progress, stored = snapshot.progress, None
         if percent is not None and progress is not None:
             done, planned = progress.visited_points, progress.total_points
