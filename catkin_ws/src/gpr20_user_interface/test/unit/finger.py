@@ -6,7 +6,7 @@ from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 
 from gpr20_user_interface.touch.guard import QUIET_S
-from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.touch.hold import HoldButton
 
 STEP_S = 0.05
 # Touches count again after something has opened or closed.

@@ -20,7 +20,7 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, hold, open_field, show
+from window_helpers import click, hold, is_cut, open_field, show
 
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
@@ -143,7 +143,7 @@ def wrong(spec):
         window.control.form.set_text(spec.name, "-7 x5")
         window.control.show_plan()
         for tile in (window.control.tiles[spec.tile], window.control.start):
-            assert tile.sentence.isVisible() and not tile.sentence.is_cut, tile.sentence.whole
+            assert tile.sentence.isVisible() and not is_cut(tile.sentence), tile.sentence.text()
 
     return plan(act)
 
@@ -154,7 +154,7 @@ def written(spec):
     def act(window):
         open_field(window, spec.name)
         fields = [field for field in window.values.fields if field.isVisible()]
-        assert not any(line.is_cut for field in fields for line in field.lines)
+        assert not any(is_cut(line) for field in fields for line in field.lines)
         window.values.write("7 x")
 
     return plan(act)
@@ -278,7 +278,9 @@ STOPS = {
     **{code.name.lower(): running(code) for code in SurveyState},
     **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
-    "question": lambda window: window.question.ask(analyzer_notice(WITH_DETAILS, IDENTITY), list),
+    "question": lambda window: window.question.show_notice(
+        analyzer_notice(WITH_DETAILS, IDENTITY), list
+    ),
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,
@@ -324,7 +326,7 @@ def results(window):
     yield shown("last places")
     find(MANY[24:27])
     yield shown("doubtful places")
-    assert not [row.title.whole for row in page.rows[:3] if row.title.is_cut]
+    assert not [row.title.text() for row in page.rows[:3] if is_cut(row.title)]
 
     find()
     page.rows[4].click()

@@ -7,7 +7,7 @@ import json
 import pytest
 from annotation_examples import EXAMPLE
 from view_kit import FOLDER, SURVEY, configured, snapshot, state_of
-from window_helpers import click, hold, show, start
+from window_helpers import click, hold, press_keys, show, start
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
@@ -57,7 +57,7 @@ def asked(node):
 def write(sheet, name, text):
     click(sheet.tiles[name])
     assert sheet.pad.isVisible()
-    sheet.pad.press(text)
+    press_keys(sheet.pad, text)
     click(sheet.pad.accept_button)
     assert not sheet.pad.isVisible()
 

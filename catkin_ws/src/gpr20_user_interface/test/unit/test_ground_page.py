@@ -12,7 +12,7 @@ from map_kit import DOUBTED, MARKER, SURE, focused, marked
 from PyQt5.QtTest import QTest
 from test_ground_model import cover, image_of
 from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
-from window_helpers import click, hold, show
+from window_helpers import click, hold, press_keys, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
@@ -184,7 +184,8 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
     show(filled, snapshot(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY)))
     filled.show_tab(TabName.GROUND)
     click(view.next)
-    assert not view.finer.isEnabled()  # while a survey runs none can be planned
+    # While a survey runs none can be planned; the button says so.
+    assert not view.finer.isEnabled() and view.finer.text() == "Finer: after\nthe survey"
     show(filled, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
     view.refresh()
     click(view.finer)
@@ -201,7 +202,7 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
     node, confirm = filled.node, filled.ground.confirm
     click(view.next)
     click(view.set_marker)
-    filled.ground.note_pad.press("metal")
+    press_keys(filled.ground.note_pad, "metal")
     click(filled.ground.note_pad.accept_button)
     ((survey, kind, values),) = node.of("fact")
     assert (survey, kind, values["text"].lower()) == (SURVEY, Kind.MARKER, "metal")
@@ -232,7 +233,7 @@ def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
     window.show_tab(TabName.SURVEYS)
     window.on_event(SurveysListed("", (imported,), False))
     window.past.choose(imported)
-    assert not window.past.resume.isEnabled()
+    assert not window.past.resume.isVisible()
     click(window.past.open)
     text = (folder / "survey.json").read_text("ascii")
     window.on_event(SurveyRead(folder.name, text, tuple(range(count))))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from candidate_examples import candidate
 from case_kit import each_case
 from finger import colours, drag, pixel_of, touch
 from hiding_kit import a_map
@@ -24,6 +25,7 @@ from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.ground.sources import Axis, Picture
 from gpr20_operator.ground.texts import GroundMark
+from gpr20_survey.results.candidates import Flag
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
 
@@ -156,6 +158,12 @@ def test_marks_and_frames_are_seen_over_the_states(picture, grid):
         picture.set_marks([GroundMark(150.0, 80.0, "", measured=measured)])
         found = colours(picture, 150.0, 80.0, reach=16)
         assert colour(own) in found and (colour(Mark.CANDIDATE) in found) == measured
+    # A candidate that nothing makes doubtful is filled.
+    for flags in ((), (Flag.EDGE,)):
+        picture.set_marks([GroundMark(150.0, 80.0, "1", about=candidate(flags=flags))])
+        at = pixel_of(picture, 150.0, 80.0)
+        beside = picture.to_data(QPointF(at.x() - 9, at.y()))
+        assert colours(picture, *beside) == {colour(Mark.PAPER if flags else Mark.CANDIDATE)}
     picture.set_marks([GroundMark(MARKER.x_mm, MARKER.y_mm, "", is_flag=True)])
     at = pixel_of(picture, MARKER.x_mm, MARKER.y_mm)
     flag = picture.to_data(QPointF(at.x() + 4, at.y() - 20))
@@ -193,6 +201,18 @@ def test_a_finger_moves_what_was_zoomed_and_never_beyond_its_edge(picture):
     left, low = picture.to_data(QPointF(0.0, 330.0))
     assert (left, low) >= (picture.extent.left() - 0.01, picture.extent.top() - 0.01)
     assert not picture.touched
+
+
+def test_the_crosshair_ends_with_what_can_be_measured(picture, grid):
+    picture.set_crosshair(150.0, 90.0)
+    line = colour(Mark.SELECTED)
+    (left, right), low = np.sort(grid.xs_mm)[[0, -1]], float(np.min(grid.ys_mm))
+    mm_per_px = picture.extent.width() / picture.area.width()
+    half_mm = grid.spacing_mm[0] / 2.0
+    for outside_mm, seen in ((-5.0 * mm_per_px, True), (5.0 * mm_per_px, False)):
+        for x_mm in (left - half_mm - outside_mm, right + half_mm + outside_mm):
+            assert (line in colours(picture, x_mm, 90.0, reach=2)) is seen, x_mm
+    assert line in colours(picture, 150.0, low, reach=2)
 
 
 @each_case("size", [(110, 110), (400, 90)])

@@ -32,18 +32,18 @@ from PyQt5.QtWidgets import (
 )
 from translation_kit import english_words
 from view_kit import snapshot
-from window_helpers import click, close, open_field, opened_window, show
+from window_helpers import close, opened_window, show
 
 from gpr20_common.catalogue import Language, languages
-from gpr20_operator.plan.fields import PLAN, default_parameters, texts_of
+from gpr20_operator.plan.fields import default_parameters, texts_of
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.cards import NoticeView
+from gpr20_user_interface.pages.alerts import NoticeView
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.plot import Plot
+from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
 from gpr20_user_interface.window.rail import TabName
 
 PICTURES = os.environ.get("GPR20_PICTURES")
@@ -164,6 +164,8 @@ def misfits(window, widget):
 def label_misfits(window, label):
     if label.text() and label.fontInfo().pixelSize() < window.look.px(SMALLEST_TEXT_PX) - 1:
         yield "is written too small"
+    if label.text() and label.height() < label.fontMetrics().height() - ROUNDING_PX:
+        yield "is cut off at its top"
     if isinstance(label, CUT) or not label.text():
         return
     if not label.wordWrap():
@@ -239,9 +241,7 @@ def texts_on(window):
     """Return what is seen, but for the details, which are technical, and the sticks."""
     for one in window.findChildren(QWidget):
         if one.isVisible() and one.objectName() not in ("details", "choice"):
-            names = (
-                ("whole",) if isinstance(one, CUT) else ("text", "toPlainText", "placeholderText")
-            )
+            names = ("text", "toPlainText", "placeholderText")
             found = [getattr(one, name, "") for name in names]
             said = [text() if callable(text) else text for text in found]
             yield from (text for text in said if isinstance(text, str))
@@ -309,19 +309,3 @@ def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
         for _page in every_page(window, tab):
             settle()
             assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)
-
-
-def test_a_number_is_whole_or_shows_its_beginning(window):
-    """600.1234 must not read as 500.1234 or 00.1234."""
-    show(window, busiest(SurveyState.IDLE))
-    for spec in (one for one in PLAN if one.tile is not None):
-        for text in ("-9876.123456789", "1" * 40):
-            field = open_field(window, spec.name)
-            window.values.write(text)
-            settle()
-            (line,) = field.lines
-            shown = line.text()
-            assert shown == f"{text}|" or (shown.endswith("…") and text.startswith(shown[:-1]))
-            # Fourteen characters are always seen.
-            assert not line.is_cut or len(shown) > 14
-            click(window.values.done)

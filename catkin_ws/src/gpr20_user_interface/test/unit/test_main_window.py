@@ -4,7 +4,6 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from case_kit import each_case
 from finger import Finger, place_of
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
@@ -26,11 +25,9 @@ from window_helpers import click, hold, hold_to_start, show, until, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveyDescribed
-from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
-from gpr20_operator.robot.snapshot import JobScreen, area_of, line_of, percent_of, survey_name
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.overlay import Overlay
@@ -62,7 +59,7 @@ def test_state_and_progress_are_seen_once_on_every_tab(window, band):
     for tab in TabName:
         window.show_tab(tab)
         show(window, surveying)
-        shown = (band.title.whole, band.message.whole)
+        shown = (band.title.text(), band.message.text())
         figures = (window.job.percent.text(), window.job.left.text())
         if tab is TabName.SURVEY:
             assert (*shown, *figures) == ("SURVEYING", "As it is", "99 %", "2 min left")
@@ -87,24 +84,20 @@ def test_the_band_says_ready_where_start_would_start(window, band):
             window.control.form.set_text("x_spacing_mm", text)
             window.control.show_plan()
             show(window, snapshot(code))
-            assert band.title.whole == title, (tab, code, text)
+            assert band.title.text() == title, (tab, code, text)
             assert band.level is (JobLevel.DONE if title == "FINISHED" else JobLevel.REST)
 
 
 def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_free(window):
     notice = window.notice
     show(window, snapshot(SurveyState.SURVEYING))
-    for refused in (Refused.START, Refused.RESUME):
-        notice.show_notice(refusal_notice(refused, verbatim("<b>the reason</b>")))
-        assert notice.isVisible()
-        assert notice.reason.toPlainText() == "<b>the reason</b>"
-        assert notice.first.isVisible() and notice.first.text()
-        assert not notice.details_button.isVisible()
-        assert not notice.geometry().intersects(window.top_bar.geometry())
-        click(window.top_bar.stop)
-        click(notice.close_button)
-        assert not notice.isVisible()
-    assert wishes(window) == ["stop", "stop"]
+    notice.show_notice(refusal_notice(Refused.RESUME, verbatim("<b>the reason</b>")))
+    assert notice.isVisible() and notice.reason.toPlainText() == "<b>the reason</b>"
+    assert notice.first.isVisible() and notice.first.text()
+    assert not notice.details_button.isVisible()
+    click(window.top_bar.stop)
+    click(notice.close_button)
+    assert not notice.isVisible() and wishes(window) == ["stop"]
     notice.show_notice(refusal_notice(Refused.START, FULL))
     click(notice.details_button)
     assert notice.details.isVisible() and notice.details.toPlainText().splitlines() == DETAILS
@@ -118,11 +111,19 @@ def test_the_job_is_shown_in_large_type_from_the_begin_of_a_survey_to_its_end(wi
         show(window, job(code, progress=progress, target=target))
         running = code is SurveyState.SURVEYING
         assert (window.survey_tab.currentWidget() is page) is running
-    assert (page.left.text(), page.percent.text()) == ("18 min left", "42 %")
-    assert (page.line.text(), page.area.whole) == ("Line 1 of 4", "Field 4, 100 x 60 mm")
+    figures = [one.text() for one in (page.percent, page.stored, page.left, page.line, page.area)]
+    stored = "103 of 242 traces stored"
+    assert figures == ["42 %", stored, "18 min left", "Line 1 of 4", "Field 4, 100 x 60 mm"]
     assert page.percent.fontMetrics().height() >= 2.5 * page.area.fontMetrics().height()
     # The map has the rest.
     assert page.map.width() > 0.55 * page.width() and page.map.height() > 0.9 * page.height()
+    # A survey from the other end; and the figures of another survey are not those of this one.
+    plan = make_grid().plan[0]
+    reverse = replace(plan, y_start_mm=plan.y_stop_mm, y_stop_mm=plan.y_start_mm)
+    show(window, job(code, progress=progress, target=target, job_parameters=reverse))
+    assert page.line.text() == "Line 4 of 4"
+    show(window, job(code, progress=replace(progress, survey_id="other")))
+    assert page.percent.text() == "—" and not page.stored.isVisible()
 
 
 def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
@@ -132,12 +133,12 @@ def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
         begun = state_of(SurveyState.CHECKING, survey_id=survey)
         show(window, job(SurveyState.CHECKING, state=begun))
         window.draw()
-        assert "Field 4" not in window.job.area.whole and drawn.pop() is None
+        assert "Field 4" not in window.job.area.text() and drawn.pop() is None
         text = description(survey_id=survey, annotation={"name": "Field 4"})
         window.on_event(SurveyDescribed(text))
         show(window, job(SurveyState.SURVEYING, state=begun))
         window.draw()
-        assert drawn.pop().survey_id == survey and "Field 4" in window.job.area.whole
+        assert drawn.pop().survey_id == survey and "Field 4" in window.job.area.text()
 
 
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window, band):
@@ -234,10 +235,13 @@ def test_motion_is_seen_and_stop_acts_on_every_tab_over_every_dialog_and_in_ever
     states = itertools.cycle(itertools.product((None, *SurveyState), KNOWN))
     band = field.top_bar.band
     for tab, overlay in places_in(field):
-        field.settings.cover.dimmed = True
+        field.touch_binding.cover.dimmed = True
         show(field, snapshot(SurveyState.FINISHED, axes=X_MOVES))
-        assert (band.title.whole, band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (tab, overlay)
-        assert not field.settings.cover.isVisible() and is_free(field, band), (tab, overlay)
+        assert (band.title.text(), band.level) == ("ROBOT MOVES", JobLevel.ATTENTION), (
+            tab,
+            overlay,
+        )
+        assert not field.touch_binding.cover.isVisible() and is_free(field, band), (tab, overlay)
         code, known = next(states)
         show(field, snapshot(code, **known))
         for locked in (False, True):
@@ -271,51 +275,3 @@ def is_free(window, widget):
     """Return whether a finger on a part of the window meets nothing else."""
     found = window.childAt(place_of(window, widget).center())
     return found is widget or widget.isAncestorOf(found)
-
-
-HALF = Progress("id", 59.99, 18, 9, 1080.0)
-
-
-def shown(code=None, **other):
-    return snapshot(code, **{"progress": HALF, **other})
-
-
-def test_a_percentage_is_rounded_down_and_only_of_this_survey():
-    assert percent_of(shown(SurveyState.SURVEYING)) == 59
-    other = state_of(SurveyState.SURVEYING, survey_id="other")
-    for without in (shown(state=other), shown(SurveyState.CONFIGURED)):
-        assert percent_of(without) is None
-
-
-@each_case("low,high", [(50.0, 130.0), (130.0, 50.0)])
-def test_the_line_is_that_of_the_target(low, high):
-    plan = replace(default_parameters(), y_start_mm=low, y_stop_mm=high, y_points=5)
-    for number in range(5):
-        target = TargetPosition(1.0, low + (high - low) * number / 4, 0.0)
-        now = shown(SurveyState.SURVEYING, target=target, job_parameters=plan)
-        assert str(line_of(now)) == f"line {number + 1} of 5"
-    assert "80 mm" in str(area_of(plan))
-    assert line_of(shown(SurveyState.PAUSED, job_parameters=plan)) is None
-
-
-def test_the_job_stays_until_the_next_survey_is_planned():
-    screen = JobScreen()
-    ended, running = shown(SurveyState.FINISHED), shown(SurveyState.SURVEYING)
-    stopped = shown(SurveyState.STOPPED)
-    for now, left, visible in (
-        *((shown(SurveyState.IDLE), False, False), (running, True, True)),
-        *((stopped, False, True), (ended, True, False), (ended, False, False)),
-        # The same survey, resumed.
-        *((running, False, True), (ended, False, True)),
-    ):
-        screen.note(now)
-        if left:
-            screen.leave(now)
-        assert screen.visible is visible
-
-
-def test_a_name_is_read_from_a_description_whatever_it_holds():
-    named = '{"survey_id": "7", "annotation": {"name": "A", "site": "B"}}'
-    assert survey_name(named) == ("7", "A")
-    for text in ("", "[]", '{"annotation": null}', '{"annotation": {}}'):
-        assert survey_name(text) == ("", "")

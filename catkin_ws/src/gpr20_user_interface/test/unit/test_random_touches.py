@@ -196,7 +196,7 @@ class Field:
         # In the language that a touch may have chosen.
         if alive:
             named = {shown_text(one) for one in (code.label, READY)}
-            assert bar.band.title.whole.startswith(tuple(named))
+            assert bar.band.title.text().startswith(tuple(named))
         assert bar.stop.isVisible() and bar.stop.isEnabled()
         can_pause = alive and code in (SurveyState.SURVEYING, SurveyState.PAUSED)
         assert bar.pause.isEnabled() is can_pause and bar.pause.isVisible() is code.running

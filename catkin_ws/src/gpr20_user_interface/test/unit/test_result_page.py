@@ -1,10 +1,11 @@
 """The result in the window: it is there when a survey has ended; what each touch does."""
 
 import pytest
+from candidate_examples import candidate
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, show
+from window_helpers import click, hold, is_cut, press_keys, show
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.ground.traces import SurveysListed
@@ -13,7 +14,7 @@ from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.results.candidates import NO_CLEARANCE
+from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 from gpr20_survey.results.found import What
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
@@ -80,11 +81,11 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
     window.past.result_requested.emit(SURVEY)
     show(window, snapshot(state=state_of(SurveyState.FINISHED, survey_id=PAST)))
     named = f"SIMULATED; PAST SURVEY: {local_time(past_survey().started)}"
-    assert page.band.isVisible() and page.band.whole.startswith(named)
+    assert page.band.isVisible() and page.band.text().startswith(named)
     page.place_sheet.ask(page.result.shown[0])
     page.stick_sheet.open_now()
     for sheet in (page.place_sheet, page.stick_sheet):
-        assert sheet.band.isVisible() and sheet.band.whole == page.band.whole
+        assert sheet.band.isVisible() and sheet.band.text() == page.band.text()
         sheet.hide()
     listed = past_survey(stored_traces=40, complete=True, outcome="finished")
     window.show_tab(TabName.SURVEYS)
@@ -102,7 +103,7 @@ def shown_rows(page):
 
 
 def numbers(page):
-    return [row.title.whole.split(":")[0] for row in shown_rows(page)]
+    return [row.title.text().split(":")[0] for row in shown_rows(page)]
 
 
 def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(done):
@@ -112,16 +113,31 @@ def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(don
     assert view.more.text() == "10\nmore"
     assert [one.text for one in view.picture.marks] == ["1"]
     (row,) = shown_rows(view)
-    assert row.lines[0].whole == "85 ±6 mm deep; edge"
+    assert row.lines[0].text() == "85 ±6 mm deep; measure beyond"
     click(view.more)
     assert numbers(view) == ["2", "3", "4", "5", "6"]
     assert all(one.doubtful for one in view.picture.marks)
     labels = [label for row in shown_rows(view) for label in (row.title, row.lines[0])]
-    assert not [label.whole for label in labels if label.is_cut]
+    assert not [label.text() for label in labels if is_cut(label)]
     click(view.more)
     assert numbers(view) == ["7", "8", "9", "10", "11"]
     click(view.more)
     assert numbers(view) == ["1"]
+
+
+def test_a_sure_place_a_doubted_one_and_a_weaker_echo_differ_in_card_and_words(ended, node):
+    flags = (), (Flag.ONE_POLARIZATION,), (Flag.SURFACE_RESIDUE, Flag.EDGE), (Flag.CLUTTER,)
+    places = [candidate(number, 125.0, 90.0, flags=one) for number, one in enumerate(flags, 1)]
+    search(ended.result, node, places)
+    found = []
+    for _ in range(2):
+        rows = shown_rows(refreshed(ended))
+        found += [(row.lines[0].text().split("; ")[1], row.property("level")) for row in rows]
+        click(ended.more)
+    assert found == [
+        *(("sure echo", "sure"), ("measure finer", ""), ("see the surface", "")),
+        ("weaker echo", "locked"),
+    ]
 
 
 def test_nothing_found_says_what_that_does_not_mean(ended, node):
@@ -180,10 +196,10 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     assert not done.place_sheet.store.isEnabled()
     click(done.place_sheet.whats[What.SCRAP])
     click(done.place_sheet.who)
-    done.place_sheet.pad.press("Ana")
+    press_keys(done.place_sheet.pad, "Ana")
     click(done.place_sheet.pad.accept_button)
     click(done.place_sheet.deep)
-    done.place_sheet.pad.press("35")
+    press_keys(done.place_sheet.pad, "35")
     click(done.place_sheet.pad.accept_button)
     click(done.place_sheet.store)
     assert node.of("fact") == []
@@ -196,7 +212,7 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     node.ticket("fact").done(None)
     node.ticket("read").done(stored(log=[noted("found", values)]))
     refreshed(done)
-    assert "35" in done.rows[0].lines[0].whole
+    assert "35" in done.rows[0].lines[0].text()
     assert done.result.noting.state is JobState.DONE
 
 
@@ -246,8 +262,10 @@ def test_where_a_mine_could_hide_is_hatched(done, node):
 
 def test_the_report_takes_two_touches_and_says_when_the_stick_can_go_and_why_it_fails(done, node):
     sheet = done.stick_sheet
+    assert done.stick.text() == "Report: plug\na stick in"
     click(done.stick)
     plug_in(node, BLUE, RED)
+    assert refreshed(done).stick.text() == "Report\nto stick"
     refreshed(done)
     assert node.of("export") == []
     click(sheet.sticks[0])

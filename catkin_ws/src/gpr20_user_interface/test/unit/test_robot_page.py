@@ -28,7 +28,7 @@ from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import AnalyzerTest, Part
 from gpr20_user_interface.look.look import TOUCH_PX
-from gpr20_user_interface.pages.robot.page import LEVEL_LOOKS
+from gpr20_user_interface.pages.robot import LEVEL_LOOKS
 from gpr20_user_interface.window.rail import TabName
 
 AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
@@ -127,35 +127,32 @@ def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):
     service.robot.overview.entered.emit()
     click(service.robot.service.switch_button)
     daily = service.robot.service.daily
-    answer = service.robot.service.answers[daily]
+    answer, tools = service.robot.service.answers[daily], service.tools
     click(daily)
-    assert service.tools.asked == []
-    for number, instruction in ((1, "sky"), (2, "plate"), (2, "plate"), (3, "reflector")):
+    assert tools.asked == []
+    failed = verbatim("no connection to the VNA")
+    forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)
+    for number, instruction, end, shown in (
+        (1, "sky", lambda: tools.done(Service.DAILY, verbatim("Swept twice.")), "plate"),
+        (2, "plate", lambda: tools.fail(Service.DAILY, failed), "no connection"),
+        (2, "plate", lambda: tools.done(Service.DAILY, verbatim("Swept twice.")), "reflector"),
+        (3, "reflector", lambda: tools.done(Service.DAILY, verbatim("Good.")), "Good."),
+        # One that the robot has given up begins again.
+        (1, "sky", lambda: tools.fail(Service.DAILY, forgotten), str(CHECK_ORDER.remedy)),
+    ):
+        if daily.text().split() == ["DAILY", "CHECK"]:
+            click(daily)
         assert daily.text().split() == ["MEASURE", f"{number}/3"]
         assert instruction in answer.toPlainText()
         click(daily)
         # At once: a second touch sends nothing.
         assert not daily.isEnabled() and answer.toPlainText() == "Measuring"
-        if len(service.tools.asked) == 2:
-            service.tools.fail(Service.DAILY, verbatim("no connection to the VNA"))
-            service.refresh()
-            assert "no connection" in answer.toPlainText()
-        elif number < 3:
-            service.tools.done(Service.DAILY, verbatim("Swept twice."))
-            service.refresh()
-    service.tools.done(Service.DAILY, verbatim("Good: every figure agrees."))
-    service.refresh()
-    assert answer.toPlainText() == "Good: every figure agrees."
-    parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR]
-    assert service.tools.asked == [("daily check", one) for one in parts]
-    # One that the robot has given up begins again.
-    click(daily)
-    click(daily)
-    forgotten = Message("a step before this one is missing").with_fault(CHECK_ORDER)
-    service.tools.fail(Service.DAILY, forgotten)
-    service.refresh()
+        end()
+        service.refresh()
+        assert shown in answer.toPlainText()
     assert daily.text().split() == ["DAILY", "CHECK"]
-    assert str(CHECK_ORDER.remedy) in answer.toPlainText()
+    parts = [Part.EMPTY, Part.PLATE, Part.PLATE, Part.REFLECTOR, Part.EMPTY]
+    assert tools.asked == [("daily check", one) for one in parts]
 
 
 def test_a_touch_checks_everything_and_the_findings_are_listed(service):
@@ -203,7 +200,7 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
     for _ in range(2):  # its colour has its size with the next refresh
         show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    tiles = [service.robot.overview.tile(node.name) for node in nodes]
+    tiles = service.robot.overview.tiles
     assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
     for tile in tiles:
         assert tile.isVisible() and tile.height() >= TOUCH_PX
@@ -214,5 +211,5 @@ def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     # Other sensors have tiles below the nodes.
     soil = NodeHealth("sensors/soil", HealthLevel.OK, verbatim("0.25 m3/m3"), {})
     show(service, snapshot(SurveyState.IDLE, health=HealthReport((*nodes, soil))))
-    assert "soil" in service.robot.overview.tile("sensors/soil").text()
+    assert "soil" in service.robot.overview.tiles[len(nodes)].sentence.text()
     assert service.minimumSizeHint().height() <= 480

@@ -3,6 +3,7 @@
 import pytest
 from PyQt5.QtCore import QPoint, QRect, Qt
 from PyQt5.QtGui import QGuiApplication
+from PyQt5.QtWidgets import QApplication
 from view_kit import snapshot
 from window_helpers import show, wishes
 
@@ -30,6 +31,15 @@ def test_a_window_is_not_larger_than_the_screen(window):
     window.resize(10_000, 10_000)
     window.show_on_screen(full_screen=False)
     assert window.size() == free
+
+
+def test_an_open_sheet_follows_the_window_and_leaves_the_top_bar_free(window):
+    window.settings.open()
+    for width, height in ((1280, 800), (640, 384), (800, 480)):
+        window.resize(width, height)
+        QApplication.processEvents()
+        bar, sheet = window.top_bar.geometry(), window.settings.geometry()
+        assert sheet == QRect(0, bar.bottom() + 1, width, height - bar.height())
 
 
 AFTER_S = 120.0
@@ -68,13 +78,13 @@ def window(opened):
 def dim(window, clock, shown=None):
     clock.advance(AFTER_S)
     show(window, shown or snapshot(SurveyState.SURVEYING))
-    return window.settings.cover.isVisible()
+    return window.touch_binding.cover.isVisible()
 
 
 def test_the_first_touch_only_wakes_and_the_next_one_acts(window, finger, clock):
     assert dim(window, clock)
     finger.tap(window.rail.settings)
-    assert not window.settings.cover.isVisible()
+    assert not window.touch_binding.cover.isVisible()
     assert not window.settings.isVisible()
     finger.tap(window.rail.settings)
     assert window.settings.isVisible()
@@ -99,7 +109,7 @@ def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(window, clock):
         assert not dim(window, clock, shown)
         assert dim(window, clock)
         show(window, shown)
-        assert not window.settings.cover.isVisible()
+        assert not window.touch_binding.cover.isVisible()
         window.notice.hide()
     window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
     assert not dim(window, clock)

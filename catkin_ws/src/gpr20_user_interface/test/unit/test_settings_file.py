@@ -76,7 +76,7 @@ def test_each_choice_takes_effect_at_once_and_at_the_next_start(opened, tmp_path
     QTest.qWait(1)  # the change of language is an event
     assert sheet.title.text() == "Ajustes" and window.look.theme is Theme.NIGHT
     assert window.top_bar.stop.text() == "DETENER"
-    assert window.control.tiles[Tile.SOIL].title.whole == "Suelo"
+    assert window.control.tiles[Tile.SOIL].title.text() == "Suelo"
     asking.ask_resume()
     assert asking.title.text() not in ("", asked)
     asking.hide()

@@ -14,29 +14,22 @@ from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
 from window_helpers import click, show
 
-from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.past_surveys import PastSurveys, searchable
+from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.look import Look, Theme
+from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.surveys.survey_list import map_picture
+from gpr20_user_interface.pages.surveys import map_picture
 from gpr20_user_interface.window.rail import TabName
-
-SPANISH = read_catalogue(Language.SPANISH)
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
     for code in (SurveyState.SURVEYING, SurveyState.FINISHED)
 )
-WORDS = st.sampled_from(
-    ["importada", "Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""]
-)
-TEXTS = st.lists(WORDS, max_size=3).map(" ".join)
 
 
 SIZES = {"width_mm": 300.0, "height_mm": 200.0, "map_columns": 2, "map_rows": 2}
@@ -71,12 +64,12 @@ def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, l
         survey = past_survey(**changes)
         window.on_event(SurveysListed("", (survey,), False))
         listed.choose(survey)
-        found.append((listed.resume.isEnabled(), listed.open.isEnabled()))
+        found.append((listed.resume.isVisible(), listed.open.isVisible()))
     assert found == [(True, True), (False, True), (False, False)]
 
 
 def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, listed, storage):
-    assert listed.resume.isEnabled()
+    assert listed.resume.isVisible()
     for act, count in (
         (lambda: show(window, RUNS), 1),
         (lambda: window.on_event(SurveyDescribed(description())), 2),
@@ -85,7 +78,7 @@ def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, 
     ):
         act()
         assert sum(one[0] == "list" for one in storage.asked) == count
-        assert listed.resume.isEnabled() is (count == 3)
+        assert listed.resume.isVisible() is (count == 3)
         words = "33 of 40 traces missing" if count == 3 else "Running"
         assert words in listed.details.text()
 
@@ -116,9 +109,11 @@ def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
     assert node.of("focus") == [(FOLDER, 0.0, True)]
     node.ticket("focus").done(focused(PLACES, SURVEY))
     assert listed.details.text().startswith("1 place to check; 1 weaker echo")
+    assert listed.result.text() == "Result"
     listed.choose(many(1)[0])
     node.ticket("focus").fail(verbatim("this survey was not searched yet"))
     assert listed.details.text().startswith("This survey was not searched yet")
+    assert listed.result.text() == "Search\nand show"
 
 
 def test_what_is_wrong_with_an_incomplete_survey_is_said():
@@ -158,7 +153,8 @@ def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
     picture = map_picture(PART, 56, Look()).toImage()
     empty = dataclasses.replace(PART, map_percent=bytes(4))
     assert map_picture(empty, 56, Look()).toImage() != picture
-    assert picture.pixelColor(14, 38) != picture.pixelColor(14, 18)
+    done = Look().colour(Mark.STOP_DONE)
+    assert picture.pixelColor(14, 38).name() == done != picture.pixelColor(14, 18).name()
     assert map_picture(PART, 56, Look(Theme.NIGHT)).toImage() != picture
 
 
@@ -189,36 +185,6 @@ def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storag
     assert listed.empty.isVisible() and listed.empty.sentence.text()
     click(listed.empty.button)
     assert listed.list.isVisible() and listed.model.rowCount() == 150
-
-
-SURVEYS = st.builds(
-    dataclasses.replace,
-    st.just(past_survey()),
-    name=TEXTS,
-    site=TEXTS,
-    operator=TEXTS,
-    complete=st.booleans(),
-    outcome=st.sampled_from(["", "stopped", "finished", "imported"]),
-    problem=st.sampled_from([None, None, verbatim("damaged")]),
-)
-
-
-@given(st.lists(SURVEYS, max_size=12), TEXTS, st.integers(0, 12))
-def test_a_search_is_a_plain_filter_of_all_pages_by_names_time_and_ending(surveys, text, split):
-    numbered = tuple(
-        dataclasses.replace(one, folder=f"20261121T{99 - number:06d}_7c9e6679")
-        for number, one in enumerate(surveys)
-    )
-    past = PastSurveys()
-    past.take("", numbered[:split], True)
-    past.take(past.next_before, numbered[split:], False)
-
-    def wanted(survey):
-        shown = map(SPANISH.text, (local_time(survey.started), past.ending(survey)))
-        written = searchable(" ".join((survey.name, survey.site, survey.operator, *shown)))
-        return all(searchable(word) in written for word in text.split())
-
-    assert past.found(text, SPANISH.text) == tuple(filter(wanted, numbered))
 
 
 def pull(window, finger, start, moves):

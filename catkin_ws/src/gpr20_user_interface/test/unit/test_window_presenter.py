@@ -1,21 +1,16 @@
 """What the window asks its robot for, and which robot that is."""
 
-from dataclasses import replace
-
 import pytest
-from view_kit import configured, snapshot, state_of
-from window_helpers import click, enter, hold_to_start, show, start
+from view_kit import snapshot, state_of
+from window_helpers import click, hold_to_start, show, start
 
 from gpr20_common.message import verbatim
-from gpr20_operator.plan.form import CostEstimated
 from gpr20_operator.robot.events import (
     Answer,
     Request,
-    RobotDescribed,
 )
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -30,14 +25,9 @@ class Asked:
 
 
 @pytest.fixture
-def estimator():
-    return Asked()
-
-
-@pytest.fixture
-def parts(opened, clock, estimator):
+def parts(opened, clock):
     control = Asked()
-    window = opened(survey=WindowPresenter(SurveyModel(clock), control, estimator))
+    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked()))
     window.begin()
     yield window, control
     window.end()
@@ -125,29 +115,10 @@ def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts):
     assert window.notice.isVisible() and not window.question.isVisible()
 
 
-def test_figures_of_the_robot_complete_the_preview(parts, estimator):
-    window, _ = parts
-    assert estimator.asked == []
-    window.on_event(RobotDescribed(configured("")))
-    window.refresh()
-    asked = window.control.parameters
-    assert estimator.asked[-1] == ("ask", asked, configured(""))
-    # What was overtaken by another question is not shown.
-    window.on_event(CostEstimated(replace(asked, x_points=99), SurveyCost(60.0, 10**9)))
-    window.refresh()
-    assert window.control.start.lines[0].whole == "242 traces"
-    window.on_event(CostEstimated(asked, SurveyCost(60.0, 10**9)))
-    window.refresh()
-    assert window.control.start.lines[0].whole == "242 traces, 1 min"
-    enter(window, "x_spacing_mm", "20")
-    assert estimator.asked[-1] == ("ask", replace(asked, x_points=6), configured(""))
-    assert window.control.start.lines[0].whole == "132 traces"
-
-
 def test_the_band_names_the_robot_that_stop_stops(opened):
     window = opened()
     for name, begin in (("", ""), ("robot1", "robot1: "), ("a" * 20 + "/1", f"…{'a' * 13}/1: ")):
         window.top_bar.show_robot(name)
         show(window, snapshot(SurveyState.SURVEYING))
-        shown = window.top_bar.band.message.whole
+        shown = window.top_bar.band.message.text()
         assert shown.startswith(begin) and (": " in shown) is bool(name)

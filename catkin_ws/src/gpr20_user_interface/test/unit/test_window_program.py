@@ -19,8 +19,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.low.display import problem_of
-from gpr20_user_interface.low.process import SecondStopSignal, StopSignals
+from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, problem_of
 from gpr20_user_interface.terminal.follower import StopRequested
 
 
@@ -93,7 +92,7 @@ def test_it_waits_for_a_display_where_the_launch_says_so():
 @pytest.fixture
 def run(monkeypatch, capsys):
     """Run the program up to the graph; return its exit status and what it has said."""
-    monkeypatch.setattr(user_interface, "check_display", lambda _environment: None)
+    monkeypatch.setattr(user_interface, "check_display", lambda: None)
 
     def run(replay=False):
         options = argparse.Namespace(replay=replay, wait_for_display=False)

@@ -21,6 +21,7 @@ from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED, Pad
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 
@@ -137,6 +138,25 @@ def enter(window, name, text):
     QTest.keyClick(window.values, Qt.Key_Delete)
     QTest.keyClicks(window.values, text)
     click(window.values.done)
+
+
+def is_cut(label):
+    """Return whether some of the text of a LinesLabel has no room."""
+    return "".join("".join(label.shown_lines()).split()) != "".join(label.text().split())
+
+
+def press_keys(keys, texts):
+    """Touch the keys of texts, one by one, on a block of keys or on a pad."""
+    for text in texts:
+        block = keys
+        if isinstance(keys, Pad):
+            block = keys.letters if keys.digits.isHidden() else keys.digits
+        if text in (" ", "\n"):
+            click(keys.space if text == " " else keys.line)
+            continue
+        if block is not keys and block is keys.letters:
+            block.show_page(next(one for one in (PLAIN, SHIFTED, OTHERS) if text in "".join(one)))
+        click(next(key for key in block.keys if key.property("character") == text))
 
 
 def click(button):

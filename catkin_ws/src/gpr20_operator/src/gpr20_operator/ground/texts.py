@@ -104,7 +104,7 @@ def _level(model: GroundModel, shown: Shown) -> Lines:
         return (Message("not above the clutter") if focused else Message("not above the noise"),)
     if focused:
         return (Message("{level_db:.0f} dB above the clutter", level_db=level_db),)
-    return (Message("{level_db:.0f} dB above the noise", level_db=level_db),)
+    return (Message("{level_db:.0f} dB above the noise, not judged", level_db=level_db),)
 
 
 def _state(model: GroundModel) -> Lines:
@@ -200,7 +200,7 @@ def depth_title(model: GroundModel, has_image: bool) -> Message:
         return Message("Y mm")
     if model.shows_focused:
         return Message("Y mm, focused, {depth_mm:.0f} mm deep", depth_mm=depth_mm)
-    return Message("Y mm, echoes, {depth_mm:.0f} mm deep", depth_mm=depth_mm)
+    return Message("Y mm, raw echoes, {depth_mm:.0f} mm deep", depth_mm=depth_mm)
 
 
 # What is nearer than this to a slice or section lies in it.

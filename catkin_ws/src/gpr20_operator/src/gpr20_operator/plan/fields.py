@@ -284,7 +284,7 @@ PLAN: Specs = (
         *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS, ""),
         Message("four whole numbers from 0 to 255"),
         ADDRESSES,
-        Message("as configured"),
+        Message("usual address"),
     ),
     FieldSpec(
         *("start_frequency_hz", Message("Start frequency (MHz)"), Tile.FREQUENCIES, MEGAHERTZ),

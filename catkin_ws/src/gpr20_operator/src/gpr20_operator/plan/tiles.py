@@ -192,8 +192,8 @@ def _analyzer(texts: Mapping[str, str]) -> Lines:
         *(verbatim(one) for one in (f"{averages} x" if averages else "", power) if one),
     )
     return (
-        verbatim(address) if address else Message("as configured"),
-        in_line(made) if made else Message("as set"),
+        verbatim(address) if address else Message("usual address"),
+        in_line(made) if made else Message("as set on the VNA"),
     )
 
 

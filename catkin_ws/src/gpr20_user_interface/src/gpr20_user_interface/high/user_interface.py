@@ -47,8 +47,7 @@ from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.low.display import check_display, wait_for_display
-from gpr20_user_interface.low.process import StopSignals, leave_now
+from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
@@ -177,7 +176,7 @@ def _run(options: argparse.Namespace) -> int:
         if options.wait_for_display:
             wait_for_display(_say)
         else:
-            check_display(os.environ)
+            check_display()
     except DisplayUnavailableError as error:
         _say(str(error))
         return EXIT_NO_DISPLAY
@@ -250,7 +249,7 @@ def _robot_is_here() -> bool:
 
 
 def _show(application: QApplication, signals: StopSignals, options: argparse.Namespace) -> int:
-    settings = _path("~settings", DEFAULT_SETTINGS)
+    settings = Path(rospy.get_param("~settings", DEFAULT_SETTINGS)).expanduser()
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
@@ -301,10 +300,6 @@ def _language(remembered: Language) -> Language:
         _log(error.message)
         return Language.ENGLISH
     return remembered
-
-
-def _path(parameter: str, default: str) -> Path:
-    return Path(rospy.get_param(parameter, default)).expanduser()
 
 
 def _log(reason: Message) -> None:

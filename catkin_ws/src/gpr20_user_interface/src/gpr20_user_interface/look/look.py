@@ -1,4 +1,4 @@
-"""How the window looks: its theme, and its sizes for the screen that it is on."""
+"""How the window looks: its theme, its signs, and its sizes for the screen that it is on."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from PyQt5.QtCore import QByteArray, QRectF, Qt
+from PyQt5.QtGui import QIcon, QPainter, QPixmap, QPixmapCache
+from PyQt5.QtSvg import QSvgRenderer
 from PyQt5.QtWidgets import QWidget
 
 from gpr20_operator.palette import LEVEL_COLOURS, ColourPair, Mark, TextColours, Theme
@@ -87,3 +90,39 @@ def style_sheet(look: Look) -> str:
     text = re.sub(r"@([A-Z_]+)", pair, "\n".join(rules))
     text = re.sub(r"\$([A-Z_]+)", lambda found: look.colour(Mark[found[1]]), text)
     return re.sub(r"\b([0-9]+)px", lambda found: f"{look.px(int(found[1]))}px", text)
+
+
+FOLDER = Path(__file__).with_name("icons")
+
+
+def icon(name: str, colour: str, size_px: int) -> QIcon:
+    """Return a sign for a button; it keeps its colour where the button is disabled.
+
+    Args:
+        name: Of a file in `look/icons`, without its ending.
+        colour: As "#1f4e8c", from the palette.
+        size_px: Of both sides.
+
+    Raises:
+        FileNotFoundError: There is no such sign.
+    """
+    shown = QIcon()
+    for mode in (QIcon.Mode.Normal, QIcon.Mode.Disabled, QIcon.Mode.Selected, QIcon.Mode.Active):
+        shown.addPixmap(sign(name, colour, size_px), mode)
+    return shown
+
+
+def sign(name: str, colour: str, size_px: int) -> QPixmap:
+    """Return a sign to paint; arguments as those of `icon`."""
+    key = f"{name} {colour} {size_px}"
+    known = QPixmapCache.find(key)
+    if known is not None:
+        return known
+    drawing = (FOLDER / f"{name}.svg").read_text(encoding="utf-8").replace("currentColor", colour)
+    picture = QPixmap(size_px, size_px)
+    picture.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(picture)
+    QSvgRenderer(QByteArray(drawing.encode())).render(painter, QRectF(picture.rect()))
+    painter.end()
+    QPixmapCache.insert(key, picture)
+    return picture

@@ -13,7 +13,7 @@ from gpr20_operator.ground.grid import Area, Place, SurveyGrid
 from gpr20_operator.ground.patterns import Cell, hiding_cells, pattern, pattern_colours
 from gpr20_operator.ground.sources import Axis, Picture
 from gpr20_survey.results.hiding_map import HidingMap
-from gpr20_user_interface.look.look import Look, Mark
+from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.widgets.ink import rimmed, stroke
 from gpr20_user_interface.widgets.plot import Plot, extent_of, image_of
 
@@ -23,6 +23,11 @@ FAILED_RING_PX = 11.0
 MAX_RINGS = 60
 # Around a survey, as a part of its longer side: a ring at its edge is seen as a whole.
 RIM = 0.04
+
+
+def cells_image(cells: np.ndarray, room_px: float, theme: Theme, lined: bool = False) -> QImage:
+    """Return a picture of cells (uint8, both axes ascending), about as large as its room."""
+    return image_of(pattern(cells, room_px, lined), pattern_colours(theme))
 
 
 class PatternLayer:
@@ -45,8 +50,7 @@ class PatternLayer:
         room = plot.pixels_of(self._area)
         state = look.theme, max(room.width(), room.height())
         if self._made[0] != state:
-            numbers = pattern(self._cells, state[1], self._lined)
-            self._made = state, image_of(numbers, pattern_colours(look.theme))
+            self._made = state, cells_image(self._cells, state[1], look.theme, self._lined)
         painter.drawImage(room, self._made[1])
 
 
@@ -55,6 +59,7 @@ class GroundPicture(Plot):
 
     Args:
         interactive: Whether it takes touches.
+        beside: The numbers stand beside the picture, else on it.
     """
 
     # A place that was touched, X and Y in mm: no mark is near.
@@ -62,8 +67,8 @@ class GroundPicture(Plot):
     # What the mark that was touched is about.
     mark_touched = pyqtSignal(object)
 
-    def __init__(self, interactive: bool = True) -> None:
-        super().__init__(to_scale=True, interactive=interactive)
+    def __init__(self, interactive: bool = True, beside: bool = False) -> None:
+        super().__init__(to_scale=True, interactive=interactive, beside=beside)
         self._grid: Optional[SurveyGrid] = None
         self._states, self._hatched = PatternLayer(lined=True), PatternLayer()
         self._hiding: Optional[HidingMap] = None
@@ -88,7 +93,7 @@ class GroundPicture(Plot):
         grid, stop = model.grid, model.current
         if grid is not self._grid:
             self._grid = grid
-            self.set_extent(None if grid is None else _rimmed_area(grid.area))
+            self.set_extent(None if grid is None else self._extent_for(grid.area))
         self._current = None if grid is None or stop is None else grid.place_of(stop)
         shown = (model, model.revision, None if loading is None else loading.tobytes())
         if shown != self._shown and grid is not None:
@@ -111,6 +116,14 @@ class GroundPicture(Plot):
             self._carriage_mm = place_mm
             self.update()
 
+    @property
+    def _frame(self) -> QRectF:
+        return self.area if self._grid is None else self.pixels_of(_rect(self._grid.area))
+
+    def _extent_for(self, area: Area) -> QRectF:
+        rim_mm = 0.0 if self._beside else RIM * max(area.width_mm, area.height_mm)
+        return _rect(area.grown(rim_mm, rim_mm))
+
     def _touch(self, place: QPointF) -> None:
         """Choose marks that lie close together one after the other, and then the place."""
         near = self.marks_near(place)
@@ -126,7 +139,7 @@ class GroundPicture(Plot):
         self._states.paint(painter, look, self)
         painter.setPen(QColor(look.colour(Mark.BORDER)))
         painter.setBrush(Qt.BrushStyle.NoBrush)
-        painter.drawRect(self.pixels_of(_rect(self._grid.area)))
+        painter.drawRect(self._frame)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
         self._hatched.paint(painter, look, self)
@@ -166,8 +179,8 @@ class GroundPicture(Plot):
             painter.setPen(pen)
             painter.drawEllipse(centre, ring, ring)
             if (x, y) == (x_mm, y_mm):
-                for step in (QPointF(arm, 0.0), QPointF(0.0, arm)):
-                    painter.drawLine(centre - step, centre + step)
+                painter.drawLine(centre - QPointF(arm, 0.0), centre + QPointF(arm, 0.0))
+                painter.drawLine(centre - QPointF(0.0, arm), centre + QPointF(0.0, arm))
 
 
 class SectionPlot(Plot):
@@ -210,6 +223,21 @@ def _rect(area: Area) -> QRectF:
     return QRectF(area.left_mm, area.low_mm, area.width_mm, area.height_mm)
 
 
-def _rimmed_area(area: Area) -> QRectF:
-    rim_mm = RIM * max(area.width_mm, area.height_mm)
-    return _rect(area.grown(rim_mm, rim_mm))
+class AreaPicture(Plot):
+    """An area within the reach of the robot, true to scale."""
+
+    def __init__(self) -> None:
+        super().__init__(to_scale=True, interactive=False, beside=True)
+        self._area_mm = QRectF()
+        self.labels = ("X mm", "Y mm")
+
+    def show_area(self, area_mm: QRectF, reach_mm: QRectF) -> None:
+        """Show an area, an empty one if it is not known, and how far the robot reaches [mm]."""
+        self._area_mm = area_mm
+        self.set_extent(reach_mm)
+        self.update()
+
+    def _paint_below(self, painter: QPainter, look: Look) -> None:
+        painter.fillRect(self.pixels_of(self._area_mm), QColor(look.colour(Mark.STOP_DONE)))
+        painter.setPen(QColor(look.colour(Mark.BORDER)))
+        painter.drawRect(self.area)

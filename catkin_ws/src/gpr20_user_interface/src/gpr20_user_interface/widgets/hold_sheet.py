@@ -23,9 +23,8 @@ from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.touch.hold import HoldButton
+from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,

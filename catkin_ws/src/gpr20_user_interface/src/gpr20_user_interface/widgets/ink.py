@@ -56,20 +56,23 @@ def paint_mark(painter: QPainter, look: Look, mark: GroundMark, place: QPointF) 
     if mark.is_flag:
         _paint_flag(painter, look, place, own, look.px(FLAG_PX if mark.near else FLAG_PX / 2))
         return
+    # Filled where nothing is doubted, else open; dashed where it is weaker than a place to check.
+    sure = mark.near and mark.measured and getattr(mark.about, "flags", None) == ()
     radius = look.px((RING_PX if mark.near else FAR_PX) + 3 * mark.chosen)
     wide, pen = rimmed(look, own, LINE_PX + 1)
     if mark.doubtful or not mark.measured:
         pen.setDashPattern([2.0, 1.4])
         pen.setCapStyle(Qt.PenCapStyle.FlatCap)
     paper = QColor(look.colour(Mark.PAPER)) if mark.near else Qt.BrushStyle.NoBrush
-    for one, brush in ((wide, paper), (pen, Qt.BrushStyle.NoBrush)):
+    for one, brush in ((wide, paper), (pen, pen.color() if sure else Qt.BrushStyle.NoBrush)):
         painter.setPen(one)
         painter.setBrush(brush)
         painter.drawEllipse(place, radius, radius)
     if mark.near and mark.text:
         size_px = look.px(TEXT_PX if len(mark.text) < 3 else SMALL_TEXT_PX)
         box = QRectF(place.x() - radius, place.y() - radius, 2 * radius, 2 * radius)
-        ink = QColor(look.colour(Mark.INK if mark.measured else Mark.NOT_MEASURED))
+        written = Mark.PAPER if sure else Mark.INK if mark.measured else Mark.NOT_MEASURED
+        ink = QColor(look.colour(written))
         _paint_text(painter, _sized(painter.font(), size_px, bold=True), box, mark.text, ink)
 
 
@@ -85,12 +88,18 @@ def _paint_flag(painter: QPainter, look: Look, foot: QPointF, mark: Mark, size: 
 
 
 def paint_axes(
-    painter: QPainter, look: Look, room: QRectF, labels: Tuple[str, str], ticks: Tuple[Ticks, Ticks]
+    painter: QPainter,
+    look: Look,
+    room: QRectF,
+    labels: Tuple[str, str],
+    ticks: Tuple[Ticks, Ticks],
+    beside: bool,
 ) -> None:
-    """Write titles and numbers along the lower and the left edge, inside of a picture."""
+    """Write titles and numbers along the lower and the left edge, on a picture or beside it."""
     font = _sized(painter.font(), look.px(SMALL_TEXT_PX))
-    metrics, inside = QFontMetrics(font), room.adjusted(-0.5, -0.5, 0.5, 0.5)
+    metrics = QFontMetrics(font)
     line_px = metrics.height()
+    inside = QRectF(painter.viewport()) if beside else room.adjusted(-0.5, -0.5, 0.5, 0.5)
     taken: List[Tuple[QRectF, str]] = []
 
     def put(text: str, x: float, y: float, part: float, always: bool = False) -> None:
@@ -101,13 +110,15 @@ def paint_axes(
         if text and (always or (free and inside.contains(box))):
             taken.append((box, text))
 
-    bottom_px = room.bottom() - line_px
-    put(labels[0], room.right(), bottom_px, 1.0, always=True)
-    put(labels[1], room.left(), room.top(), 0.0, always=True)
+    bottom_px, top_px = room.bottom() - line_px, room.top()
+    if beside:
+        bottom_px, top_px = room.bottom() + 3.0, room.top() - line_px - 1.0
+    put(labels[0], inside.right() if beside else room.right(), bottom_px, 1.0, always=True)
+    put(labels[1], room.left(), top_px, 0.0, always=True)
     for x, text in ticks[0]:
         put(text, x, bottom_px, 0.5)
     for y, text in ticks[1]:
-        put(text, room.left(), y - line_px / 2.0, 0.0)
+        put(text, room.left() - 3.0 * beside, y - line_px / 2.0, float(beside))
     for box, text in taken:
         painter.fillRect(box, QColor(look.colour(Mark.PAPER)))
         _paint_text(painter, font, box, text, QColor(look.colour(Mark.INK)))

@@ -10,11 +10,11 @@ from PyQt5.QtWidgets import QPlainTextEdit, QPushButton, QSizePolicy, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import Keys
-from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,
+    holding,
     new_button,
     new_label,
     row,
@@ -68,10 +68,6 @@ class _Block(QWidget):
             layout.setColumnStretch(column_number, 1)
             layout.addWidget(self._key(), row_number, column_number)
 
-    def press(self, text: str) -> None:
-        """Touch the key of a text."""
-        next(key for key in self.keys if key.property("character") == text).click()
-
     def _on_key(self, text: str) -> None:
         self.written.emit(text)
 
@@ -123,7 +119,6 @@ class KeyBlock(_Block):
 PLAIN = ("1234567890", "qwertyuiop", "asdfghjklñ", "zxcvbnm,.-")
 SHIFTED = ("1234567890", "QWERTYUIOP", "ASDFGHJKLÑ", "ZXCVBNM;:_")
 OTHERS = ("áéíóúü¿?¡!", "ÁÉÍÓÚÜ'*@°", '"#$%&/()=+', "[]{}<>|~^€")
-PAGES = (PLAIN, SHIFTED, OTHERS)
 
 
 class LetterBlock(_Block):
@@ -135,18 +130,13 @@ class LetterBlock(_Block):
         self.show_page(PLAIN)
 
     def show_page(self, page: Tuple[str, ...]) -> None:
-        """Show one of PAGES."""
+        """Show PLAIN, SHIFTED or OTHERS."""
         self.shift.setChecked(page is SHIFTED)
         self.others.setChecked(page is OTHERS)
         for key, character in zip(self.keys, "".join(page)):
             key.setProperty("character", character)
             # One ampersand alone would underline the next letter.
             key.setText("&&" if character == "&" else character)
-
-    def press(self, text: str) -> None:
-        """Touch the key of a character, on the page where it is."""
-        self.show_page(next(page for page in PAGES if text in "".join(page)))
-        super().press(text)
 
     def _page_key(self, text: str) -> QPushButton:
         key = _key(lambda: self._change(key), text)
@@ -185,9 +175,6 @@ class PadEdit(QPlainTextEdit):
 # Returns what is allowed instead of a wrong text; empty if the text is right.
 Judge = Callable[[str], str]
 MARGIN_PX = 4
-# What five rows of keys leave.
-TEXT_ROW_PX = 54
-WORDS_PX = 400
 
 
 class Pad(Overlay):
@@ -196,7 +183,7 @@ class Pad(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self._judge: Judge = lambda _text: ""
-        self._hint, self._first, self._strict = "", "", True
+        self._hint, self._first = "", ""
         self._deliver: Callable[[str], None] = lambda _text: None
         self.title, self.hint = new_label("title", wraps=True), new_label(wraps=True)
         self.edit = PadEdit()
@@ -224,7 +211,6 @@ class Pad(Overlay):
         text: str,
         judge: Judge,
         keys: Keys,
-        strict: bool = True,
     ) -> None:
         """Open with a text. The first digit replaces it; letters are written at its end.
 
@@ -235,9 +221,8 @@ class Pad(Overlay):
             text: The text at first.
             judge: Returns what is allowed instead of a wrong text, while it is written.
             keys: Which keys write it.
-            strict: Whether a wrong text cannot be accepted.
         """
-        self._deliver, self._judge, self._strict = deliver, judge, strict
+        self._deliver, self._judge = deliver, judge
         self._hint, self._first = hint, text
         self.title.setText(title)
         with_letters = keys in (Keys.LETTERS, Keys.LINES)
@@ -262,21 +247,6 @@ class Pad(Overlay):
         self.open()
         self.edit.setFocus()
 
-    def press(self, text: str) -> None:
-        """Touch the keys of a text."""
-        block = self.letters if self.digits.isHidden() else self.digits
-        for one in text:
-            if one in " \n":
-                (self.space if one == " " else self.line).click()
-            else:
-                block.press(one)
-
-    def restyle(self) -> None:
-        """Take the sizes of the look."""
-        look = look_of(self)
-        self._words.setFixedSize(look.px(WORDS_PX), look.px(TEXT_ROW_PX))
-        self.edit.setFixedHeight(look.px(TEXT_ROW_PX))
-
     def _accept(self) -> None:
         if self.accept_button.isEnabled():
             self.hide()
@@ -286,7 +256,7 @@ class Pad(Overlay):
         """Show what is wrong; a text that was not changed yet is not shown as wrong."""
         text = self.edit.toPlainText()
         problem = self._judge(text)
-        self.accept_button.setEnabled(not (problem and self._strict))
+        self.accept_button.setEnabled(not problem)
         shown = "" if text == self._first else problem
         self.hint.setText(shown or self._hint)
         # There is room for only one of them.
@@ -304,13 +274,12 @@ class Pad(Overlay):
             self.edit.textCursor().deletePreviousChar()
 
     def _lay_out(self) -> None:
-        self._words = QWidget()
-        self._words.setLayout(column(self.title, (self.hint, 1), gap=0))
+        words = holding(column(self.title, (self.hint, 1), gap=0), "pad_words")
         commands = (self.letters.shift, self.letters.others, self.space, self.line, self.erase)
         last = row()
         for button in (*commands, self.cancel, self.accept_button):
             wide = button in (self.space, self.cancel, self.accept_button)
             last.addWidget(button, 2 if wide else 1)
-        top = row(self._words, (self.edit, 1))
+        top = row(words, (self.edit, 1))
         blocks = ((self.digits, 1), (self.letters, 1))
         self.setLayout(column(top, *blocks, last, margin=MARGIN_PX))

@@ -1,13 +1,30 @@
-"""A sheet over the tabs that leaves the top bar, and with it STOP, free."""
+"""Pages, and sheets over them that leave the top bar, and with it STOP, free."""
 
 from __future__ import annotations
 
-from PyQt5.QtCore import QEvent, QObject, Qt
+from PyQt5.QtCore import Qt
 from PyQt5.QtGui import QHideEvent, QShowEvent
 from PyQt5.QtWidgets import QFrame, QWidget
 
+from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_user_interface.look.look import TOP_BAR_PX, look_of
-from gpr20_user_interface.touch.filter import note_touch_change
+from gpr20_user_interface.touch.guard import note_touch_change
+
+
+class Page:
+    """Follows events and what is known; the pages of the window override what they need."""
+
+    def on_event(self, event: object) -> None:
+        """Take an event."""
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show what is known now; 5 times a second."""
+
+    def draw(self) -> None:
+        """Draw what is new; 5 times a second."""
+
+    def show_again(self) -> None:
+        """Show the same in another language, theme or size, where it was not written by `say`."""
 
 
 class Overlay(QFrame):
@@ -22,11 +39,10 @@ class Overlay(QFrame):
         self.setObjectName("sheet")
         self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
         self.hide()
-        window.installEventFilter(self)
 
     def open(self) -> None:
         """Cover the tabs."""
-        self._cover()
+        self.cover()
         self.show()
         self.raise_()
 
@@ -40,24 +56,8 @@ class Overlay(QFrame):
         super().hideEvent(event)
         note_touch_change(self)
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802
-        """Qt: something happens to the window."""
-        if event.type() == QEvent.Type.Resize and self.isVisible():
-            self._cover()
-        return super().eventFilter(watched, event)
-
-    def changeEvent(self, event: QEvent) -> None:  # noqa: N802
-        """Qt: something about the widget has changed."""
-        if event.type() == QEvent.Type.StyleChange:
-            if self.isVisible():
-                self._cover()
-            self.restyle()
-        super().changeEvent(event)
-
-    def restyle(self) -> None:
-        """Take the sizes and colours of the look, where the style sheet cannot set them."""
-
-    def _cover(self) -> None:
+    def cover(self) -> None:
+        """Lie below the top bar, also after the window has another size."""
         window = self.parentWidget()
         top_px = look_of(self).px(TOP_BAR_PX)
         self.setGeometry(0, top_px, window.width(), window.height() - top_px)

@@ -45,6 +45,8 @@ WHEEL_ZOOM = 1.25
 FREE_PX = 14.0
 # Room of a number on each axis.
 TICK_PX = (60, 44)
+# What numbers take that stand beside a picture: left, above, right and below.
+BESIDE_PX = (44, 22, 18, 24)
 UNIT = QRectF(0.0, 0.0, 1.0, 1.0)
 
 
@@ -64,13 +66,14 @@ def image_of(numbers: np.ndarray, colours: np.ndarray) -> QImage:
 
 
 class Plot(QWidget):
-    """Draws a Picture, with what lies below and above it; both axes have numbers inside.
+    """Draws a Picture, with what lies below and above it; both axes have numbers.
 
     Args:
         to_scale: Both axes have the same scale.
         downwards: The second axis points down.
         scrubs: A finger moves the crosshair instead of the picture.
         interactive: Whether it takes touches.
+        beside: The numbers stand beside the picture, else on it.
 
     Attributes:
         extent: What is shown at first, in units of the axes; None: nothing is known.
@@ -93,9 +96,11 @@ class Plot(QWidget):
         downwards: bool = False,
         scrubs: bool = False,
         interactive: bool = True,
+        beside: bool = False,
     ) -> None:
         super().__init__()
         self._to_scale, self._downwards, self._scrubs = to_scale, downwards, scrubs
+        self._beside = beside
         # The picture, the lowest value of both axes first, and where it lies on them.
         self._image, self._image_area = QImage(), QRectF()
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -168,7 +173,7 @@ class Plot(QWidget):
     def area(self) -> QRectF:
         """The picture on the screen, without what lies beside it."""
         whole = QRectF() if self.extent is None else self._map.mapRect(self.extent)
-        return whole & QRectF(self.rect())
+        return whole & self._room()
 
     def to_screen(self, across: float, second: float) -> QPointF:
         """Return the pixel of a place."""
@@ -183,6 +188,18 @@ class Plot(QWidget):
         place = self._back.map(pixel)
         return place.x(), place.y()
 
+    @property
+    def _frame(self) -> QRectF:
+        """Where there is something to measure, on the screen."""
+        return self.area
+
+    def _room(self) -> QRectF:
+        """Return what the picture may fill."""
+        if not self._beside:
+            return QRectF(self.rect())
+        left, above, right, below = map(look_of(self).px, BESIDE_PX)
+        return QRectF(self.rect().adjusted(left, above, -right, -below))
+
     def _pull(self, before: QPointF, after: QPointF) -> None:
         """Move what is below one pixel to another one."""
         (x, y), (new_x, new_y) = self.to_data(before), self.to_data(after)
@@ -190,7 +207,7 @@ class Plot(QWidget):
 
     def _place(self) -> None:
         """Show what zoom and centre say, within the extent."""
-        extent, room = self.extent or UNIT, self
+        extent, room = self.extent or UNIT, self._room()
         x_px = self._zoom * max(room.width(), 1) / max(extent.width(), 1e-9)
         y_px = self._zoom * max(room.height(), 1) / max(extent.height(), 1e-9)
         if self._to_scale:
@@ -200,7 +217,7 @@ class Plot(QWidget):
         y = _within(self._centre.y(), extent.top(), extent.bottom(), half_y)
         self._centre = QPointF(x, y)
         down_px = y_px if self._downwards else -y_px
-        left_px, top_px = room.width() / 2.0 - x * x_px, room.height() / 2.0 - y * down_px
+        left_px, top_px = room.center().x() - x * x_px, room.center().y() - y * down_px
         self._map = QTransform(x_px, 0.0, 0.0, down_px, left_px, top_px)
         self._back = self._map.inverted()[0]
         self.update()
@@ -278,6 +295,7 @@ class Plot(QWidget):
         """Qt: draw everything."""
         painter, look = QPainter(self), look_of(self)
         painter.fillRect(self.rect(), QColor(look.colour(Mark.PAPER)))
+        painter.setClipRect(self._room().adjusted(-1, -1, 1, 1))
         self._paint_below(painter, look)
         if self.numbers is not None:
             painter.drawImage(self.pixels_of(self._image_area), self._image)
@@ -285,9 +303,11 @@ class Plot(QWidget):
         if self.extent is not None:
             self._paint_above(painter, look)
             self._paint_crosshair(painter, look)
+            # A ring at the edge is seen as a whole.
+            painter.setClipping(False)
             for one in self.marks:
                 paint_mark(painter, look, one, self.to_screen(one.across_mm, one.second_mm))
-            paint_axes(painter, look, self.area, self.labels, self._ticks(look))
+            paint_axes(painter, look, self.area, self.labels, self._ticks(look), self._beside)
         if self.notice:
             paint_notice(painter, look, QRectF(self.rect()), self.notice)
 
@@ -299,13 +319,13 @@ class Plot(QWidget):
 
     def _paint_crosshair(self, painter: QPainter, look: Look) -> None:
         across, second = self.crosshair
-        here, room = self.to_screen(across or 0.0, second or 0.0), self
+        here, frame = self.to_screen(across or 0.0, second or 0.0), self._frame
         free_px = look.px(FREE_PX) if across is not None and second is not None else 0
         x, y, lines = here.x(), here.y(), []
         if across is not None:
-            lines += [(x, 0.0, x, y - free_px), (x, y + free_px, x, room.height())]
+            lines += [(x, frame.top(), x, y - free_px), (x, y + free_px, x, frame.bottom())]
         if second is not None:
-            lines += [(0.0, y, x - free_px, y), (x + free_px, y, room.width(), y)]
+            lines += [(frame.left(), y, x - free_px, y), (x + free_px, y, frame.right(), y)]
         # Upright and level lines look the same without it, and are drawn many times faster.
         painter.setRenderHint(QPainter.RenderHint.Antialiasing, False)
         for x, y, to_x, to_y in lines:

@@ -1,27 +1,105 @@
-"""A large button that shows values, or what is wrong with them; and one with an area on it."""
+"""Labels that end with dots where there is no room; and tiles, which show values by them."""
 
 from __future__ import annotations
 
-from typing import List
+from typing import List, Optional
 
-from PyQt5.QtCore import QEvent, QPointF, QRectF, QSize, Qt
-from PyQt5.QtGui import QColor, QFont, QPainter, QPaintEvent, QTransform
-from PyQt5.QtWidgets import QPushButton, QSizePolicy, QVBoxLayout
+from PyQt5.QtCore import QEvent, QSize, Qt
+from PyQt5.QtGui import QPainter, QPaintEvent, QTextLayout, QTextOption
+from PyQt5.QtWidgets import QLabel, QPushButton, QSizePolicy, QWidget
 
-from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, Mark, look_of
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
-from gpr20_user_interface.widgets.widgets import set_look
+from gpr20_common.message import Message
+from gpr20_user_interface.look.look import GAP_PX, TOUCH_PX, look_of
+from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.widgets.widgets import column, set_look, spaced
 
 # Above and below: so much is left for four lines of a sentence.
 EDGE_PX = 2
-# The numbers of an area.
-LIMITS_PX = 14
+
+
+class LinesLabel(QLabel):
+    """As many lines as there is room for; the last one ends with … where text is left out."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setTextFormat(Qt.TextFormat.PlainText)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Ignored)
+
+    def minimumSizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it may be as narrow as it must."""
+        return QSize(0, self.fontMetrics().height())
+
+    def sizeHint(self) -> QSize:  # noqa: N802
+        """Qt: it takes what it gets."""
+        return self.minimumSizeHint()
+
+    def paintEvent(self, _event: QPaintEvent) -> None:  # noqa: N802 (Qt's name)
+        """Draw the lines."""
+        painter = QPainter(self)
+        # The background of the style sheet.
+        self.drawFrame(painter)
+        painter.setPen(self.palette().color(self.foregroundRole()))
+        lines, room = self.shown_lines(), self.contentsRect()
+        step_px = self.fontMetrics().lineSpacing()
+        top_px = room.top() + max(0, (room.height() - step_px * len(lines)) // 2)
+        for number, line in enumerate(lines):
+            baseline_px = top_px + number * step_px + self.fontMetrics().ascent()
+            painter.drawText(room.left(), baseline_px, line)
+
+    def shown_lines(self) -> List[str]:
+        """Return the lines as they are drawn."""
+        metrics, room = self.fontMetrics(), self.contentsRect()
+        width_px, most = max(1, room.width()), max(1, room.height() // metrics.lineSpacing())
+        text = " ".join(self.text().split())
+        layout = QTextLayout(text, self.font())
+        option = QTextOption()
+        option.setWrapMode(QTextOption.WrapMode.WrapAtWordBoundaryOrAnywhere)
+        layout.setTextOption(option)
+        layout.beginLayout()
+        lines: List[str] = []
+        while len(lines) < most:
+            line = layout.createLine()
+            if not line.isValid():
+                break
+            line.setLineWidth(width_px)
+            start = line.textStart()
+            lines.append(text[start : start + line.textLength()])
+            if len(lines) == most and start + line.textLength() < len(text):
+                rest = text[start:]
+                lines[-1] = metrics.elidedText(rest, Qt.TextElideMode.ElideRight, width_px)
+        layout.endLayout()
+        return lines
+
+
+class ElidedLabel(LinesLabel):
+    """One line that ends with … where there is no room."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+
+
+class SurveyBand(ElidedLabel):
+    """Says which survey is shown, if it is not the one of the robot."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setObjectName("shown_band")
+        self.hide()
+
+    def show_band(self, band: Optional[Message]) -> None:
+        """Show it; None: nothing."""
+        self.setVisible(band is not None)
+        if band is not None:
+            self.setText(shown_text(band))
 
 
 class TileButton(QPushButton):
-    """A title, and below it lines or one sentence; a touch opens their sheet."""
+    """A title, and below it lines or one sentence, and a picture; a touch opens their sheet."""
 
-    def __init__(self, name: str = "tile", lines: int = 2) -> None:
+    def __init__(
+        self, name: str = "tile", lines: int = 2, picture: Optional[QWidget] = None
+    ) -> None:
         super().__init__()
         self.setObjectName(name)
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
@@ -30,12 +108,10 @@ class TileButton(QPushButton):
         self.title.setObjectName("tile_title")
         self.lines: List[ElidedLabel] = [ElidedLabel() for _ in range(lines)]
         self.sentence = LinesLabel()
-        self._layout = QVBoxLayout(self)
-        self._layout.setSpacing(0)
-        for label in (self.title, *self.lines):
-            self._layout.addWidget(label)
-        self._layout.addWidget(self.sentence, 1)
         self._labels = (self.title, *self.lines, self.sentence)
+        shown = () if picture is None else ((picture, 4),)
+        parts = (self.title, *self.lines, (self.sentence, 1), *shown)
+        self.setLayout(spaced(column(*parts), GAP_PX, gap=0, edge=EDGE_PX))
         for label in self._labels:
             # The touch is for the button.
             label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
@@ -54,11 +130,7 @@ class TileButton(QPushButton):
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Qt: something about the widget has changed."""
         super().changeEvent(event)
-        if event.type() == QEvent.Type.StyleChange:
-            look = look_of(self)
-            gap_px, edge_px = look.px(GAP_PX), look.px(EDGE_PX)
-            self._layout.setContentsMargins(gap_px, edge_px, gap_px, edge_px)
-        elif event.type() == QEvent.Type.EnabledChange:
+        if event.type() == QEvent.Type.EnabledChange:
             self._show_level()
 
     def show_texts(self, title: str, *lines: str, sentence: str = "", level: str = "") -> None:
@@ -71,12 +143,12 @@ class TileButton(QPushButton):
                 wrong takes the place of the title too.
             level: How good the values are: "wrong", "doubtful", or empty.
         """
-        self.title.show_text(title)
-        self.title.setVisible(not (sentence and level == "wrong"))
+        self.title.setText(title)
+        self.title.setVisible(bool(title) and not (sentence and level == "wrong"))
         for label, text in zip(self.lines, (*lines, *("",) * len(self.lines))):
-            label.show_text(text)
+            label.setText(text)
             label.setVisible(not sentence)
-        self.sentence.show_text(sentence)
+        self.sentence.setText(sentence)
         self.sentence.setVisible(bool(sentence))
         self.setToolTip(sentence)
         self._level = level
@@ -94,51 +166,3 @@ class TileButton(QPushButton):
             for label in self._labels:
                 self.style().unpolish(label)
                 self.style().polish(label)
-
-
-class AreaTile(TileButton):
-    """A tile with a picture of an area within the reach of the robot, true to scale."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self._area_mm, self._reach_mm = QRectF(), QRectF()
-        self._layout.addStretch(2)
-
-    def show_area(self, area_mm: QRectF, reach_mm: QRectF) -> None:
-        """Show an area, an empty one if it is not known, and how far the robot reaches [mm]."""
-        self._area_mm, self._reach_mm = area_mm, reach_mm
-        self.update()
-
-    def paintEvent(self, event: QPaintEvent) -> None:  # noqa: N802
-        """Qt: paint the reach of the robot with its limits, and the area in it; Y upwards."""
-        super().paintEvent(event)
-        look, reach = look_of(self), self._reach_mm
-        lowest = max(one.geometry().bottom() for one in self._labels if not one.isHidden())
-        gap, limits = look.px(GAP_PX), look.px(LIMITS_PX)
-        room = QRectF(self.rect()).adjusted(4 * gap, lowest + gap, -4 * gap, -gap - limits)
-        if reach.isEmpty() or min(room.width(), room.height()) < limits:
-            return
-        scale = min(room.width() / reach.width(), room.height() / reach.height())
-        to_px = QTransform()
-        to_px.translate(room.center().x(), room.center().y())
-        to_px.scale(scale, -scale)
-        to_px.translate(-reach.center().x(), -reach.center().y())
-        frame, area = to_px.mapRect(reach), to_px.mapRect(self._area_mm)
-        painter, font = QPainter(self), QFont(self.font())
-        font.setPixelSize(limits)
-        painter.setFont(font)
-        painter.fillRect(frame, QColor(look.colour(Mark.PAPER)))
-        painter.fillRect(area, QColor(look.colour(Mark.STOP_DONE)))
-        painter.setPen(QColor(look.colour(Mark.BORDER)))
-        painter.drawRect(frame)
-        painter.setPen(self.title.palette().color(self.title.foregroundRole()))
-        right = int(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
-        number = QRectF(0.0, 0.0, 4 * gap - EDGE_PX, limits)
-        for y_mm, y in ((reach.top(), frame.bottom()), (reach.bottom(), frame.top() + limits)):
-            number.moveBottomRight(QPointF(frame.left() - EDGE_PX, y))
-            painter.drawText(number, right, f"{y_mm:g}")
-        number.setWidth(8 * gap)
-        ends = (reach.left(), frame.left(), ""), (reach.right(), frame.right(), " mm")
-        for x_mm, x, unit in ends:
-            number.moveTopLeft(QPointF(x - 4 * gap, frame.bottom()))
-            painter.drawText(number, int(Qt.AlignmentFlag.AlignCenter), f"{x_mm:g}{unit}")

@@ -12,10 +12,9 @@ from gpr20_common.message import Message, verbatim
 from gpr20_operator.robot.condition import Condition, JobLevel, condition_of, left_of
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.icons import sign
-from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, TOP_BAR_PX, Look
+from gpr20_user_interface.look.look import GAP_PX, LEVEL_COLOURS, look_of, sign
 from gpr20_user_interface.look.translation import sentence_text, shown_text
-from gpr20_user_interface.widgets.labels import ElidedLabel, LinesLabel
+from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say, set_look
 
 SIGN_PX = 36
@@ -44,7 +43,6 @@ class StateBand(QFrame):
         super().__init__()
         self.setObjectName("band")
         self.level = JobLevel.REST
-        self._look = Look()
         self.sign, self.title, self.message = QLabel(), ElidedLabel(), LinesLabel()
         self.title.setObjectName("title")
         self.message.setObjectName("band_message")
@@ -72,20 +70,20 @@ class StateBand(QFrame):
         self.level = condition.level
         for widget in (self, self.sign, self.title, self.message, self.simulated, self.more):
             set_look(widget, "job", condition.level.value)
-        self.use_look(self._look)
-        self.title.show_text(shown_text(title))
+        self.show_again()
+        self.title.setText(shown_text(title))
         words, remedy = sentence_text(message), condition.asked
         if remedy is not None:
             words = f"{words.rstrip('.')}. {shown_text(remedy)}"
         words = f"{robot}: {words}" if robot else words
-        self.message.show_text(words)
+        self.message.setText(words)
         # A title alone stands in the middle of the band.
         self.message.setVisible(bool(words))
         self.more.setVisible(remedy is not None)
 
-    def use_look(self, look: Look) -> None:
-        """Take sizes and colours of a look."""
-        self._look = look
+    def show_again(self) -> None:
+        """Paint the sign in the colours and the size of the look."""
+        look = look_of(self)
         ink = look.text(LEVEL_COLOURS[self.level]).ink
         self.sign.setPixmap(sign(SIGNS[self.level], ink, look.px(SIGN_PX)))
 
@@ -125,15 +123,8 @@ class TopBar(QWidget):
         for button in (self.pause, self.stop):
             button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.pause.hide()
+        self.setObjectName("top_bar")
         self.setLayout(row((self.band, 1), self.remote, self.pause, self.stop))
-
-    def use_look(self, look: Look) -> None:
-        """Take the sizes of a look."""
-        self.setFixedHeight(look.px(TOP_BAR_PX))
-        for button in (self.pause, self.stop):
-            button.setFixedHeight(look.px(TOP_BAR_PX) - look.px(GAP_PX))
-        self.layout().setContentsMargins(0, 0, look.px(GAP_PX // 2), 0)
-        self.band.use_look(look)
 
     def show_robot(self, name: str) -> None:
         """Name the robot that STOP stops, from the next refresh on; empty: it has no name."""

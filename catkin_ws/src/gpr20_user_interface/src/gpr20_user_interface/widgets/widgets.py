@@ -8,32 +8,40 @@ from PyQt5.QtCore import QEvent, Qt
 from PyQt5.QtWidgets import (
     QApplication,
     QBoxLayout,
-    QFrame,
     QGridLayout,
     QHBoxLayout,
     QLabel,
     QLayout,
     QPushButton,
-    QScrollArea,
+    QTextEdit,
     QVBoxLayout,
     QWidget,
 )
 
 from gpr20_common.message import Message
-from gpr20_user_interface.look.look import GAP_PX, Look
+from gpr20_user_interface.look.look import GAP_PX, Look, TextColours, look_of, sign
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.touch.scrolling import scroll_by_finger
 
 AnyLayout = TypeVar("AnyLayout", bound=QLayout)
-# Property of a layout: its margin and its gap in pixels of the design.
+# Property of a layout: its margins beside and above, and its gap, in pixels of the design.
 DESIGN = "design"
+SIGN_PX = 64  # of an empty state
 # Property of a widget: the Message that is its text.
 TEXT = "message"
 
 
-def spaced(layout: AnyLayout, margin: int = 0, gap: int = GAP_PX) -> AnyLayout:
-    """Return a layout whose margin and gap [pixels of the design] the window scales."""
-    layout.setProperty(DESIGN, [margin, gap])
+def spaced(
+    layout: AnyLayout, margin: int = 0, gap: int = GAP_PX, edge: Optional[int] = None
+) -> AnyLayout:
+    """Return a layout whose margins and gap [pixels of the design] the window scales.
+
+    Args:
+        layout: The layout.
+        margin: On each side.
+        gap: Between its parts.
+        edge: Above and below; None: as beside.
+    """
+    layout.setProperty(DESIGN, [margin, margin if edge is None else edge, gap])
     _fit(layout, Look())
     return layout
 
@@ -91,8 +99,8 @@ def fit_layouts(window: QWidget, look: Look) -> None:
 
 
 def _fit(layout: QLayout, look: Look) -> None:
-    margin, gap = (look.px(one) if one else 0 for one in layout.property(DESIGN))
-    layout.setContentsMargins(margin, margin, margin, margin)
+    margin, edge, gap = (look.px(one) if one else 0 for one in layout.property(DESIGN))
+    layout.setContentsMargins(margin, edge, margin, edge)
     if isinstance(layout, QGridLayout):
         layout.setHorizontalSpacing(gap)
         layout.setVerticalSpacing(gap)
@@ -104,6 +112,12 @@ def say(widget: QWidget, message: Message) -> None:
     """Set the text of a label or button, which follows the language of the window."""
     widget.setProperty(TEXT, message)
     widget.setText(shown_text(message))
+
+
+def offer(button: QPushButton, text: Message, obstacle: Optional[Message] = None) -> None:
+    """Let a button be touched; else it says why it cannot."""
+    button.setEnabled(obstacle is None)
+    say(button, obstacle or text)
 
 
 def say_again(window: QWidget) -> None:
@@ -135,18 +149,6 @@ def new_button(act: Callable[[], None], text: Union[str, Message] = "") -> QPush
     return button
 
 
-def scroll_area(content: QWidget) -> QScrollArea:
-    """Return an area that a finger pulls where its content is higher."""
-    area = QScrollArea()
-    area.setWidget(content)
-    area.setWidgetResizable(True)
-    area.setFrameShape(QFrame.Shape.NoFrame)
-    area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-    area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-    scroll_by_finger(area)
-    return area
-
-
 def set_look(widget: QWidget, name: str, value: object) -> None:
     """Set a property that the style sheet asks for; it looks at them only when it is applied."""
     if widget.property(name) != value:
@@ -157,18 +159,61 @@ def set_look(widget: QWidget, name: str, value: object) -> None:
         QApplication.sendEvent(widget, QEvent(QEvent.Type.StyleChange))
 
 
-def in_two_lines(text: str, button: QPushButton, room_px: int) -> str:
-    """Return a text with a line break where it is wider than its button.
+class PulledText(QTextEdit):
+    """A text of several lines that a finger pulls up where there is no room for all of it."""
 
-    Args:
-        text: One line.
-        button: Its font is used.
-        room_px: Width inside the button [px].
+    def __init__(self, name: str = "") -> None:
+        super().__init__()
+        self.setObjectName(name)
+        self.setReadOnly(True)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+
+    def text(self) -> str:
+        """Return the text."""
+        return str(self.toPlainText())
+
+    def setText(self, text: str) -> None:  # noqa: N802 (as QLabel names it)
+        """Show a text from its beginning; the same one stays where it was pulled."""
+        if text != self.text():
+            self.setPlainText(text)
+
+
+class EmptyState(QWidget):
+    """A sign, one sentence and at most one button; its page writes the texts.
+
+    Attributes:
+        sentence: What is missing.
+        button: What to do.
     """
-    if button.fontMetrics().horizontalAdvance(text) <= room_px:
-        return text
-    spaces = [place for place, character in enumerate(text) if character == " "]
-    if not spaces:
-        return text
-    middle = min(spaces, key=lambda place: abs(2 * place - len(text)))
-    return text[:middle] + "\n" + text[middle + 1 :]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._sign, self.sentence = QLabel(), new_label(wraps=True)
+        self._act: Callable[[], None] = lambda: None
+        self.button = new_button(lambda: self._act())
+        for label in (self._sign, self.sentence):
+            label.setAlignment(Qt.AlignmentFlag.AlignCenter)
+        button = row(self.button)
+        button.setAlignment(self.button, Qt.AlignmentFlag.AlignHCenter)
+        layout = column(self._sign, self.sentence, button, gap=2 * GAP_PX)
+        layout.insertStretch(0)
+        layout.addStretch()
+        self.setLayout(layout)
+
+    def show_state(
+        self, name: str, sentence: str, button: str = "", act: Optional[Callable[[], None]] = None
+    ) -> None:
+        """Show what is missing.
+
+        Args:
+            name: Of the sign, as `icon` knows it.
+            sentence: What is missing.
+            button: What to do; empty: there is no button.
+            act: Does it.
+        """
+        look = look_of(self)
+        self._sign.setPixmap(sign(name, look.text(TextColours.QUIET).ink, look.px(SIGN_PX)))
+        self.sentence.setText(sentence)
+        self.button.setText(button)
+        self.button.setVisible(act is not None)
+        self._act = act or self._act

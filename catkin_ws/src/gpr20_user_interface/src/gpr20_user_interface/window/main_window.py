@@ -31,22 +31,21 @@ from gpr20_user_interface.look.look import (
 )
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.pages.ground.page import GroundPage
-from gpr20_user_interface.pages.job.alerts import Alerts
-from gpr20_user_interface.pages.job.page import JobPage
-from gpr20_user_interface.pages.plan.page import PlanPage
-from gpr20_user_interface.pages.result.page import ResultPage
-from gpr20_user_interface.pages.robot.page import RobotPage
-from gpr20_user_interface.pages.settings.page import SettingsPage
-from gpr20_user_interface.pages.settings.remote import RemotePage
-from gpr20_user_interface.pages.surveys.page import SurveysPage
+from gpr20_user_interface.pages.alerts import Alerts
+from gpr20_user_interface.pages.ground import GroundPage
+from gpr20_user_interface.pages.plan import PlanPage
+from gpr20_user_interface.pages.result import ResultPage
+from gpr20_user_interface.pages.robot import RobotPage
+from gpr20_user_interface.pages.settings import RemotePage, SettingsPage
+from gpr20_user_interface.pages.survey import JobPage, SurveyTab
+from gpr20_user_interface.pages.surveys import SurveysPage
 from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.top_bar import TopBar
 from gpr20_user_interface.widgets.widgets import column, fit_layouts, row, say_again
 from gpr20_user_interface.window.lock import TouchBinding
-from gpr20_user_interface.window.rail import Rail, SurveyTab, TabName
+from gpr20_user_interface.window.rail import Rail, TabName
 
 # Topics come at up to 50 Hz; figures that change more often than these cannot be read. 99 of 100
 # traces are on the screen within 250 ms; drawing more often costs processor time.
@@ -109,8 +108,7 @@ class MainWindow(QWidget):
         # The traces first: the others show what they have.
         self._bindings: Tuple[Page, ...] = (
             *(self.ground, self.alerts, self.survey_tab, self.job, self.control),
-            *(self.start_sheet, self.past, self.result, self.settings, self.remote),
-            self.robot,
+            *(self.start_sheet, self.past, self.result, self.remote, self.robot),
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
@@ -119,8 +117,9 @@ class MainWindow(QWidget):
         ]
         self._lay_out()
         views = (self.top_bar, *self.rail.tabs.values())
+        notices = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
         self.touch_binding = TouchBinding(
-            *(self, self.top_bar.stop, views, self.settings.cover.wake, clock)
+            *(self, self.top_bar.stop, views, notices, lambda: memory.settings.dim_after_s, clock)
         )
         self.touch_binding.touches.touched.connect(self.remote.end)
         self.rail.settings.clicked.connect(lambda: self.settings.open())
@@ -184,7 +183,7 @@ class MainWindow(QWidget):
         snapshot = self.survey.refresh()
         for binding in self._bindings:
             binding.refresh(snapshot)
-        self.touch_binding.band.cover()
+        self.touch_binding.refresh(snapshot)
         # What START and the figures of the job say, the band does not say once more.
         ready = snapshot.can_start and self.control.plan_to_start is not None
         self.top_bar.refresh(snapshot, ready, self.job.isVisible())
@@ -210,6 +209,10 @@ class MainWindow(QWidget):
         super().resizeEvent(event)
         size = event.size()
         self.use_look(replace(self.look, scale=scale_for(size.width(), size.height())))
+        for overlay in self.findChildren(Overlay):
+            if isinstance(overlay, Overlay):
+                overlay.cover()
+        self.touch_binding.band.show_state(self.touch_binding.band.locked)
 
     def changeEvent(self, event: QEvent) -> None:  # noqa: N802
         """Qt: something about the window has changed."""
@@ -222,8 +225,8 @@ class MainWindow(QWidget):
     def _show_look(self) -> None:
         self.setStyleSheet(style_sheet(self.look))
         fit_layouts(self, self.look)
-        self.rail.use_look(self.look)
-        self.top_bar.use_look(self.look)
+        self.rail.show_again()
+        self.top_bar.band.show_again()
         self._show_again()
 
     def _show_again(self) -> None:
@@ -258,7 +261,9 @@ class MainWindow(QWidget):
         )
         self.past = SurveysPage(self, traces.past, self._imaging)
         self.job = JobPage(traces)
-        self.survey_tab = SurveyTab(self.control, self.job, self.result)
+        self.survey_tab = SurveyTab(
+            *(self.control, self.job, self.result, lambda survey: self.result.result.open(survey))
+        )
 
     def _make_sheets(
         self, presenters: Presenters, languages: Languages, memory: WindowMemory, clock: Clock
@@ -278,10 +283,9 @@ class MainWindow(QWidget):
             *(self, survey, traces, self.additions),
             *(self._imaging, self.alerts.show_refusal),
         )
-        seen = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
         self.settings = SettingsPage(
-            *(self, self.top_bar.stop, seen, languages),
-            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory, clock),
+            *(self, languages),
+            *(lambda theme: self.use_look(replace(self.look, theme=theme)), memory),
         )
         self.remote = RemotePage(
             *(self, presenters.arming, lambda: self.control.plan_to_start),

@@ -6,20 +6,13 @@ import enum
 from typing import Dict
 
 from PyQt5.QtCore import QSize, Qt, pyqtSignal
-from PyQt5.QtWidgets import QButtonGroup, QSizePolicy, QStackedWidget, QToolButton, QWidget
+from PyQt5.QtWidgets import QButtonGroup, QSizePolicy, QToolButton, QWidget
 
 from gpr20_common.message import Message
-from gpr20_operator.robot.snapshot import JobScreen, Snapshot
-from gpr20_user_interface.look.icons import icon
-from gpr20_user_interface.look.look import Look, TextColours
-from gpr20_user_interface.pages.result.page import ResultPage
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.look.look import TextColours, icon, look_of
 from gpr20_user_interface.widgets.widgets import column, say
 
-RAIL_PX = 84
 ICON_PX = 32
-# What does not belong to the survey: settings and lock.
-FOOT_PX = 52
 
 
 class TabName(enum.Enum):
@@ -55,7 +48,10 @@ class Rail(QWidget):
         super().__init__()
         self.tabs = {name: _button() for name in TabName}
         self.settings, self.lock = _button(), _button()
-        self._look = Look()
+        # They do not belong to the survey.
+        for button in (self.settings, self.lock):
+            button.setProperty("foot", True)
+        self.setObjectName("rail_column")
         group = QButtonGroup(self)
         for name, button in self.tabs.items():
             say(button, TITLES[name])
@@ -69,19 +65,16 @@ class Rail(QWidget):
     def show_chosen(self, name: TabName) -> None:
         """Show which tab is in front."""
         self.tabs[name].setChecked(True)
-        self.use_look(self._look)
+        self.show_again()
 
-    def use_look(self, look: Look) -> None:
-        """Take sizes and colours of a look."""
-        self._look = look
-        self.setFixedWidth(look.px(RAIL_PX))
+    def show_again(self) -> None:
+        """Take sizes and colours of the look."""
+        look = look_of(self)
         signs: Dict[QToolButton, str] = {one: name.value for name, one in self.tabs.items()}
         for button, sign in {**signs, self.settings: "settings", self.lock: "lock"}.items():
             colours = TextColours.CHOSEN if button.isChecked() else TextColours.ARROW
             button.setIcon(icon(sign, look.text(colours).ink, look.px(ICON_PX)))
             button.setIconSize(QSize(look.px(ICON_PX), look.px(ICON_PX)))
-        for button in (self.settings, self.lock):
-            button.setFixedHeight(look.px(FOOT_PX))
 
 
 def _button() -> QToolButton:
@@ -91,53 +84,3 @@ def _button() -> QToolButton:
     button.setFocusPolicy(Qt.FocusPolicy.NoFocus)
     button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
     return button
-
-
-class SurveyTab(QStackedWidget, Page):
-    """Shows the screen that the state of the survey needs.
-
-    Args:
-        plan: The plan of the next survey.
-        job: A survey that runs, or a replay.
-        result: A survey that has ended, or a stored one.
-    """
-
-    def __init__(self, plan: QWidget, job: QWidget, result: ResultPage) -> None:
-        super().__init__()
-        self._screen = JobScreen()
-        self._plan, self._job, self._result = plan, job, result
-        # Folder of a stored survey whose result was opened; empty: none.
-        self._opened = ""
-        for screen in (plan, job, result):
-            self.addWidget(screen)
-
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Show the screen that is needed now."""
-        self._screen.note(snapshot)
-        if snapshot.running:
-            self._opened = ""
-        self._show(snapshot)
-
-    def show_plan(self, snapshot: Snapshot) -> None:
-        """Show the plan of the next survey; not while one is running."""
-        self._opened = ""
-        self._screen.leave(snapshot)
-        self._show(snapshot)
-
-    def show_result(self, folder: str, snapshot: Snapshot) -> None:
-        """Show the result of a stored survey; not while one is running."""
-        if not snapshot.running:
-            self._opened = folder
-            self._show(snapshot)
-
-    def _show(self, snapshot: Snapshot) -> None:
-        survey, screen = self._opened, self._plan
-        if self._screen.visible:
-            screen = self._job
-            if snapshot.state is not None and not snapshot.running and snapshot.replay is None:
-                survey = survey or snapshot.state.survey_id
-        if survey:
-            self._result.result.open(survey)
-            screen = self._result
-        if self.currentWidget() is not screen:
-            self.setCurrentWidget(screen)

@@ -20,15 +20,17 @@ from gpr20_operator.ground.texts import marks_above, marks_in_section
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import Mark, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
-from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
-from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.plot import UNIT, Plot, image_of
+from gpr20_user_interface.widgets.tile import SurveyBand
 from gpr20_user_interface.widgets.widgets import (
+    EmptyState,
+    PulledText,
     column,
     holding,
     new_button,
     new_label,
+    offer,
     row,
     say,
     set_look,
@@ -120,7 +122,6 @@ class GroundView(QWidget):
         self.set_marker, self.finer = QPushButton(), QPushButton()
         say(self.layers, Message("Layers"))
         say(self.back, Message("Back\nto live"))
-        say(self.finer, Message("Measure\nfiner"))
         self.next = new_button(lambda: self._do(model.choose_next))
         self._slow = QTimer(self)
         self._slow.setInterval(DRAG_MS)
@@ -231,12 +232,17 @@ class GroundView(QWidget):
         for key in (self.shallower, self.deeper):
             key.setEnabled(model.deepest_m is not None)
         visits, removes = bool(additions.candidates), isinstance(model.mark, Marker)
-        say(self.next, Message("Next\ncandidate") if visits else Message("Next\ngap"))
-        self.next.setEnabled(visits or ground.next_problem(None) is not None)
-        say(self.set_marker, Message("Remove\nmarker") if removes else Message("Set\nmarker"))
-        self.set_marker.setEnabled(additions.can_mark and has_point)
-        has_plan = ground.grid is not None and ground.grid.plan is not None
-        self.finer.setEnabled(has_plan and has_point and not self.is_running)
+        gap = visits or ground.next_problem(None) is not None
+        following = Message("Next\ncandidate") if visits else Message("Next\ngap")
+        offer(self.next, following, None if gap else Message("No gap\nis left"))
+        obstacle = None if has_point else Message("Touch\na place")
+        act = Message("Remove\nmarker") if removes else Message("Set\nmarker")
+        offer(self.set_marker, act, obstacle if additions.can_mark else Message("Not in\na replay"))
+        if self.is_running:
+            obstacle = Message("Finer: after\nthe survey")
+        elif ground.grid is None or ground.grid.plan is None:
+            obstacle = Message("Finer: not\nimported")
+        offer(self.finer, Message("Measure\nfiner"), obstacle)
 
     def _share_room(self) -> None:
         """Give each picture the room that leaves the least of it unused; true to scale above."""

@@ -16,14 +16,14 @@ from gpr20_operator.robot.service_model import PARTS, STEPS, AxisAction, HeightT
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.results.answers import INSTRUCTIONS, AnalyzerTest
 from gpr20_survey.trace.sweep_settings import CalibrationStatus
-from gpr20_user_interface.look.look import GAP_PX, look_of
+from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.labels import PulledText
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.widgets import (
+    PulledText,
     column,
     grid,
-    in_two_lines,
+    holding,
     new_button,
     new_label,
     row,
@@ -38,8 +38,6 @@ LAMPS = {
     True: Message("● closed"),
     False: Message("○ open"),
 }
-# What the text of an instrument's button has room for.
-BUTTON_PX = 190
 
 
 class ServiceScreen(QWidget):
@@ -75,9 +73,7 @@ class ServiceScreen(QWidget):
             say(button, text)
         self._pages = QStackedWidget()
         for layout in (self._axes(), self._instruments()):
-            page = QWidget()
-            page.setLayout(layout)
-            self._pages.addWidget(page)
+            self._pages.addWidget(holding(layout))
         bottom = row((self.outcome, 1), self.switch_button, leave_button)
         self.setLayout(column((self._pages, 1), bottom, margin=GAP_PX))
         self.begin()
@@ -93,11 +89,11 @@ class ServiceScreen(QWidget):
             self._show_axis(axis, model)
             for button in self.moves[axis]:
                 button.setEnabled(free)
-        text = shown_text(Message("DAILY CHECK"))
+        text = Message("DAILY\nCHECK")
         if model.part is not None:
             number = PARTS.index(model.part) + 1
-            text = shown_text(Message("MEASURE {number}/{total}", number=number, total=len(PARTS)))
-        self.daily.setText(in_two_lines(text, self.daily, look_of(self).px(BUTTON_PX)))
+            text = Message("MEASURE\n{number}/{total}", number=number, total=len(PARTS))
+        say(self.daily, text)
         lines = {
             self.measure: _height_lines(model.height),
             self.analyzer: _analyzer_lines(model),

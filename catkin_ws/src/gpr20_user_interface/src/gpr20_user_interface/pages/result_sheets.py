@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable, Tuple
 
 from PyQt5.QtWidgets import QProgressBar, QPushButton, QWidget
@@ -17,9 +18,9 @@ from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS, Targets
 from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
-from gpr20_user_interface.widgets.labels import PulledText, SurveyBand
 from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row, say
+from gpr20_user_interface.widgets.tile import SurveyBand
+from gpr20_user_interface.widgets.widgets import PulledText, column, new_button, new_label, row, say
 
 LONGEST_NAME = 12
 MOST_STICKS = 3
@@ -125,7 +126,7 @@ class HidingSheet(ResultSheet):
 
     def __init__(self, window: QWidget, result: SurveyResult) -> None:
         super().__init__(window, result)
-        self.targets = {one: self._key(one) for one in Targets}
+        self.targets = {one: self.choice(partial(result.choose_target, one)) for one in Targets}
         self.cancel = new_button(lambda: self.result.hiding.end(), Message("CANCEL"))
         self.add_row(*self.targets.values())
         self.add_text()
@@ -148,9 +149,6 @@ class HidingSheet(ResultSheet):
             lines = [ONLY_THIS, *job.result.details]
             rest = "\n".join(map(sentence_text, [HATCHED, *lines]))
         self.show_job(job, rest)
-
-    def _key(self, target: Targets) -> QPushButton:
-        return self.choice(lambda: self.result.choose_target(target))
 
 
 class StickSheet(ResultSheet):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Callable, Dict, Optional
 
 from PyQt5.QtCore import pyqtSignal
@@ -17,10 +18,10 @@ from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soi
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
-from gpr20_user_interface.pages.result.sheets import LONGEST_NAME, ResultSheet
-from gpr20_user_interface.touch.hold_button import HoldButton
+from gpr20_user_interface.pages.result_sheets import LONGEST_NAME, ResultSheet
+from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.keys import Judge, Pad
-from gpr20_user_interface.widgets.widgets import new_button, say
+from gpr20_user_interface.widgets.widgets import new_button, offer, say
 
 NONE = "—"
 PERMITTIVITIES = Message(
@@ -48,14 +49,14 @@ class PlaceSheet(ResultSheet):
         self._what: Optional[What] = None
         self._depth, self._who = "", ""
         self.pad = Pad(window)
-        self.whats: Dict[What, QPushButton] = {one: self._key(one) for one in What}
+        self.whats: Dict[What, QPushButton] = {
+            one: self.choice(partial(self._choose, one)) for one in What
+        }
         self.deep, self.who = new_button(self._on_depth), new_button(self._on_who)
         self.store = HoldButton()
         self.store.held.connect(self._on_store)
-        say(self.store, Message("Hold to\nstore"))
-        finer, view = Message("Measure\nfiner"), Message("Show in\nGround")
-        self.finer = new_button(lambda: self._leave(self.finer_wanted), finer)
-        self.view = new_button(lambda: self._leave(self.show_wanted), view)
+        self.finer = new_button(lambda: self._leave(self.finer_wanted))
+        self.view = new_button(lambda: self._leave(self.show_wanted), Message("Show in\nGround"))
         self.add_text()
         self.add_row(*self.whats.values())
         self.add_row(self.deep, self.who, self.store)
@@ -82,8 +83,11 @@ class PlaceSheet(ResultSheet):
         if place is None or record is None:
             self.hide()
             return
-        self.store.setEnabled(self._what is not None and bool(self._who) and not noting.running)
-        self.finer.setEnabled(record.grid.plan is not None)
+        known = self._what is not None and bool(self._who)
+        missing = None if known and not noting.running else Message("Say what\nand who")
+        offer(self.store, Message("Hold to\nstore"), missing)
+        no_plan = None if record.grid.plan is not None else Message("Finer: not\nimported")
+        offer(self.finer, Message("Measure\nfiner"), no_plan)
         self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
         found, hidden = self.result.find_at(place), self.result.hiding.result
         lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
@@ -96,12 +100,9 @@ class PlaceSheet(ResultSheet):
         if self.result.chosen is not None:
             wanted.emit(self.result.chosen)
 
-    def _key(self, what: What) -> QPushButton:
-        def act() -> None:
-            self._what = what
-            self.show_now()
-
-        return self.choice(act)
+    def _choose(self, what: What) -> None:
+        self._what = what
+        self.show_now()
 
     def _on_depth(self) -> None:
         def take(text: str) -> None:
@@ -137,11 +138,12 @@ class SoilSheet(ResultSheet):
         super().__init__(window, result)
         self._value: Optional[float] = None
         self.pad = Pad(window)
-        self.soils = {one: self._key(one.value.permittivity) for one in Soils}
-        self.unknown, self.other = self._key(None), new_button(self._on_other)
+        known = {one: one.value.permittivity for one in Soils}
+        self.soils = {one: self.choice(partial(self._choose, known[one])) for one in Soils}
+        self.unknown = self.choice(partial(self._choose, None))
+        self.other = new_button(self._on_other)
         self.use = HoldButton()
         self.use.held.connect(self._on_use)
-        say(self.use, Message("Hold to use it"))
         say(self.title, Message("Soil of this survey"))
         self.add_row(*self.soils.values())
         self.add_row(self.unknown, self.other)
@@ -164,16 +166,14 @@ class SoilSheet(ResultSheet):
         other, known = self._value, [one.value.permittivity for one in Soils]
         number = "" if other is None or other in known else f"\n{shown_number(other)}"
         self.other.setText(self.tr("Other value") + number)
-        self.use.setEnabled(self._value != self.result.permittivity)
+        used = self._value == self.result.permittivity
+        offer(self.use, Message("Hold to use it"), Message("It is used now") if used else None)
         self.text.setText(
             self.tr(
                 "Depths, places, hiding places and reports use this permittivity. The search "
                 "begins again with it."
             )
         )
-
-    def _key(self, value: Optional[float]) -> QPushButton:
-        return self.choice(lambda: self._choose(value))
 
     def _choose(self, value: Optional[float]) -> None:
         self._value = value

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from PyQt5.QtCore import QSize, Qt, pyqtSignal
-from PyQt5.QtGui import QResizeEvent, QShowEvent
+import numpy as np
+from PyQt5.QtCore import QAbstractListModel, QModelIndex, QPointF, QRectF, QSize, Qt, pyqtSignal
+from PyQt5.QtGui import QBrush, QColor, QPainter, QPixmap, QPixmapCache, QResizeEvent, QShowEvent
 from PyQt5.QtWidgets import QLabel, QPushButton, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.past_surveys import PastSurveys
+from gpr20_operator.ground.coverage import Cell
+from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
 from gpr20_operator.jobs.result_texts import headline, survey_lines
@@ -17,22 +19,125 @@ from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.survey_summary import SurveySummary
-from gpr20_user_interface.look.icons import icon
-from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
+from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, icon, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
-from gpr20_user_interface.pages.surveys.survey_list import (
-    PICTURE_PX,
-    ROW_PX,
-    SURVEY,
-    SurveysModel,
-    map_picture,
-)
 from gpr20_user_interface.touch.scrolling import FingerList
-from gpr20_user_interface.widgets.empty_state import EmptyState
+from gpr20_user_interface.widgets.ground_picture import cells_image
 from gpr20_user_interface.widgets.keys import Pad
-from gpr20_user_interface.widgets.labels import ElidedLabel, PulledText
-from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.widgets import column, holding, new_button, row, tiled
+from gpr20_user_interface.widgets.overlay import Page
+from gpr20_user_interface.widgets.tile import ElidedLabel
+from gpr20_user_interface.widgets.widgets import (
+    EmptyState,
+    PulledText,
+    column,
+    holding,
+    new_button,
+    row,
+    say,
+    tiled,
+)
+
+ROW_PX = 80
+PICTURE_PX = 64
+SIMULATED = Message("SIMULATED")
+SURVEY = int(Qt.ItemDataRole.UserRole)
+SIGNS: Dict[Ending, str] = {
+    Ending.COMPLETE: "\N{CHECK MARK} ",
+    Ending.INCOMPLETE: "\N{WARNING SIGN} ",
+    Ending.UNREADABLE: "\N{WARNING SIGN} ",
+}
+
+
+class SurveysModel(QAbstractListModel):
+    """The surveys that are listed: map, name and time, how each ended, where and by whom.
+
+    Args:
+        surveys: Know how each ended.
+        is_chosen: Whether the operator has touched a survey.
+
+    Attributes:
+        look: Sizes and colours.
+    """
+
+    def __init__(self, surveys: PastSurveys, is_chosen: Callable[[SurveySummary], bool]) -> None:
+        super().__init__()
+        self._past, self._is_chosen = surveys, is_chosen
+        self.look = Look()
+        self.surveys: Tuple[SurveySummary, ...] = ()
+
+    def show(self, surveys: Tuple[SurveySummary, ...]) -> None:
+        """Show other surveys; a list that has only become longer stays where it is scrolled to."""
+        known = len(self.surveys)
+        if len(surveys) > known and surveys[:known] == self.surveys:
+            self.beginInsertRows(QModelIndex(), known, len(surveys) - 1)
+            self.surveys = surveys
+            self.endInsertRows()
+        elif surveys != self.surveys:
+            self.beginResetModel()
+            self.surveys = surveys
+            self.endResetModel()
+
+    def rowCount(self, parent: QModelIndex = QModelIndex()) -> int:  # noqa: N802, B008
+        """Qt: how many rows there are."""
+        return 0 if parent.isValid() else len(self.surveys)
+
+    def data(self, index: QModelIndex, role: int = int(Qt.ItemDataRole.DisplayRole)) -> Any:
+        """Qt: what a row says, and how it looks."""
+        survey, roles = self.surveys[index.row()], Qt.ItemDataRole
+        if role == SURVEY:
+            return survey
+        if role == roles.DisplayRole:
+            return self._text(survey)
+        if role == roles.DecorationRole:
+            return map_picture(survey, self.look.px(PICTURE_PX), self.look)
+        if role == roles.SizeHintRole:
+            return QSize(0, self.look.px(ROW_PX))
+        if role in (roles.BackgroundRole, roles.ForegroundRole) and self._is_chosen(survey):
+            pair = self.look.text(TextColours.CHOSEN)
+            return QBrush(QColor(pair.ground if role == roles.BackgroundRole else pair.ink))
+        return None
+
+    def _text(self, survey: SurveySummary) -> str:
+        ending = SIGNS.get(self._past.ending_of(survey), "") + shown_text(self._past.ending(survey))
+        when = shown_text(self._past.time_of(survey)) if survey.name.strip() else ""
+        simulated = survey.simulated and survey.problem is None
+        lines = (
+            (shown_text(self._past.title_of(survey)), when),
+            (ending,),
+            (survey.site, survey.operator, shown_text(SIMULATED) if simulated else ""),
+        )
+        return "\n".join(" · ".join(filter(None, line)) for line in lines if any(line))
+
+
+def map_picture(survey: SurveySummary, size_px: int, look: Look) -> QPixmap:
+    """Return the map of a survey: full where all is stored, striped where a part is.
+
+    Args:
+        survey: Its summary.
+        size_px: Of both sides.
+        look: Colours.
+    """
+    size_mm, shape = (survey.width_mm, survey.height_mm), (survey.map_rows, survey.map_columns)
+    key = f"survey {size_mm} {shape} {survey.map_percent!r} {size_px} {look.theme}"
+    known = QPixmapCache.find(key)
+    if known is not None:
+        return known
+    picture = QPixmap(size_px, size_px)
+    picture.fill(Qt.GlobalColor.transparent)
+    if 0 < shape[0] * shape[1] == len(survey.map_percent) and min(size_mm) > 0.0:
+        percent = np.frombuffer(survey.map_percent, np.uint8).reshape(shape)
+        part = np.where(percent > 0, Cell.PARTLY, Cell.MISSING)
+        cells = np.where(percent == 100, Cell.DONE, part).astype(np.uint8)
+        area = QRectF(0.0, 0.0, *(one * size_px / max(size_mm) - 1.0 for one in size_mm))
+        area.moveCenter(QPointF(size_px / 2.0, size_px / 2.0))
+        painter = QPainter(picture)
+        painter.drawImage(area, cells_image(cells, size_px, look.theme))
+        painter.setPen(QColor(look.colour(Mark.BORDER)))
+        painter.drawRect(area)
+        painter.end()
+    QPixmapCache.insert(key, picture)
+    return picture
+
 
 MAP_PX = 80
 SIGN_PX = 28
@@ -75,7 +180,7 @@ class SurveysPage(QWidget, Page):
         self.pad = Pad(window)
         self.search = new_button(self._ask_text)
         self.clear = new_button(lambda: self.search_for(""), "✕")
-        self.model = SurveysModel(surveys, self._is_chosen)
+        self.model = SurveysModel(surveys, lambda one: one.folder == self._folder)
         self.list = FingerList()
         self.list.setModel(self.model)
         self.list.tapped.connect(lambda row: self.choose(row.data(SURVEY)))
@@ -130,9 +235,6 @@ class SurveysPage(QWidget, Page):
         """Qt: there is more or less room for rows."""
         super().resizeEvent(event)
         self._read_older()
-
-    def _is_chosen(self, survey: SurveySummary) -> bool:
-        return survey.folder == self._folder
 
     @property
     def _folder(self) -> str:
@@ -209,8 +311,10 @@ class SurveysPage(QWidget, Page):
             (self.resume, surveys.can_resume),
             (self.notes, lambda one: one.problem is None),
         ):
-            button.setEnabled(chosen is not None and can(chosen))
-            button.setVisible(chosen is not None)
+            button.setVisible(chosen is not None and can(chosen))
+        # What a touch does: the search takes its time.
+        searched = self._answer.problem is None
+        say(self.result, Message("Result") if searched else Message("Search\nand show"))
         title, lines = "", [self.tr("Touch a survey. Times are local.")]
         if chosen is not None:
             title, lines = shown_text(surveys.title_of(chosen)), self._lines(chosen)
@@ -218,7 +322,7 @@ class SurveysPage(QWidget, Page):
         self.map.setVisible(chosen is not None and bool(chosen.map_percent))
         if surveys.problem is not None:
             lines = [sentence_text(surveys.problem)]
-        self.title.show_text(title)
+        self.title.setText(title)
         self.details.setText("\n".join(lines))
 
     def _lines(self, survey: SurveySummary) -> List[str]:

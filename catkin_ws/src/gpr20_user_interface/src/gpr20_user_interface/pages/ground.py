@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
-from PyQt5.QtCore import QObject, pyqtSignal
-from PyQt5.QtWidgets import QWidget
+import numpy as np
+from PyQt5.QtCore import QObject, QSize, pyqtSignal
+from PyQt5.QtGui import QPixmap
+from PyQt5.QtWidgets import QLabel, QPushButton, QSizePolicy, QWidget
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.additions import AdditionsPresenter
+from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import SurveyGrid, plan_finer
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.texts import place_text
+from gpr20_operator.ground.patterns import TILES, pattern_colours
+from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.texts import STATE_NAMES, place_text
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import Keys
@@ -24,23 +29,110 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import check_text
 from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
+from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.ground.layers_sheet import LayersSheet
-from gpr20_user_interface.pages.ground.view import GroundView
+from gpr20_user_interface.pages.ground_view import GroundView
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.overlay import Overlay, Page
+from gpr20_user_interface.widgets.plot import image_of
+from gpr20_user_interface.widgets.widgets import column, new_button, offer, row, say
 
-ShowRefusal = Callable[[Refused, Message], None]
+SWATCH_PX = 24
+NAMES = {
+    Layer.COVERAGE: Message("Coverage"),
+    Layer.ECHOES: Message("Echoes"),
+    Layer.FOCUSED: Message("Focused\nimage"),
+    Layer.HIDING: Message("Hiding\nplaces"),
+}
 
 
-class Awaited(NamedTuple):
-    """A place of a survey that is shown as soon as the survey is here."""
+class LayersSheet(Overlay):
+    """Keys that are labelled with what is shown now; the first row chooses the layer."""
 
-    survey_id: str
-    x_mm: float
-    y_mm: float
-    depth_mm: float
+    changed = pyqtSignal()
+
+    def __init__(self, window: QWidget, model: GroundModel) -> None:
+        super().__init__(window)
+        self._model = model
+        self.layers = {one: self._key(partial(model.change, layer=one)) for one in Layer}
+        self.legend: Dict[StopState, Tuple[QLabel, QLabel]] = {
+            one: (QLabel(), QLabel()) for one in STATE_NAMES
+        }
+        self.next_problem = self._key(model.choose_next_problem)
+        self.along = self._key(model.turn)
+        self.polarization = self._key(model.next_polarization)
+        self.background = self._key(self._toggle_background)
+        self.follow = self._key(lambda: model.follow(not model.follows))
+        self.done = self._key(self.hide)
+        say(self.done, Message("CLOSE"))
+        self.next_problem.clicked.connect(self.hide)
+        for layer, key in self.layers.items():
+            key.setCheckable(True)
+            say(key, NAMES[layer])
+        self._lay_out()
+        self._show()
+
+    def open(self) -> None:
+        """Show what is chosen now, over the page."""
+        self._show()
+        super().open()
+
+    def show_again(self) -> None:
+        """Paint the swatches in the colours of the look."""
+        look = look_of(self)
+        size = look.px(SWATCH_PX)
+        for state, (swatch, _count) in self.legend.items():
+            image = image_of(np.tile(TILES[state], (2, 2)), pattern_colours(look.theme))
+            swatch.setPixmap(QPixmap.fromImage(image.copy(0, 0, size, size)))
+            swatch.setFixedSize(QSize(size, size))
+
+    def _show(self) -> None:
+        model, settings, grid = self._model, self._model.settings, self._model.survey.radar.grid
+        for layer, key in self.layers.items():
+            key.setChecked(layer is settings.layer)
+        # Nobody asked yet where a mine could hide: that takes minutes.
+        asked = None if model.additions.hiding is not None else Message("Hiding: ask\nin Result")
+        offer(self.layers[Layer.HIDING], NAMES[Layer.HIDING], asked)
+        counts = model.survey.map.counts()
+        for state, (_swatch, label) in self.legend.items():
+            number = "—" if counts is None else str(counts[state])
+            say(label, Message("{name}: {number}", name=STATE_NAMES[state], number=number))
+        gap = model.survey.map.next_problem(None) is not None
+        offer(self.next_problem, Message("Next\ngap"), None if gap else Message("No gap\nis left"))
+        rotation_deg = 0.0 if grid is None else grid.rotations_deg[settings.polarization]
+        say(self.polarization, Message("Antenna\n{rotation:g}°", rotation=rotation_deg))
+        along_x, along_y = Message("Section\nalong X"), Message("Section\nalong Y")
+        say(self.along, along_x if settings.along is Axis.X_MM else along_y)
+        removed, included = Message("Background\nremoved"), Message("Background\nincluded")
+        say(self.background, removed if settings.remove_background else included)
+        follows, stays = Message("Crosshair\nlast trace"), Message("Crosshair\nstays")
+        say(self.follow, follows if model.follows else stays)
+
+    def _key(self, act: Callable[[], None]) -> QPushButton:
+        key = new_button(lambda: self._do(act))
+        key.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Expanding)
+        key.setObjectName("ground_choice")
+        return key
+
+    def _do(self, act: Callable[[], None]) -> None:
+        act()
+        self._show()
+        self.changed.emit()
+
+    def _toggle_background(self) -> None:
+        self._model.change(remove_background=not self._model.settings.remove_background)
+
+    def _lay_out(self) -> None:
+        swatches = (part for one, name in self.legend.values() for part in (one, (name, 1)))
+        keys = self.along, self.polarization, self.background, self.follow, self.done
+        # CLOSE ends below the middle, where other sheets have what is held.
+        rows = (
+            (row(*((one, 1) for one in self.layers.values())), 3),
+            (row((row(*swatches), 4), (self.next_problem, 1)), 3),
+            (row(*((one, 1) for one in keys)), 2),
+        )
+        self.setLayout(column(*rows, margin=GAP_PX))
 
 
 class GroundPage(QObject, Page):
@@ -67,13 +159,14 @@ class GroundPage(QObject, Page):
         traces: TracePresenter,
         additions: AdditionsPresenter,
         imaging: Imaging,
-        show_refusal: ShowRefusal,
+        show_refusal: Callable[[Refused, Message], None],
     ) -> None:
         super().__init__(window)
         self._survey, self._traces, self._additions = survey, traces, additions
         self._imaging, self._show_refusal = imaging, show_refusal
         self._replay = False
-        self._awaited: Optional[Awaited] = None
+        # A survey, and its place (X, Y, depth) that is shown as soon as the survey is here.
+        self._awaited: Tuple[str, Tuple[float, float, float]] = "", (0.0, 0.0, 0.0)
         self._described: Tuple[Optional[SurveyGrid], Optional[float]] = (None, None)
         self.model = GroundModel(traces.shown, additions)
         self.view = GroundView(self.model)
@@ -97,7 +190,7 @@ class GroundPage(QObject, Page):
         self, survey_id: str, folder: str, x_mm: float, y_mm: float, depth_mm: float
     ) -> None:
         """Show a place of a survey, which is read first if another one is shown."""
-        self._awaited = Awaited(survey_id, x_mm, y_mm, depth_mm)
+        self._awaited = survey_id, (x_mm, y_mm, depth_mm)
         if self._traces.running.survey_id == survey_id:
             self._traces.show_live()
         elif self._traces.shown.survey_id != survey_id:
@@ -132,6 +225,7 @@ class GroundPage(QObject, Page):
     def show_again(self) -> None:
         """Show the same in another language, theme or size."""
         self.view.show_again()
+        self.layers.show_again()
 
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
@@ -184,15 +278,15 @@ class GroundPage(QObject, Page):
     def _follow(self) -> None:
         """Show another survey if another one was opened, or the running one again."""
         self.view.show_band(self._traces.band)
-        shown, awaited = self._traces.shown, self._awaited
+        shown, (awaited, place) = self._traces.shown, self._awaited
         if shown is not self.model.survey:
             self.model.show_survey(shown)
             self.view.refresh()
             if self._traces.opened_folder:
                 self.wanted.emit()
-        if awaited is not None and awaited.survey_id == shown.survey_id:
-            self._awaited = None
-            self.show_place(*awaited[1:])
+        if awaited and awaited == shown.survey_id:
+            self._awaited = "", place
+            self.show_place(*place)
             self.wanted.emit()
 
     def _follow_soil(self) -> None:

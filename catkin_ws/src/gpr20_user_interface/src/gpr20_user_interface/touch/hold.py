@@ -10,29 +10,72 @@ from PyQt5.QtWidgets import QPushButton
 
 from gpr20_common.low.clock import Clock
 from gpr20_user_interface.look.look import TextColours, look_of
-from gpr20_user_interface.touch.guard import Hold
 
 TICK_MS = 50
+# How long a button must be held [s].
+HOLD_S = 1.0
+# A window that was busy does not know whether the finger was there all the time: what lies
+# between two looks counts as this time [s] at most.
+MAX_STEP_S = 0.1
+
+
+class Hold:
+    """Measures how long a finger holds a button without a break."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._held_s: Optional[float] = None
+        self._looked_s = 0.0
+
+    @property
+    def active(self) -> bool:
+        """Whether a finger holds the button."""
+        return self._held_s is not None
+
+    @property
+    def fraction(self) -> float:
+        """How much of the time has passed, 0 to 1."""
+        return 0.0 if self._held_s is None else min(1.0, self._held_s / HOLD_S)
+
+    def begin(self) -> None:
+        """Note that a finger presses; one that comes to another finger ends the hold."""
+        if self.active:
+            self.cancel()
+            return
+        self._held_s = 0.0
+        self._looked_s = self._clock.now_s()
+
+    def cancel(self) -> None:
+        """Note that the finger has left, or that what is under it has changed."""
+        self._held_s = None
+
+    def tick(self) -> bool:
+        """Look at the clock; return whether the hold is complete. Each hold is so once."""
+        if self._held_s is None:
+            return False
+        now_s = self._clock.now_s()
+        self._held_s += min(now_s - self._looked_s, MAX_STEP_S)
+        self._looked_s = now_s
+        if self._held_s < HOLD_S:
+            return False
+        self.cancel()
+        return True
 
 
 class HoldButton(QPushButton):
     """Emits `held` when a finger has rested on it; a tap does nothing.
 
     It fills while it is held. A finger that leaves it, even for a moment, has to begin again.
-
-    Args:
-        text: What it does.
-        clock: Measures the time; by default, time as it passes.
     """
 
     held = pyqtSignal()
 
-    def __init__(self, text: str = "", clock: Optional[Clock] = None) -> None:
-        super().__init__(text)
+    def __init__(self) -> None:
+        super().__init__()
         self.setObjectName("hold")
         # A key must not press it.
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._hold = Hold(Clock() if clock is None else clock)
+        self._hold = Hold(Clock())
         self._timer = QTimer(self)
         self._timer.setInterval(TICK_MS)
         self._timer.timeout.connect(self.tick)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import singledispatchmethod
 from typing import Dict, Optional
 
 from PyQt5.QtCore import QPointF, QRectF, pyqtSignal
@@ -32,10 +31,10 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_lim
 from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
-from gpr20_user_interface.pages.plan.annotation_sheet import AnnotationSheet
-from gpr20_user_interface.pages.plan.value_sheet import ValueSheet
-from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.tile import AreaTile, TileButton
+from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet
+from gpr20_user_interface.widgets.ground_picture import AreaPicture
+from gpr20_user_interface.widgets.overlay import Page
+from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import grid
 
 COLUMNS, ROWS = 3, 4
@@ -74,7 +73,8 @@ class PlanPage(QWidget, Page):
         self.form = PlanForm(DOCUMENTED_TRAVEL)
         self._check: PlanCheck = self.form.check()
         self.next_annotation = NextAnnotation()
-        self.area = AreaTile()
+        self.reach = AreaPicture()
+        self.area = TileButton(picture=self.reach)
         self.tiles: Dict[Tile, TileButton] = {
             tile: self.area if tile is Tile.AREA else TileButton() for tile in Tile
         }
@@ -113,18 +113,12 @@ class PlanPage(QWidget, Page):
         if self._memory.problem is not None:
             self.refused.emit(Refused.PLAN, self._memory.problem)
 
-    @singledispatchmethod
-    def on_event(self, _event: object) -> None:
+    def on_event(self, event: object) -> None:
         """Take what is known of a START."""
-
-    @on_event.register
-    def _(self, event: Answer) -> None:
-        if event.request is Request.START and event.success:
+        if isinstance(event, Answer) and event.request is Request.START and event.success:
             self.note_started()
-
-    @on_event.register
-    def _(self, event: PlanMemoryFailed) -> None:
-        self.refused.emit(Refused.PLAN, event.reason)
+        elif isinstance(event, PlanMemoryFailed):
+            self.refused.emit(Refused.PLAN, event.reason)
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
@@ -214,7 +208,7 @@ class PlanPage(QWidget, Page):
         if parameters is not None:
             start = QPointF(parameters.x_start_mm, parameters.y_start_mm)
             area_mm = QRectF(start, QPointF(parameters.x_stop_mm, parameters.y_stop_mm))
-        self.area.show_area(area_mm, QRectF(QPointF(left, bottom), QPointF(right, top)))
+        self.reach.show_area(area_mm, QRectF(QPointF(left, bottom), QPointF(right, top)))
 
     def _show_commands(self) -> None:
         """Show what can be started or resumed, and why not."""

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import html
-from functools import partial
 from typing import Callable, Dict, List, Tuple
 
-from PyQt5.QtCore import QSize, Qt, pyqtSignal
-from PyQt5.QtWidgets import QPushButton, QStackedWidget, QWidget
+from PyQt5.QtCore import Qt, pyqtSignal
+from PyQt5.QtWidgets import QFrame, QScrollArea, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
@@ -15,21 +14,21 @@ from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth, 
 from gpr20_operator.robot.notices import Notice, node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_user_interface.look.icons import icon
 from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.robot.service import ServiceScreen
-from gpr20_user_interface.touch.hold_button import HoldButton
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.pages.service import ServiceScreen
+from gpr20_user_interface.touch.hold import HoldButton
+from gpr20_user_interface.widgets.overlay import Page
+from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import (
     column,
     grid,
-    in_two_lines,
+    holding,
     new_button,
     new_label,
+    offer,
     row,
     say,
-    scroll_area,
     set_look,
 )
 
@@ -42,15 +41,14 @@ LEVEL_LOOKS: Dict[Level, Tuple[str, TextColours]] = {
     Level.WARNING: ("doubtful", TextColours.DOUBTFUL),
     Level.FAULT: ("bad", TextColours.BAD),
 }
-# The level of a part, its sign, and the colours of the tile.
-PART_LOOKS: Dict[HealthLevel, Tuple[Level, str, TextColours]] = {
-    HealthLevel.OK: (Level.OK, "check", TextColours.ARROW),
-    HealthLevel.WARN: (Level.WARNING, "warning", TextColours.DOUBTFUL),
-    HealthLevel.ERROR: (Level.FAULT, "fault", TextColours.BAD),
-    HealthLevel.STALE: (Level.FAULT, "fault", TextColours.BAD),
+# The level of a part, and its sign.
+PART_LOOKS: Dict[HealthLevel, Tuple[Level, str]] = {
+    HealthLevel.OK: (Level.OK, "\N{CHECK MARK}"),
+    HealthLevel.WARN: (Level.WARNING, "\N{WARNING SIGN}"),
+    HealthLevel.ERROR: (Level.FAULT, "\N{MULTIPLICATION X}"),
+    HealthLevel.STALE: (Level.FAULT, "\N{MULTIPLICATION X}"),
 }
 COLUMNS = 4
-SIGN_PX = 22
 LEVEL_PX = 100
 
 
@@ -71,7 +69,7 @@ class Overview(QWidget):
         self.hint = new_label("quiet", wraps=True)
         self.table = new_label(wraps=True)
         self.table.setTextFormat(Qt.TextFormat.RichText)
-        self.tiles: List[QPushButton] = []
+        self.tiles: List[TileButton] = []
         self._grid = grid()
         self.check_button = new_button(self.check_requested.emit)
         self.enter_button = HoldButton()
@@ -86,10 +84,6 @@ class Overview(QWidget):
     def listed(self) -> List[Finding]:
         """The findings that are listed: what is wrong or not known."""
         return [one for one in self._findings if one.level >= Level.UNKNOWN]
-
-    def tile(self, name: str) -> QPushButton:
-        """Return the tile of a node."""
-        return self.tiles[[node.name for node in self._nodes].index(name)]
 
     def show_findings(self, findings: Tuple[Finding, ...]) -> None:
         """Show what is wrong with the robot; most times it is the same as before."""
@@ -116,32 +110,23 @@ class Overview(QWidget):
         self.enter_button.setEnabled(obstacle is None)
         keep = Message("Service moves single axes. Keep hands and cables clear.")
         say(self.hint, obstacle or keep)
-        self.check_button.setEnabled(not model.examining)
-        say(self.check_button, Message("CHECKING") if model.examining else Message("CHECK ALL"))
+        checking = Message("CHECKING") if model.examining else None
+        offer(self.check_button, Message("CHECK ALL"), checking)
         self._nodes = report.nodes
         while len(self.tiles) < len(self._nodes):
             number = len(self.tiles)
-            self.tiles.append(new_button(partial(self._touch, number)))
-            self.tiles[-1].setObjectName("part")
+            self.tiles.append(TileButton(lines=0))
+            self.tiles[-1].sentence.setObjectName("small")
+            self.tiles[-1].clicked.connect(lambda _checked, number=number: self._touch(number))
             self._grid.addWidget(self.tiles[-1], *divmod(number, COLUMNS))
             self._grid.setColumnStretch(number % COLUMNS, 1)
         for number, tile in enumerate(self.tiles):
             tile.setVisible(number < len(self._nodes))
         for tile, node in zip(self.tiles, self._nodes):
-            self._show_part(tile, node)
+            level, sign = PART_LOOKS[node.level]
+            name = f"{sign} {shown_text(node_title(node.name))}"
+            tile.show_texts("", sentence=name, level=LEVEL_LOOKS[level][0])
         self._write_counts()
-
-    def _show_part(self, tile: QPushButton, node: NodeHealth) -> None:
-        level, sign, colours = PART_LOOKS[node.level]
-        look = look_of(self)
-        if tile.property("shown") != (sign, look):
-            tile.setProperty("shown", (sign, look))
-            set_look(tile, "level", LEVEL_LOOKS[level][0])
-            size_px = look.px(SIGN_PX)
-            tile.setIcon(icon(sign, look.text(colours).ink, size_px))
-            tile.setIconSize(QSize(size_px, size_px))
-        room_px = self.width() // COLUMNS - 3 * look.px(SIGN_PX)
-        tile.setText(in_two_lines(shown_text(node_title(node.name)), tile, room_px))
 
     def _touch(self, number: int) -> None:
         self.part_touched.emit(self._nodes[number])
@@ -162,14 +147,16 @@ class Overview(QWidget):
         set_look(self.headline, "level", LEVEL_LOOKS[worst][0] if rated else "")
 
     def _lay_out(self) -> None:
-        content, tiles = QWidget(), QWidget()
-        tiles.setLayout(self._grid)
-        inside = column(self.table, tiles)
+        inside, area = column(self.table, self._grid), QScrollArea()
         inside.addStretch(1)
-        content.setLayout(inside)
+        area.setWidget(holding(inside))
+        area.setWidgetResizable(True)
+        area.setFrameShape(QFrame.Shape.NoFrame)
+        area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        area.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         # Not at the bottom, where sheets are closed: a second touch must not begin the service.
         top = row((column(self.headline, self.hint), 2), (self.enter_button, 1))
-        parts = (top, (scroll_area(content), 1), self.check_button)
+        parts = (top, (area, 1), self.check_button)
         self.setLayout(column(*parts, margin=GAP_PX))
 
 

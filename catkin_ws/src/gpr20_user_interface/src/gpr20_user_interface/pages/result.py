@@ -5,34 +5,33 @@ It searches by itself when a survey has ended and the page is seen.
 
 from __future__ import annotations
 
-from typing import Callable, List
+from typing import Callable, Dict, List
 
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 
-from gpr20_common.message import Message
+from gpr20_common.message import Message, in_a_row
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.ground.texts import HATCHED, GroundMark
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate
+from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate, Flag
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import Languages, shown_text
-from gpr20_user_interface.pages.result.entries import PlaceSheet, SoilSheet
-from gpr20_user_interface.pages.result.sheets import (
+from gpr20_user_interface.pages.result_entries import PlaceSheet, SoilSheet
+from gpr20_user_interface.pages.result_sheets import (
     DoubtsSheet,
     HidingSheet,
     StickSheet,
     with_remedy,
 )
-from gpr20_user_interface.widgets.empty_state import EmptyState
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.labels import SurveyBand
-from gpr20_user_interface.widgets.page import Page
-from gpr20_user_interface.widgets.tile import TileButton
+from gpr20_user_interface.widgets.overlay import Page
+from gpr20_user_interface.widgets.tile import SurveyBand, TileButton
 from gpr20_user_interface.widgets.widgets import (
+    EmptyState,
     column,
     holding,
     new_button,
@@ -43,8 +42,14 @@ from gpr20_user_interface.widgets.widgets import (
     tiled,
 )
 
-# Shares of the longer side: numbers stand beside the image, not on it.
-RIM_BESIDE, RIM_ABOVE = 0.12, 0.07
+SURE, WEAKER = Message("sure echo"), Message("weaker echo")
+# What a person does about what makes a place to check doubtful.
+FIRST_STEPS: Dict[Flag, Message] = {
+    Flag.ONE_POLARIZATION: Message("measure finer"),
+    Flag.EDGE: Message("measure beyond"),
+    Flag.SURFACE_RESIDUE: Message("see the surface"),
+    Flag.BRIGHTEST: Message("only the brightest"),
+}
 
 
 class ResultPage(QWidget, Page):
@@ -92,7 +97,7 @@ class ResultPage(QWidget, Page):
         self.band = SurveyBand()
         self.doubts = new_button(self.doubts_sheet.open_now)
         self.doubts.setObjectName("doubts")
-        self.picture = GroundPicture()
+        self.picture = GroundPicture(beside=True)
         self.picture.mark_touched.connect(self.place_sheet.ask)
         self.rows: List[TileButton] = [self._row(number) for number in range(PLACES_SHOWN)]
         self.card = EmptyState()
@@ -118,6 +123,8 @@ class ResultPage(QWidget, Page):
                 sheet.hide()
         if self.isVisible() and snapshot.replay is None:
             self.result.keep()
+            # Whether one is plugged in is seen before the report is asked for.
+            self.result.export.look_for_sticks()
         self.show_now()
 
     def end(self) -> None:
@@ -147,6 +154,11 @@ class ResultPage(QWidget, Page):
         say(self.doubts, Message("Doubts: {count}", count=doubts))
         can_ask = record is not None and not result.survey_runs
         self.stick.setEnabled(can_ask)
+        plugged = any(one.writable for one in result.export.offered)
+        say(
+            self.stick,
+            Message("Report\nto stick") if plugged else Message("Report: plug\na stick in"),
+        )
         self.hiding.setEnabled(image is not None and can_ask)
         self.soil.setEnabled(can_ask)
         self.soil.setText("\n".join(shown_text(one) for one in texts.soil_lines(result)))
@@ -169,8 +181,8 @@ class ResultPage(QWidget, Page):
     def _show_row(self, tile: TileButton, place: Candidate) -> None:
         found = self.result.find_at(place)
         where = f"{place.number}: {shown_text(texts.place_line(place))}"
-        line = texts.why_line(place) if found is None else texts.found_line(found)
-        level = "locked" if place.is_doubtful else ""
+        line = _line(place) if found is None else texts.found_line(found)
+        level = "locked" if place.is_doubtful else "" if place.flags else "sure"
         tile.show_texts(where, shown_text(line), level=level)
 
     def _show_state(self) -> None:
@@ -199,12 +211,6 @@ class ResultPage(QWidget, Page):
         if image is not self._drawn_image:
             self._drawn_image = image
             self.picture.show_picture(FocusedSource(image).from_above())
-            shown = self.picture.extent
-            if shown is not None:
-                # A ring at the edge is seen as a whole.
-                longer = max(shown.width(), shown.height())
-                x, y = RIM_BESIDE * longer, RIM_ABOVE * longer
-                self.picture.set_extent(shown.adjusted(-x, -y, x, y))
         self.picture.set_hiding(result.hiding.result)
         self.picture.set_marks(
             [
@@ -218,9 +224,8 @@ class ResultPage(QWidget, Page):
             ]
         )
         self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
-        # At the top: at the bottom it would take the room of the numbers.
         hatched = result.hiding.result is not None
-        self.picture.labels = "", shown_text(HATCHED if hatched else texts.FROM_MARK)
+        self.picture.labels = "X", shown_text(HATCHED if hatched else texts.FROM_MARK)
 
     def _row(self, number: int) -> TileButton:
         tile = TileButton(lines=1)
@@ -257,3 +262,12 @@ class ResultPage(QWidget, Page):
         if self.result.record is not None:
             survey = self.result.record.survey_id, self.result.survey
             self.show_wanted.emit(*survey, place.x_mm, place.y_mm, place.depth_mm)
+
+
+def _line(place: Candidate) -> Message:
+    """Return how deep a place is, and whether it is sure; else what to do first."""
+    word = WEAKER if place.is_doubtful else SURE
+    first = next((FIRST_STEPS[flag] for flag in place.flags if flag in FIRST_STEPS), None)
+    if first is not None and not place.is_doubtful:
+        word = first
+    return in_a_row([Message("{deep} mm deep", deep=place.place_texts[2]), word])

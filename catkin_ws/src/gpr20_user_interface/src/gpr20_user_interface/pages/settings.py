@@ -1,66 +1,56 @@
-"""The settings of the window: language, colours, dimming, and which robot it shows."""
+"""The settings of the window, and remote control: who may start a survey on the web page."""
 
 from __future__ import annotations
 
+import math
 from functools import partial
-from typing import Any, Callable, Dict, Iterable, Sequence, Tuple
+from typing import Any, Callable, Dict, Iterable, Optional, Tuple
 
-from PyQt5.QtWidgets import QButtonGroup, QPushButton, QWidget
+from PyQt5.QtCore import pyqtSignal
+from PyQt5.QtWidgets import QButtonGroup, QLabel, QPushButton, QWidget
 
 from gpr20_common.catalogue import Language, languages
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_operator.palette import Theme
-from gpr20_operator.robot.condition import JobLevel, condition_of
+from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
+from gpr20_operator.robot.events import StartPlan
+from gpr20_operator.robot.remote_control import Arming, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.settings import DIM_CHOICES_MIN, WindowMemory
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.touch.dimming import DimCover
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.page import Page
+from gpr20_user_interface.widgets.hold_sheet import HoldSheet
+from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.widgets import column, grid, new_button, new_label, row, say
 
 HINT = Message("The first touch of a dimmed screen only brightens it. STOP always acts.")
-# These wait for the operator.
-AWAKE = (SurveyState.PAUSED, SurveyState.FAILED)
 
 
-class SettingsPage(Overlay, Page):
+class SettingsPage(Overlay):
     """Shows the settings; each touch of a choice takes effect at once and is remembered.
 
     Args:
         window: The window.
-        stop: Its button STOP, which no dimming covers.
-        notices: What must be seen while it is open.
         languages: Languages of the window.
         use_theme: Changes the theme of the window.
         memory: What was chosen before.
-        clock: Measures the time without a touch.
 
     Attributes:
-        cover: What dims the window.
         remote_button: Opens what concerns the web page.
     """
 
     def __init__(
         self,
         window: QWidget,
-        stop: QPushButton,
-        notices: Sequence[QWidget],
         languages_used: Languages,
         use_theme: Callable[[Theme], None],
         memory: WindowMemory,
-        clock: Clock,
     ) -> None:
         super().__init__(window)
-        self._notices = notices
         self._languages = languages_used
         self._apply_theme = use_theme
         self._memory = memory
-        self.cover = DimCover(window, stop, clock, memory.settings.dim_after_s)
         self.title = new_label("title", text=Message("Settings"))
         self.hint = new_label("quiet", wraps=True)
         self.close_button = new_button(self.hide, Message("CLOSE"))
@@ -70,13 +60,6 @@ class SettingsPage(Overlay, Page):
         self.dim_choices: Dict[int, QPushButton] = self._choices(DIM_CHOICES_MIN, self._dim_after)
         self._write_choices()
         self._lay_out()
-
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Dim the window when it is time; not while there is something to see."""
-        waits = snapshot.state is not None and snapshot.state.code in AWAKE
-        seen = any(notice.isVisible() for notice in self._notices)
-        level = condition_of(snapshot).level
-        self.cover.refresh(waits or seen or level in (JobLevel.ATTENTION, JobLevel.FAULT))
 
     def open(self) -> None:
         """Show what is chosen."""
@@ -104,7 +87,6 @@ class SettingsPage(Overlay, Page):
 
     def _dim_after(self, minutes: int) -> None:
         self._memory.change(dim_after_min=minutes)
-        self.cover.set_after(self._memory.settings.dim_after_s)
 
     def _write_choices(self) -> None:
         for language, button in self.languages.items():
@@ -122,9 +104,8 @@ class SettingsPage(Overlay, Page):
             (Message("Colours"), self.themes),
             (Message("Dim the screen after"), self.dim_choices),
         )
-        self.labels = [new_label() for _row in rows]
-        for number, (label, (title, choices)) in enumerate(zip(self.labels, rows)):
-            say(label, title)
+        self.labels = [new_label(text=title) for title, _choices in rows]
+        for number, (label, (_title, choices)) in enumerate(zip(self.labels, rows)):
             layout.addWidget(label, number, 0)
             layout.addLayout(row(*((one, 1) for one in choices.values())), number, 1)
         layout.setColumnStretch(1, 1)
@@ -140,3 +121,69 @@ class SettingsPage(Overlay, Page):
             button.setObjectName("choice")
             group.addButton(button)
         return buttons
+
+
+class RemotePage(HoldSheet, Page):
+    """Says where the web page is; a hold allows START and RESUME there until the next touch.
+
+    Args:
+        window: The window.
+        arming: Whether they are allowed.
+        plan: Returns what START would measure now.
+        mark: Shows on every page that they are allowed, and how long.
+        open_button: Opens the sheet.
+    """
+
+    # A survey has begun while it was allowed: the page has started it.
+    survey_began = pyqtSignal()
+
+    def __init__(
+        self,
+        window: QWidget,
+        arming: Arming,
+        plan: Callable[[], Optional[StartPlan]],
+        mark: QLabel,
+        open_button: QPushButton,
+    ) -> None:
+        super().__init__(window)
+        self._arming, self._plan, self._mark = arming, plan, mark
+        self._snapshot: Optional[Snapshot] = None
+        open_button.clicked.connect(lambda: self.ask(self._current(), self._arm))
+
+    def on_event(self, event: object) -> None:
+        """Follow what the web page says."""
+        self._arming.take(event)
+
+    def refresh(self, snapshot: Snapshot) -> None:
+        """Show how long it is still allowed; end it if something forbids it."""
+        before, self._snapshot = self._snapshot, snapshot
+        self._arming.note(snapshot, self._plan())
+        known = "" if before is None else before.running_survey
+        if self._arming.armed and snapshot.running_survey not in ("", known):
+            self.survey_began.emit()
+        self._show_mark()
+        if self.isVisible():
+            self.show_question(self._current())
+
+    def end(self) -> None:
+        """Allow it no more: somebody has touched the window, or it closes."""
+        if self._arming.armed:
+            self._arming.touched()
+            self._show_mark()
+
+    def _arm(self) -> None:
+        if self._snapshot is not None:
+            self._arming.arm(self._snapshot)
+            self._show_mark()
+
+    def _current(self) -> HoldQuestion:
+        snapshot = self._snapshot
+        return remote_question(
+            self._arming.web, None if snapshot is None else remote_obstacle(snapshot)
+        )
+
+    def _show_mark(self) -> None:
+        left_s = math.ceil(self._arming.remaining_s)
+        self._mark.setVisible(left_s > 0)
+        title = self.tr("REMOTE")
+        self._mark.setText(f"{title}\n{left_s // 60}:{left_s % 60:02d}")

@@ -1,1 +1,0 @@
-"""GROUND: the survey from above, its sections and what belongs to it."""

@@ -1,1 +1,0 @@
-"""The survey that runs, or ran last."""

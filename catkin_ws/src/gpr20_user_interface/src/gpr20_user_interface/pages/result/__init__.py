@@ -1,1 +1,0 @@
-"""The result of a survey: its places on one image, and what is done with them."""

@@ -1,1 +1,0 @@
-"""ROBOT: what is wrong with the robot, its parts, and its maintenance."""
