@@ -150,7 +150,7 @@ def test_the_doctor_and_the_check_before_a_launch_know_what_the_nodes_import():
     ours = {one for one in imported - ROBOT_MODULES if key_of(one).endswith("-pip")}
     assert {*MODULES} == ours
     # The page, without which the robot works, needs the others.
-    assert {*MODULES} - {*NEEDED} == {"apprise", "tornado"}
+    assert {*MODULES} - {*NEEDED} == {"tornado"}
 
 
 @each_case("name", PACKAGES)

@@ -23,9 +23,9 @@ SURVEY = "20260731T101500_0f8fad5b"
 LOG = f"""[rosout][INFO] 2026-11-30 12:11:50,361: password {SECRET}
 [rosout][ERROR] 2026-11-30 12:11:51,000: {SERVICE} does not answer {SECRET}
 Traceback (most recent call last):
-  File "/opt/{SECRET}/gpr20_web/low/notifier.py", line 12, in send
+  File "/opt/{SECRET}/gpr20_web/low/logins.py", line 12, in send
     connect("{SECRET}")
-NotificationError: {SERVICE}
+ConnectionError: {SERVICE}
 [robot/web-7] process has died [pid 12, exit code -9, cmd web --password {SECRET}].
 """
 
@@ -86,8 +86,8 @@ def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, mac
     assert '"kind":"pause"' in parts["survey.txt"] and '"code":"disk.full"' in parts["survey.txt"]
     assert parts["logs/000.txt"].splitlines() == [
         "[rosout][ERROR] 2026-11-30 12:11:51,000",
-        'gpr20_web/low/notifier.py", line 12, in send',
-        "NotificationError",
+        'gpr20_web/low/logins.py", line 12, in send',
+        "ConnectionError",
         "[robot/web-7] process has died [pid 12, exit code -9",
     ]
     assert "configuration/height.yaml" in index["missing"]

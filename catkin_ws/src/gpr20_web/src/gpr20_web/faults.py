@@ -15,8 +15,8 @@ NOT_ARMED = Fault(
 NOT_IN_CONTROL = Fault("web.not_in_control", Message("Take control first."))
 NOT_LOGGED_IN = Fault("web.not_logged_in", Message("Log in."))
 NOT_NOW = Fault("web.not_now", Message("Look at the state of the robot, then decide."))
-NOT_SENT = Fault(
-    "web.not_sent",
+NOT_NOTED = Fault(
+    "web.not_noted",
     Message("Check disk and network of the computer with the page, then its log."),
     Severity.WARNING,
 )

@@ -1,4 +1,4 @@
-"""The command users, as a person types it, and what web.yaml and notify.txt may say."""
+"""The command users, as a person types it, and what web.yaml may say."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from gpr20_web.calls import Role
 from gpr20_web.errors import WrongLoginError
 from gpr20_web.high import users_command
 from gpr20_web.low.accounts import Accounts
-from gpr20_web.mid.web_parameters import NOTIFY_FILE, WebParameters
+from gpr20_web.mid.web_parameters import WebParameters
 
 Run = Callable[..., Tuple[int, str, str]]
 
@@ -115,7 +115,6 @@ WRONG = {
     "port": (80, 65536, "8443", True),
     "folder": ("", "./web", "~other/web", "/web\n"),
     "session_hours": (0, 169, float("nan")),
-    "notify": (["mailto://me:password@example.org"],),
 }
 
 
@@ -123,21 +122,6 @@ WRONG = {
 def test_what_makes_no_sense_is_refused_by_its_name(name, value):
     with raises_fault((NOT_ALLOWED, CONFIGURATION), name, error=InvalidValueError):
         parameters(**{name: value})
-
-
-def test_each_line_of_the_file_is_somebody_to_notify(tmp_path):
-    page = parameters(folder=str(tmp_path))
-    assert page.notified() == ()
-    file = tmp_path / NOTIFY_FILE
-    file.write_bytes(b"# mail\n mailto://me:pw@example.org \n\n\xff\nntfy://topic\n")
-    # Bytes that are no text spoil their line alone.
-    assert page.notified() == (
-        *("mailto://me:pw@example.org", "\N{REPLACEMENT CHARACTER}", "ntfy://topic"),
-    )
-    file.unlink()
-    file.mkdir()
-    with raises_fault(CONFIGURATION, NOTIFY_FILE, error=InvalidValueError):
-        page.notified()
 
 
 def test_people_read_an_address_that_a_browser_can_open():

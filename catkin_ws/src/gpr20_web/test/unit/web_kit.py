@@ -151,12 +151,8 @@ def make_accounts(folder: Path) -> Accounts:
 
 
 ASKED = Fault("survey.asked", severity=Severity.NOTE)
-SILENT = Fault("vna.silent", Message("Check the cable of the VNA."))
 
 
-def state_of(
-    code: SurveyState, fault: Optional[Fault] = ASKED, survey: str = "s1", number: int = 0
-) -> ControlState:
-    """Return what the main control says; the number is in the sentence alone."""
-    words = Message("it is as it is, {number} times", number=number).with_fault(fault)
-    return ControlState(code, words, survey, True)
+def state_of(code: SurveyState, survey: str = "s1") -> ControlState:
+    """Return what the main control says when somebody has asked for that state."""
+    return ControlState(code, Message("it is as it is").with_fault(ASKED), survey, True)

@@ -28,7 +28,7 @@ UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
 # What the nodes of each computer import and a system does not bring (requirements/nodes.in); the
 # robot works without window and page.
 NEEDED = ("lz4", "mcap", "polib", "pydantic", "rosbags", "vxi11", "zstandard")
-MODULES = (*NEEDED, "apprise", "tornado")
+MODULES = (*NEEDED, "tornado")
 
 
 def check_configuration(machine: Machine) -> Iterator[Finding]:

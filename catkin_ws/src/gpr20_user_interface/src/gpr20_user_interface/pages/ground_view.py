@@ -239,7 +239,7 @@ class GroundView(QWidget):
         act = Message("Remove\nmarker") if removes else Message("Set\nmarker")
         offer(self.set_marker, act, obstacle if additions.can_mark else Message("Not in\na replay"))
         if self.is_running:
-            obstacle = Message("Finer: after\nthe survey")
+            obstacle = Message("Finer:\nafterwards")
         elif ground.grid is None or ground.grid.plan is None:
             obstacle = Message("Finer: not\nimported")
         offer(self.finer, Message("Measure\nfiner"), obstacle)

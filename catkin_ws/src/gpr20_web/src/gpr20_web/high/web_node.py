@@ -9,11 +9,10 @@ import threading
 from collections import deque
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Coroutine, Deque, Mapping, Optional
+from typing import Any, Coroutine, Deque, Optional
 
 import rospy
 
-from gpr20_common.catalogue import language_from_environment, read_catalogue
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.low.clock import Clock
@@ -30,21 +29,19 @@ from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.folder.log_record import Kind
 from gpr20_web.errors import NotNowError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.logins import Logins
-from gpr20_web.low.notifier import Notifier, Outbox
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
 from gpr20_web.mid.lease import Lease
 from gpr20_web.mid.now_page import NowPage
+from gpr20_web.mid.presses import AuditNotes
 from gpr20_web.mid.service_page import ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
-from gpr20_web.mid.watch import Watch
 from gpr20_web.mid.web_parameters import WebParameters
 
 NODE = "web"
@@ -53,13 +50,11 @@ STATIC = Path(__file__).resolve().parent.parent / "static"
 BEAT_S = 0.2
 # While nobody watches.
 REST_S = 1.0
-# As often as the window while somebody looks, else as seldom as a notice may be late.
+# As often as the window while somebody looks, else seldom.
 MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
 # A page that is loaded again finds what is known of the axes: a STOP may wait for it.
 LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
-# An entry of a log is tried again for about an hour.
-RETRY_S, NOTE_TRIES = 5.0, 20
 
 
 @dataclass(frozen=True)
@@ -114,22 +109,12 @@ class WebNode:
         self._logins = Logins(self._accounts, key, longest_hours, self._clock)
         self._model = SurveyModel(self._clock)
         self._connect_clients()
-        language = language_from_environment(os.environ)
-        self._notifier = Notifier(
-            *(parameters.notified(), socket.gethostname()),
-            *(read_catalogue(language).text, self._warn),
-        )
-        self._notes: Outbox[Mapping[str, Any]] = Outbox(
-            lambda fact: self._services.ask(Service.FACT, **fact),
-            Message("a command was not noted in the log of its survey"),
-            *(self._warn, RETRY_S, NOTE_TRIES),
-        )
+        self._notes = AuditNotes(self._storage, self._clock.now_s, self._warn)
         self._lease = Lease(self._clock, lambda session: self._server.streams.has(session))
         self._commands = Commands(
             *(self._model, self._control, RemoteAllowance(self._clock)),
-            *(self._clock, self._lease, self._note),
+            *(self._clock, self._lease, self._notes.add),
         )
-        self._watch = Watch(self._notifier.send)
         self._shell = self._new_shell(data)
         self._server = HttpServer(
             tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
@@ -146,8 +131,6 @@ class WebNode:
         self._in_loop(self._server.close())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSE_LIMIT_S)
-        self._notes.close(CLOSE_LIMIT_S)
-        self._notifier.close(CLOSE_LIMIT_S)
 
     def _connect_clients(self) -> None:
         put, namespace = self._events.append, rospy.get_namespace()
@@ -223,7 +206,7 @@ class WebNode:
             client.set_watched(is_watched)
         snapshot = self._model.snapshot()
         self._shell.refresh(snapshot)
-        self._watch.refresh(snapshot)
+        self._notes.refresh()
         self._server.streams.beat()
         status = WebStatusReported(
             self._parameters.reached_at(socket.gethostname()),
@@ -233,9 +216,6 @@ class WebNode:
         if status != self._said:
             self._said = status
             self._status.publish(WebStatus(**asdict(status)))
-
-    def _note(self, survey: str, values: Mapping[str, Any]) -> None:
-        self._notes.put({"survey": survey, "kind": Kind.AUDIT, "values": values})
 
     def _health(self) -> Health:
         problem = self._notes.problem

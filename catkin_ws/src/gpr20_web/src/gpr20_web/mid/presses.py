@@ -1,21 +1,24 @@
-"""The commands that were pressed, what became of each, and who pressed it."""
+"""The commands that were pressed, what became of each, and the notes of who pressed it."""
 
 from __future__ import annotations
 
 import enum
 import math
 import re
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional
+from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_operator.jobs.job import Requests, Service, job_of
 from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.trace.utc_time import iso_text
 from gpr20_web.calls import Call, Text, text_of
 from gpr20_web.errors import BadRequestError, NotNowError
+from gpr20_web.faults import NOT_NOTED
 
 # The browser makes a new one for each press.
 _PRESS_ID = re.compile("[0-9a-f]{32}")
@@ -29,6 +32,9 @@ LATE_S = 6.0
 AHEAD_S = 2.0
 # Of a text in an entry of the log; a browser may send more.
 MOST_CHARACTERS = 200
+# A note that the storage did not take is sent again after so long, and given up when it is so old:
+# its survey may be gone [s].
+RETRY_S, NOTE_LIMIT_S = 10.0, 3600.0
 
 
 class Outcome(enum.Enum):
@@ -161,3 +167,54 @@ def log_entry(call: Call, what: str, outcome: str, clock: Clock) -> Dict[str, An
         "command": what,
         "outcome": outcome[:MOST_CHARACTERS],
     }
+
+
+class AuditNotes:
+    """Adds notes to the logs of surveys, one at a time; nobody waits for that.
+
+    What fails is sent again behind the others. Belongs to one thread.
+
+    Args:
+        requests: Reach the storage.
+        now_s: A clock that never goes back [s].
+        report: Takes the first problem after a note that was taken.
+
+    Attributes:
+        problem: Why the last note was not taken; None if it was.
+    """
+
+    def __init__(
+        self, requests: Requests, now_s: Callable[[], float], report: Callable[[Message], None]
+    ) -> None:
+        self._now_s, self._report = now_s, report
+        # Each with the time at which it is given up.
+        self._waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
+        self._next_s = now_s()
+        self._job = job_of(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
+        self.problem: Optional[Message] = None
+
+    def add(self, survey: str, values: Mapping[str, Any]) -> None:
+        """Add values to the log of a survey, by its id."""
+        fact = {"survey": survey, "kind": Kind.AUDIT, "values": values}
+        self._waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Send what waits, when it is time."""
+        if self._waiting and not self._job.running and self._now_s() >= self._next_s:
+            self._job.ask(**self._waiting[0][1])
+
+    def _on_taken(self, _said: Message) -> None:
+        self._waiting.popleft()
+        self.problem = None
+        self.refresh()
+
+    def _on_failed(self, reason: Message) -> None:
+        note, now_s, former = self._waiting.popleft(), self._now_s(), self.problem
+        if now_s < note[0]:
+            self._waiting.append(note)
+        self._next_s = now_s + RETRY_S
+        text = Message("a command was not noted in the log of its survey: {reason}", reason=reason)
+        self.problem = text.with_fault(NOT_NOTED)
+        if former is None:
+            self._report(self.problem)

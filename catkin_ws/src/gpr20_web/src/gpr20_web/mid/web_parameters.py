@@ -5,14 +5,11 @@ from __future__ import annotations
 import ipaddress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Tuple
 
-from gpr20_common.errors import InvalidValueError, os_reason
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded
-
-NOTIFY_FILE = "notify.txt"
 
 
 @dataclass(frozen=True)
@@ -24,9 +21,7 @@ class WebParameters:
             in the network of the browsers; or 0.0.0.0 for all its networks. IPv6 is possible, in
             quotes.
         port: TCP port.
-        folder: Folder of its accounts, keys and certificate, and of notify.txt, where a
-            person may write whom to notify: the URL of a service of apprise on each line. These
-            URLs have passwords in them, which do not belong in a file that every node reads.
+        folder: Folder of its accounts, keys and certificate.
         session_hours: Everybody must log in again after this long [h].
     """
 
@@ -71,19 +66,3 @@ class WebParameters:
         """
         everywhere = ipaddress.ip_address(self.address).is_unspecified
         return host if everywhere else self.address
-
-    def notified(self) -> Tuple[str, ...]:
-        """Return the URLs of apprise of those that are notified; none without the file.
-
-        Raises:
-            InvalidValueError: The file cannot be read.
-        """
-        file = self.path / NOTIFY_FILE
-        try:
-            lines = file.read_text("utf-8", "replace").splitlines()
-        except FileNotFoundError:
-            return ()
-        except OSError as error:
-            text = Message("{file}: {reason}", file=file, reason=os_reason(error))
-            raise InvalidValueError(text, fault=CONFIGURATION) from error
-        return tuple(one.strip() for one in lines if one.strip() and not one.startswith("#"))
