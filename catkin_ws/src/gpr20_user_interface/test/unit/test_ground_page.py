@@ -185,7 +185,7 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
     filled.show_tab(TabName.GROUND)
     click(view.next)
     # While a survey runs none can be planned; the button says so.
-    assert not view.finer.isEnabled() and view.finer.text() == "Finer: after\nthe survey"
+    assert not view.finer.isEnabled() and view.finer.text() == "Finer:\nafterwards"
     show(filled, snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY)))
     view.refresh()
     click(view.finer)
