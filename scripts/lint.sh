@@ -17,7 +17,7 @@ packages=(catkin_ws/src/*/src deploy/update)
 MYPYPATH="$(printf '%s:' "${packages[@]}" tools tools/{checks,kits} benchmarks)$messages"
 export MYPYPATH
 types=(mypy --no-error-summary --scripts-are-modules)
-"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py ros2/*/*.py \
+"${types[@]}" "${packages[@]}" catkin_ws/src/*/nodes/* conftest.py deploy/*.py \
     tools/*.py tools/{checks,kits,site}/*.py tools/fault_suite
 # Apart, because a benchmark may have the name of a node.
 "${types[@]}" benchmarks/*.py

@@ -7,7 +7,7 @@ import re
 import yaml
 from user_shell import ROOT
 
-PACKAGES = [*ROOT.glob("catkin_ws/src/*/package.xml"), *ROOT.glob("ros2/*/package.xml")]
+PACKAGES = [*ROOT.glob("catkin_ws/src/*/package.xml")]
 (VERSION,) = re.findall(
     r'^current_version = "(.+)"$', (ROOT / "pyproject.toml").read_text(), re.MULTILINE
 )

@@ -30,7 +30,7 @@ ELSEWHERE = {
     r"robot_config|run_survey|user_interface|translations\.sh|LANGUAGE=": (
         "tests of their packages"
     ),
-    r"^(source|export|cd|git|colcon|ros2|rsync|mv|rm|echo|ssh-keygen|compliance|~/other_ws)": (
+    r"^(source|export|cd|git|ros2|rsync|mv|rm|echo|ssh-keygen|compliance|~/other_ws)": (
         "the shell, another computer, or a program of others"
     ),
     r"^(\.venv/bin/)?(pip|pytest|python) |^python3? -[cm] |^pip ": "test_wheel.py, the tutorials",
