@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Style and types: ruff and mypy everywhere, who may import whom, no comparison of a
-# sentence, translations, catkin_lint, shell.
+# Style and types: ruff and mypy everywhere, who may import whom,
+# translations, catkin_lint, shell.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
@@ -23,8 +23,6 @@ types=(mypy --no-error-summary --scripts-are-modules)
 "${types[@]}" benchmarks/*.py
 
 PYTHONPATH="$(printf '%s:' "${packages[@]}")$PYTHONPATH" lint-imports --no-cache --no-logo
-mapfile -t programs < <(git ls-files 'catkin_ws/src/*/src/*.py' 'deploy/*.py')
-python3 tools/checks/sentence_comparisons.py "${programs[@]}" "${nodes[@]}"
 scripts/translations.sh --check
 catkin_lint --quiet -W1 --ignore unknown_package catkin_ws/src
 # What is sourced names its shell for shellcheck.

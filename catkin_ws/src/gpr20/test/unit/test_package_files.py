@@ -78,8 +78,8 @@ def key_of(module):
     return own if own in OUR_KEYS else KEYS.get(module, module)
 
 
-# A robot does not need them, and they are large: docs/ros.md says how to install them.
-PROGRAMS_OF_PEOPLE = {"diagnostic_aggregator", "rviz"}
+# A robot does not need it, and it is large: docs/ros.md says how to install it.
+PROGRAMS_OF_PEOPLE = {"rviz"}
 
 
 def depends(name, kinds="exec_depend|depend"):

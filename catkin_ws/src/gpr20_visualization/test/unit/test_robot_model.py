@@ -1,4 +1,4 @@
-"""The URDF, and the files for RViz, Foxglove and diagnostic_aggregator, name what there is."""
+"""The URDF, and the files for RViz and Foxglove name what there is."""
 
 import json
 import math
@@ -117,14 +117,3 @@ def test_rviz_shows_topics_and_frames_that_exist():
     # Relative names: RViz in the namespace of a robot shows that robot.
     assert topics <= SHOWN
     assert set(values(manager, {"Fixed Frame", "Target Frame", "Reference Frame"})) <= FRAMES
-
-
-def test_the_aggregator_has_every_node_in_one_group():
-    config = yaml.safe_load((PACKAGE / "diagnostics" / "aggregator.yaml").read_text())
-    for node in NODES:
-        groups = [
-            one["path"]
-            for one in config["analyzers"].values()
-            if any(part in node for part in one["contains"])
-        ]
-        assert len(groups) == 1, (node, groups)

@@ -39,9 +39,6 @@ def main(arguments: Optional[List[str]] = None) -> int:
         gc.disable()  # until all is imported
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # a second one spins
         signal.signal(signal.SIGTERM, signal.default_int_handler)  # it cleans up like Ctrl-C
-        if given[:1] == ["info"]:
-            # xarray loads dask where it is installed, for 0.1 s, and info runs no steps of others.
-            sys.modules.setdefault("dask", None)  # type: ignore[arg-type]
     chosen = argparse.Namespace(call=[""])
     try:
         return _run(given, chosen)

@@ -50,8 +50,8 @@ STATIC = Path(__file__).resolve().parent.parent / "static"
 BEAT_S = 0.2
 # While nobody watches.
 REST_S = 1.0
-# As often as the window while somebody looks, else seldom.
-MASTER_CHECK_S, SELDOM_S = 2.0, 15.0
+# As often as the window, while somebody looks.
+MASTER_CHECK_S = 2.0
 # A page that is loaded again finds what is known of the axes: a STOP may wait for it.
 LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
@@ -96,7 +96,7 @@ class WebNode:
             WebError: There is no certificate, the port is taken, or the accounts are damaged.
         """
         self._parameters, self._clock = parameters, Clock()
-        self._refreshed_s = self._checked_s = self._watched_s = -SELDOM_S
+        self._refreshed_s = self._checked_s = self._watched_s = -LINGER_S
         self._said: Optional[WebStatusReported] = None
         # Of any thread; one beat takes many: an axis reports 50 times a second.
         self._events: Deque[Any] = deque()
@@ -198,7 +198,7 @@ class WebNode:
         if watchers:
             self._watched_s = now_s
         is_watched = now_s - self._watched_s <= LINGER_S
-        if now_s - self._checked_s >= (MASTER_CHECK_S if is_watched else SELDOM_S):
+        if is_watched and now_s - self._checked_s >= MASTER_CHECK_S:
             self._checked_s = now_s
             self._control.check_master()
         self._model.set_followed(is_watched)
