@@ -15,7 +15,7 @@ import rosbag
 import rospkg
 import rospy
 import rostest
-from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_until
+from survey_client import LIMIT_S, SurveyClient, bits, json_traces, wait_for_bag, wait_until
 
 from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
@@ -151,6 +151,25 @@ class NamespaceTest(unittest.TestCase):
         found = verify_survey(client.folder(survey_id))
         self.assertEqual((found.status, found.faults, found.unproven), (INCOMPLETE, [], 0))
         self.assertGreaterEqual(found.stored, visited[-1])
+        # The folder is removed when nobody writes into it any more.
+        wait_for_bag(client.folder(survey_id))
+
+    def test_3_a_window_shows_a_bag_that_is_played_and_its_end(self):
+        bag = str(self.folders["/robot1"] / "survey.bag")
+        with Window.open("/replay/robot1", "--replay") as window:
+            self.assertIn("Waiting for a recording", window.shown()["survey"])
+            # It does not wait until the window has connected.
+            player = ("rosbag", "play", "-q", "-d", "2", "-r", "4", "--prefix=/replay", bag)
+            with process(*player, stdout=subprocess.DEVNULL) as played:
+                wait_until(lambda: window.shown()["on_radar"] == TRACES, "traces are missing")
+                shown = window.shown()
+                self.assertTrue(shown["replay"] and not shown["stop"], shown)
+                played.wait(LIMIT_S)
+            wait_until(lambda: window.shown()["replay"].startswith("REPLAY ENDED"), "no end")
+            after = window.shown()
+        self.assertIn("FINISHED", after["survey"])
+        self.assertEqual((after["alarm"], after["locked"]), ("", True))
+        self.assertEqual((after["on_map"], after["visited"]), (TRACES, TRACES))
 
 
 if __name__ == "__main__":
