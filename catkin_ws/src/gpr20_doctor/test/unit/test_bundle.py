@@ -74,9 +74,27 @@ SAYS = Message(
 
 
 def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, machine):
-    robot = report("vna_processing", 2, SAYS, token=SECRET, service=SERVICE, stored="12")
+    robot = report(
+        "vna_processing",
+        2,
+        SAYS,
+        token=SECRET,
+        service=SERVICE,
+        stored="12",
+        address="192.0.2.7",
+    )
     parts, index = written(tmp_path, machine, robot)
-    for words in ("hunt", "er2", "h9ter", "ntfy", "mines", "Kim", "a trace", str(tmp_path)):
+    for words in (
+        "hunt",
+        "er2",
+        "h9ter",
+        "ntfy",
+        "mines",
+        "Kim",
+        "a trace",
+        "192.0",
+        str(tmp_path),
+    ):
         assert not [name for name, text in parts.items() if words in text], words
     (said,) = [one for one in json.loads(parts["diagnostics.json"]) if one["level"] == "ERROR"]
     assert said["name"] == "vna_processing" and said["numbers"] == {"stored": "12"}
@@ -90,7 +108,8 @@ def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, mac
         "ConnectionError",
         "[robot/web-7] process has died [pid 12, exit code -9",
     ]
-    assert "configuration/height.yaml" in index["missing"]
+    # One that cannot be read; what is not there has the defaults.
+    assert list(index["missing"]) == ["configuration/height.yaml"]
     for line in parts["README.txt"].splitlines()[2:8]:
         name = line.split()[0].strip(",")
         assert any(one.startswith(name) for one in parts), name

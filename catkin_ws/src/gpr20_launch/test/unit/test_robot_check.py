@@ -1,9 +1,11 @@
 """The check of the whole robot: one function, and what command, launch and programs get of it."""
 
+import errno
 import importlib.util
 import json
 from pathlib import Path
 from typing import get_args
+from unittest import mock
 
 import pytest
 from case_kit import each_case
@@ -15,7 +17,7 @@ from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import robot_check
-from gpr20_launch.mid.robot_files import Before, WithRobot
+from gpr20_launch.mid.robot_files import FILES, Before, WithRobot
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -346,13 +348,30 @@ def test_a_profile_is_correct_but_for_what_a_person_must_check(tmp_path, run, pr
     assert {one.message.fault_code for one in found} == {NOT_CHECKED.code}
     assert {one.value for one in found} == OF_PROFILE
     assert {one.value for one in found if not one.refuses} == {*get_args(WithRobot)}
-    (folder / "wiring.yaml").write_text("unchecked: []")
-    assert checked(folder) == ()
+    for nothing in ("unchecked: []", "unchecked:"):
+        (folder / "wiring.yaml").write_text(nothing)
+        assert checked(folder) == ()
     # Beside other files it would have no effect.
     before = {path: path.read_bytes() for path in folder.iterdir()}
     status, _, said = run("robot_config", "create", "--profile", profile, folder)
     assert status == 1 and "axes.yaml" in said and NOT_ALLOWED.remedy.template in said
     assert {path: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_a_profile_that_was_written_in_part_is_refused_as_the_whole_is(tmp_path, run):
+    for whole in range(1, len(FILES) + 1):
+        folder, made = tmp_path / str(whole), []
+
+        def open_some(path, mode="r", *given, made=made, whole=whole, **more):
+            made += [path] * (mode == "x")
+            if len(made) > whole:
+                raise OSError(errno.ENOSPC, "full")
+            return open(path, mode, *given, **more)
+
+        with mock.patch.object(Path, "open", open_some):
+            run("robot_config", "create", "--profile", "gpr20_pcb", folder)
+        refusing = {one.value for one in checked(folder) if one.refuses}
+        assert refusing >= OF_PROFILE - {*get_args(WithRobot)}, sorted(folder.iterdir())
 
 
 def test_a_folder_of_an_unset_variable_is_refused(run, capfd):

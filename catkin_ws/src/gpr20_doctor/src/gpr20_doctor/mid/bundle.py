@@ -62,7 +62,8 @@ KEYS = frozenset(
 )
 # Such as LIN.
 CHOICE = re.compile(r"[A-Za-z_]{1,16}")
-NUMBER = re.compile(r"-?[\d.]{1,16}")
+# No address of a network.
+NUMBER = re.compile(r"-?\d{1,12}(\.\d{1,12})?")
 # Of a log: program, level and time; a place in the software; the class of an error; how a part
 # ended.
 LOG_WORDS = re.compile(
@@ -127,7 +128,8 @@ def _parts(
     yield "diagnostics.json", lambda: _json([_said(*one) for one in nodes])
     yield "versions.json", lambda: _json(_versions(robot, machine.root))
     yield "survey.txt", lambda: _survey(machine)
-    for name in CONFIGURATION:
+    # A file that is not there has the defaults.
+    for name in filter(lambda name: (machine.config / name).exists(), CONFIGURATION):
         yield f"configuration/{name}", partial(_configuration, machine.config / name)
     for number, path in enumerate(_newest(machine.log, "**/*.log")[:LOG_FILES]):
         yield f"logs/{number:03}.txt", partial(_words, LOG_WORDS, path)

@@ -20,7 +20,7 @@ from gpr20_common.terminal_text import printable, say
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.high.check_launch import built_axes, message_field, say_problems
 from gpr20_launch.mid.old_launch import old_robot
-from gpr20_launch.mid.robot_check import check_robot
+from gpr20_launch.mid.robot_check import WIRING_FILE, check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOT, ROBOTS, SURVEY, Reading, Use
 from gpr20_launch.mid.written_files import ensure_key, templates
 from gpr20_survey.folder.data_folder import DataFolder
@@ -111,15 +111,18 @@ def _fill(folder: Path, own: Mapping[str, str]) -> int:
         )
         raise ConfigurationError(verbatim(text), fault=NOT_ALLOWED)
     folder.mkdir(parents=True, exist_ok=True)
-    for name, text in sorted({**templates(read_yaml(built_axes())), **own}.items()):
+    texts, said = {**templates(read_yaml(built_axes())), **own}, []
+    # What refuses a launch comes first: whatever interrupts this, no robot starts unchecked.
+    for name in sorted(texts, key=lambda name: (name != WIRING_FILE, name)):
         path = folder / name
         try:
             with path.open("x", encoding="utf-8") as file:
-                file.write(text)
+                file.write(texts[name])
         except FileExistsError:
-            say(f"{path} exists and stays as it is")
+            said.append(f"{path} exists and stays as it is")
         else:
-            say(f"{path} created")
+            said.append(f"{path} created")
+    say(*said)
     reading = Reading(folder, built_axes())
     found = check_robot(reading, Use(os.environ, part=ROBOT), message_field)
     say_problems(found, sys.stdout)

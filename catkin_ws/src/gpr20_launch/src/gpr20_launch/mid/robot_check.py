@@ -232,7 +232,7 @@ def _not_of_device(address: str) -> str:
 
 def _unchecked(reading: Reading) -> Iterator[Problem]:
     wiring, file = reading.record("wiring"), reading.folder / WIRING_FILE
-    for one in wiring.unchecked:
+    for one in wiring.unchecked or ():
         reason = (
             "nobody has checked it; docs/coming_from_the_original.md describes how a person does, "
             "and with what"

@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Dict, Iterable, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
+from typing import (
+    Any,
+    Dict,
+    Iterable,
+    List,
+    Literal,
+    Mapping,
+    NamedTuple,
+    Optional,
+    Set,
+    Tuple,
+    Type,
+    Union,
+)
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
@@ -47,7 +60,7 @@ class Wiring:
             directions or travel it warns.
     """
 
-    unchecked: Tuple[Literal[Before, WithRobot], ...] = ()
+    unchecked: Optional[Tuple[Literal[Before, WithRobot], ...]] = ()
 
 
 # The keys of each file are those of these sections of the configuration.
