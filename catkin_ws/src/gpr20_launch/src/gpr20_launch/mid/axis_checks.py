@@ -156,7 +156,7 @@ def _shared(reading: Reading, uses: List[PinUse]) -> Iterator[Problem]:
             reason = (
                 f"pin {pin} (GPIO{GPIO_OF_BOARD[pin]}) has {len(own)} purposes: "
                 f"{', '.join(one.text for one in own)}; find out with a continuity meter where it "
-                "leads, as docs/first_real_survey.md describes"
+                "leads, as docs/coming_from_the_original.md describes"
             )
             yield problem(reading.folder / last.file, last.key, last.value, reason, allowed)
 
