@@ -6,7 +6,7 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 if [ $# -gt 0 ]; then
     "$GPR20_ROOT/scripts/setup.sh" --dev
-    gpr20_use_workspace
 fi
+gpr20_use_workspace
 export ROS_IP=127.0.0.1 PYTHONPATH="$GPR20_TOOLS:${PYTHONPATH:-}"
 exec python3 -m pictures "$@"
