@@ -20,6 +20,7 @@ from gpr20_analysis.dataset import (
     HEIGHT,
     IMAGE,
     MM_PER_M,
+    OUTSIDE,
     POLARIZATION,
     SAMPLE_DIMS,
     X,
@@ -180,13 +181,15 @@ def levels_above_clutter_db(image: xr.Dataset) -> np.ndarray:
 def measured(survey: xr.Dataset) -> xr.Dataset:
     """Return a survey without the lines at its edges that have no trace.
 
-    They would count as lines without noise.
+    They would count as lines without noise. The notes of its image count them.
 
     Raises:
         WrongDatasetError: There are too few others.
     """
     rows, columns = _measured_part(survey)
-    return survey.isel({Y: rows, X: columns})
+    part = survey.isel({Y: rows, X: columns})
+    outside = usable(survey).size - usable(part).size
+    return part.assign_attrs({OUTSIDE: outside}) if outside else part
 
 
 def _measured_part(survey: xr.Dataset) -> Tuple[slice, slice]:

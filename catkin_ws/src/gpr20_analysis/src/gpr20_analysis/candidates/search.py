@@ -98,8 +98,8 @@ def find_candidates(
         WrongDatasetError: The data are no image, or one without its echoes.
     """
     echoes = _Echoes(image)
-    area_m2 = surveyed_m2(image[X].values, image[Y].values)
-    maxima_per_m2 = len(echoes.above_db) / max(area_m2, LEAST_M2)
+    strip_m2 = surveyed_m2(image[X].values, image[Y].values)
+    maxima_per_m2 = len(echoes.above_db) / max(strip_m2, LEAST_M2)
     least_db = least_level_db(false_alarms_per_m2, maxima_per_m2)
     found = [_candidate(*place, echoes, image, least_db) for place in _places(echoes)]
     found.sort(
@@ -123,14 +123,16 @@ def find_candidates(
         permittivity_lowest=permittivity_lowest,
         permittivity_highest=permittivity_highest,
         permittivity_source=str(image.attrs.get("permittivity_source", "")),
-        area_m2=area_m2,
+        area_m2=strip_m2
+        if is_line(image)
+        else float(np.ptp(image[X].values) * np.ptp(image[Y].values)),
         false_alarms_per_m2=false_alarms_per_m2,
         least_db=least_db,
         omitted=len(found) - len(listed),
         candidates=tuple(replace(one, id=f"C{number:02d}") for number, one in enumerate(listed, 1)),
         notes=tuple(notes),
         position=area_position(image.attrs),
-        length_m=area_m2 / STRIP_M if is_line(image) else None,
+        length_m=strip_m2 / STRIP_M if is_line(image) else None,
     )
 
 

@@ -13,6 +13,7 @@ from gpr20_analysis.dataset import (
     HEIGHT,
     MM_PER_M,
     NAMED,
+    OUTSIDE,
     POLARIZATION,
     S21,
     S21_DIMS,
@@ -168,6 +169,14 @@ def _notes(
                 count=absent,
                 total=present.size,
                 samples=first_of(missing_samples(survey), NAMED),
+            )
+        )
+    if survey.attrs.get(OUTSIDE):
+        notes.append(
+            Message(
+                "{count} planned samples around the image have no trace: the ground there was not "
+                "searched",
+                count=int(survey.attrs[OUTSIDE]),
             )
         )
     range_m = float(np.ptp(height_m))

@@ -9,6 +9,7 @@ from ground_kit import point, scene, survey_of
 from run_seed import draws
 
 from gpr20_analysis import faults
+from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import DISPLAY_ONLY, HEIGHT, S21, Quality
 from gpr20_analysis.imaging.image import image_survey
@@ -124,6 +125,7 @@ def test_the_surface_is_the_mean_where_heights_say_nothing():
 
 
 PLACES_MM = np.linspace(120.0, 360.0, 21)
+AREA_M2 = 0.24**2
 TARGET = point(243.7, 236.2, 0.083)
 HOLES = [(0, 3, 4), (0, 10, 10), (0, 20, 0)]
 
@@ -148,6 +150,16 @@ def test_missing_samples_are_refused_or_left_out_said_and_move_nothing(method):
     assert abs(echo.x_m - TARGET.x_mm / 1e3) < 2e-3
     assert abs(echo.depth_m - TARGET.depth_m) < 2e-3
     assert np.all(np.isfinite(image.image.values))
+
+
+@pytest.mark.parametrize("rows, columns", [(14, 21), (21, 9), (12, 10)])
+def test_ground_around_a_survey_that_was_cut_off_counts_as_not_searched(rows, columns):
+    places = [(0, y, x) for y in range(21) for x in range(21) if y >= rows or x >= columns]
+    options = ImageOptions(Method.PHASE_SHIFT, 4.0, leave_out_missing=True)
+    found = answer(holed(*places), options).found
+    around = f"{len(places)} planned samples around the image have no trace"
+    assert any(around in str(note) for note in found.notes)
+    assert found.area_m2 == pytest.approx((rows - 1) * (columns - 1) / 400 * AREA_M2)
 
 
 def test_a_missing_sample_does_not_spread_through_the_background():
