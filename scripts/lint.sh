@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Style and types: ruff and mypy everywhere, who may import whom,
-# translations, catkin_lint, shell.
+# Style, types, who may import whom, translations, package files, shell.
 set -euo pipefail
 # shellcheck source=scripts/environment.sh
 source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"

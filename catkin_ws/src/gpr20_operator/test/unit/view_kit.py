@@ -22,7 +22,7 @@ from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar.depth import delay_of_depth
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock

@@ -22,7 +22,7 @@ from gpr20_main_control.high.main_control_node import analyzer_test_fields
 from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import VNA_FAILED
-from gpr20_survey.results import survey_summary
+from gpr20_survey.results import answers
 from gpr20_survey.results.answers import AnalyzerTest, ReopenedSurvey
 from gpr20_survey.results.focused_image import FocusedImage, focus_fields, image_from
 
@@ -74,7 +74,7 @@ def summaries(draw):
     columns, rows = draw(st.integers(0, 5)), draw(st.integers(0, 5))
     percent = draw(st.binary(min_size=columns * rows, max_size=columns * rows))
     sizes = (float(draw(st.integers(0, 800))), float(draw(st.integers(0, 800))))
-    return survey_summary.SurveySummary(
+    return answers.SurveySummary(
         *(draw(WORDS) for _ in range(4)),
         *(draw(COUNTS), draw(COUNTS), draw(MESSAGES)),
         *(draw(st.booleans()), draw(st.booleans()), draw(MESSAGES)),
@@ -87,7 +87,7 @@ def summaries(draw):
 @given(summaries())
 def test_a_summary(summary):
     message = SurveySummary(**fields_of(summary, SurveySummary))
-    assert record_of(survey_summary.SurveySummary, sent(message)) == summary
+    assert record_of(answers.SurveySummary, sent(message)) == summary
 
 
 @given(

@@ -19,8 +19,8 @@ from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys import map_picture

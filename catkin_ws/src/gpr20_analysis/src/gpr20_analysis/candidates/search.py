@@ -98,6 +98,7 @@ def find_candidates(
         WrongDatasetError: The data are no image, or one without its echoes.
     """
     echoes = _Echoes(image)
+    width_m, height_m = (float(np.ptp(image[axis].values)) for axis in (X, Y))
     strip_m2 = surveyed_m2(image[X].values, image[Y].values)
     maxima_per_m2 = len(echoes.above_db) / max(strip_m2, LEAST_M2)
     least_db = least_level_db(false_alarms_per_m2, maxima_per_m2)
@@ -123,9 +124,7 @@ def find_candidates(
         permittivity_lowest=permittivity_lowest,
         permittivity_highest=permittivity_highest,
         permittivity_source=str(image.attrs.get("permittivity_source", "")),
-        area_m2=strip_m2
-        if is_line(image)
-        else float(np.ptp(image[X].values) * np.ptp(image[Y].values)),
+        area_m2=strip_m2 if is_line(image) else width_m * height_m,
         false_alarms_per_m2=false_alarms_per_m2,
         least_db=least_db,
         omitted=len(found) - len(listed),

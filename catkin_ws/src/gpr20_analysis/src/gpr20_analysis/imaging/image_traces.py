@@ -172,12 +172,9 @@ def _notes(
             )
         )
     if survey.attrs.get(OUTSIDE):
+        around = int(survey.attrs[OUTSIDE])
         notes.append(
-            Message(
-                "{count} planned samples around the image have no trace: the ground there was not "
-                "searched",
-                count=int(survey.attrs[OUTSIDE]),
-            )
+            Message("{count} planned samples around the image were not measured", count=around)
         )
     range_m = float(np.ptp(height_m))
     if options.ground is None and range_m > NOTED_RELIEF_M:

@@ -157,7 +157,7 @@ def test_ground_around_a_survey_that_was_cut_off_counts_as_not_searched(rows, co
     places = [(0, y, x) for y in range(21) for x in range(21) if y >= rows or x >= columns]
     options = ImageOptions(Method.PHASE_SHIFT, 4.0, leave_out_missing=True)
     found = answer(holed(*places), options).found
-    around = f"{len(places)} planned samples around the image have no trace"
+    around = f"{len(places)} planned samples around the image were not measured"
     assert any(around in str(note) for note in found.notes)
     assert found.area_m2 == pytest.approx((rows - 1) * (columns - 1) / 400 * AREA_M2)
 

@@ -118,10 +118,9 @@ def _fill(folder: Path, own: Mapping[str, str]) -> int:
         try:
             with path.open("x", encoding="utf-8") as file:
                 file.write(texts[name])
+            said.append(f"{path} created")
         except FileExistsError:
             said.append(f"{path} exists and stays as it is")
-        else:
-            said.append(f"{path} created")
     say(*said)
     reading = Reading(folder, built_axes())
     found = check_robot(reading, Use(os.environ, part=ROBOT), message_field)

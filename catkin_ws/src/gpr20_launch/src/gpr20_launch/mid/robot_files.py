@@ -4,20 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import (
-    Any,
-    Dict,
-    Iterable,
-    List,
-    Literal,
-    Mapping,
-    NamedTuple,
-    Optional,
-    Set,
-    Tuple,
-    Type,
-    Union,
-)
+from typing import Any, Dict, Iterable, List, Literal, Mapping, NamedTuple, Set, Tuple, Type, Union
 
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION
@@ -60,7 +47,7 @@ class Wiring:
             directions or travel it warns.
     """
 
-    unchecked: Optional[Tuple[Literal[Before, WithRobot], ...]] = ()
+    unchecked: Union[Tuple[Literal[Before, WithRobot], ...], None] = ()
 
 
 # The keys of each file are those of these sections of the configuration.

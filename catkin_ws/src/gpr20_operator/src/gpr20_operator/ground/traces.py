@@ -16,7 +16,7 @@ from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.ground.past_surveys import PastSurveys, past_band, survey_label
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import local_time
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock
 

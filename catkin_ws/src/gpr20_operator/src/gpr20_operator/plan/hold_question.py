@@ -14,7 +14,7 @@ from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_operator.words import local_time, size_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 
 HANDS_CLEAR = Message(
     "Hands clear! The robot homes if necessary; then X, Y and the antennas move on their own. "

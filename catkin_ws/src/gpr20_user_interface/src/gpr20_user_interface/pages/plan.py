@@ -28,7 +28,7 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet

@@ -21,7 +21,7 @@ from gpr20_survey.folder import survey_folder, trace_files
 from gpr20_survey.folder.log_record import LOG, Kind
 from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.trace_block import TraceBlock

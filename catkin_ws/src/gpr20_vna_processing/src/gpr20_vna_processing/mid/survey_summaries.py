@@ -21,7 +21,7 @@ from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.imported import import_sentence, is_imported, measured_area
 from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.plan.survey_state import reported_verdict
-from gpr20_survey.results.survey_summary import SurveySummary
+from gpr20_survey.results.answers import SurveySummary
 
 MOST_CELLS = 24
 MOST_PLANNED = 1 << 24

@@ -35,8 +35,8 @@ from gpr20_operator.ground.traces import (
 )
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.palette import Theme
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.calls import Text
 from gpr20_web.errors import NotFoundError
 

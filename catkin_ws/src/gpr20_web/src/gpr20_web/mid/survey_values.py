@@ -12,8 +12,8 @@ from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_web.calls import Text, sentence
 
 

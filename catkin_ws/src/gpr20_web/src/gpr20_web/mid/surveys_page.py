@@ -30,8 +30,8 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.found import What
-from gpr20_survey.results.survey_summary import SurveySummary
 from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
