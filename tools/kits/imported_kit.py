@@ -9,7 +9,7 @@ import xarray as xr
 
 from gpr20_analysis.formats.common import as_dataset
 from gpr20_analysis.formats.imported_folder import ImportSource, write_imported_folder
-from gpr20_survey.files.file_sums import sum_of
+from gpr20_survey.files.regular_files import sum_of
 
 SOURCE = ImportSource("line 7.dzt", "dzt", {"line 7.dzt": sum_of(b"the file")})
 

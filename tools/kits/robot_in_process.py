@@ -32,7 +32,7 @@ from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.files.durable_files import ensure_folders
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import PLAIN_NAMES, STORAGE, STORAGE_NAME, NodeDescription

@@ -44,8 +44,7 @@ from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import trace_message

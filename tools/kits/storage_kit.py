@@ -21,8 +21,8 @@ from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
-from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.durable_files import Readers, ensure_folders
+from gpr20_survey.folder import signature
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.signature import NAMESPACE
 from gpr20_survey.plan.annotation import Annotation
@@ -196,16 +196,18 @@ def _messages_of(reader: McapReader) -> Iterator[Any]:
 
 def make_key(path: Path, passphrase: str = "") -> None:
     """Make a key of the kind that `robot_config key` makes."""
-    made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", passphrase, "-C", "robot", "-f", path))
+    made = signature.ssh_keygen(
+        ("-q", "-t", "ed25519", "-N", passphrase, "-C", "robot", "-f", path)
+    )
     assert made.yes, made.complaint
 
 
 def fingerprint(path: Path) -> str:
     """Return the fingerprint of a key."""
-    return ssh_keygen.use_key(path, ("-l",)).split()[1]
+    return signature.use_key(path, ("-l",)).split()[1]
 
 
 def signers_line(path: Path, signer: str = "robot") -> str:
     """Return the line of a signers file that accepts a key."""
-    kind, key = ssh_keygen.use_key(path, ("-y", "-P", "")).split()[:2]
+    kind, key = signature.use_key(path, ("-y", "-P", "")).split()[:2]
     return f'{signer} namespaces="{NAMESPACE}" {kind} {key}\n'

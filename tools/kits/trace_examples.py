@@ -11,8 +11,8 @@ from typing import Any, Callable, Dict
 
 import numpy as np
 
-from gpr20_survey.axes import axis_id
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey import axes
+from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace import utc_time
@@ -46,7 +46,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "quality": ("level low",),
         "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
         "aux": (AuxValue("soil_temperature", 18.5, "\N{DEGREE SIGN}C", STARTED_US),),
-        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(axis_id.AXES)),
+        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(axes.AXES)),
     }
     return Trace(**{**fields, **changes})
 

@@ -22,7 +22,7 @@ from gpr20_analysis.read.verification import verify_survey
 from gpr20_axis_driver.faults import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
 

@@ -40,9 +40,9 @@ from gpr20_main_control.high.main_control_node import MainControlNode
 from gpr20_main_control.high.survey_topics import SurveyTopics
 from gpr20_msgs.msg import SurveyParameters, Trace
 from gpr20_msgs.srv import ServiceMoveRequest
-from gpr20_survey.axes.axis_id import ANTENNA_LINK, AxisId
+from gpr20_survey.axes import ANTENNA_LINK, AxisId
 from gpr20_survey.faults import NO_PLAN, NOT_HOMED
-from gpr20_survey.plan.sensors import Sensors
+from gpr20_survey.plan.robot_description import Sensors
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.high.vna_node import VNANode
 from gpr20_vna_processing.high import processing_node

@@ -36,9 +36,8 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, SOIL_KIND, Kind, soil_values
 from gpr20_survey.folder.recovery import Fact, add_to_survey
-from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.recorded_plan import UNPROVEN
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -126,7 +125,7 @@ def stored_survey(data, remarks=(), at_end=lambda _processing: None, **more):
 
 def enter(folder, permittivity):
     """Add the decision of a person about the soil to a survey that has ended."""
-    fact = Fact(KIND, soil_values(permittivity, TIME_US))
+    fact = Fact(SOIL_KIND, soil_values(permittivity, TIME_US))
     add_to_survey(folder, lambda _description: fact, NOW)
 
 
@@ -205,7 +204,7 @@ def said_of(found):
 
 def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(Figure, "savefig", lambda _figure, target, **_: target.write(b"-"))
-    folder = stored_survey(tmp_path / "data", **{PLANNED: 4.0})
+    folder = stored_survey(tmp_path / "data", **{PLANNED_PERMITTIVITY: 4.0})
     alone = of_command(folder / MCAP_FILE, capsys)
     assert said_of(alone) == pytest.approx((4.0, 3.0, 5.0, "of the plan"))
     shown = []
@@ -228,7 +227,7 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     assert said_of(given) == pytest.approx((8.0, 7.2, 8.8, "given"))
 
 
-DOUBTED = {PLANNED: 4.0, "instrument": {"calibration_status": 3}}
+DOUBTED = {PLANNED_PERMITTIVITY: 4.0, "instrument": {"calibration_status": 3}}
 LOST = Fact(Kind.UNCONFIRMED, {"entries": {"outcome": {"reason": "lost"}}, "lost": []})
 REPORT = {
     "analyzers": [{"identity": "A", "from_index": 0}, {"identity": "B", "from_index": 40}],

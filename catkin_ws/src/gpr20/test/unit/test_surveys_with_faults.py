@@ -19,7 +19,7 @@ from stored_surveys import (
 
 from gpr20_simulator.mid.analyzer.in_process import CONNECT
 from gpr20_simulator.mid.world.medium import probed_sweep
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings
 

@@ -21,7 +21,7 @@ from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.header import Header, other_kind
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import open_regular
 
 S21, A_SCANS, FREQUENCY, TIME, HEIGHT = "s21", "a_scans", "frequency_hz", "time_s", "height_m"
 LAST = {S21: FREQUENCY, A_SCANS: TIME}

@@ -31,7 +31,7 @@ from gpr20_foreign_formats.group_files import (
     survey_of,
 )
 from gpr20_foreign_formats.header import Header, folder_of, refusal
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 
 VNA, TIME = "VNA", "TIME"
 HEADERS = {VNA: "S21_real,S21_imag", TIME: "A-Scan_real,A-Scan_imag"}

@@ -20,7 +20,7 @@ from gpr20_analysis.sentences import with_decisions, with_notes, with_sentence
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_foreign_formats.header import Header, no_files, refusal
-from gpr20_survey.files.file_sums import regular_files
+from gpr20_survey.files.regular_files import regular_files
 
 DEGREES: Dict[str, float] = {"X": 0.0, "Y": 90.0}
 LETTERS_DECIDED = Message(

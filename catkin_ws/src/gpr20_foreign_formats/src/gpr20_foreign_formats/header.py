@@ -13,7 +13,7 @@ import numpy as np
 from gpr20_analysis import faults, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
-from gpr20_survey.files.regular_file import check_regular, read_regular
+from gpr20_survey.files.regular_files import check_regular, read_regular
 
 BYTES_PER_SAMPLE = 40.0  # in memory: as stored, in double precision, complex, and on the grid
 SHOWN = 80

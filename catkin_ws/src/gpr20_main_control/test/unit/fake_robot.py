@@ -30,7 +30,7 @@ from gpr20_main_control.mid.devices.robot import (
 )
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch
+from gpr20_survey.axes import UNKNOWN_ZERO, AxisId, ZeroEpoch
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Site
 from gpr20_survey.plan.robot_description import NodeDescription

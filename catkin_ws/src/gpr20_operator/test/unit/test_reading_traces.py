@@ -32,7 +32,7 @@ from gpr20_operator.ground.traces import (
 from gpr20_operator.robot.events import Replay
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
 ALL_STORED = tuple(range(40))

@@ -20,7 +20,7 @@ from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.vna_settings import SETTINGS
 from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch, VnaFault
 from gpr20_simulator.mid.world.scene import InstrumentScene
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 
 @pytest.fixture

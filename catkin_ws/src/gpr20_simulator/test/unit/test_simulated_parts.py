@@ -19,7 +19,7 @@ from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
 from gpr20_simulator.low.shared_state import GRACE_S, AdcFault, remove_stale_states
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi, sensor_voltage_v
 from gpr20_simulator.mid.world.scene import Adc
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 
 class NoClock(Clock):
@@ -61,7 +61,7 @@ STATE, OTHER = "0" * 32, "f" * 32
 OPEN_AND_WAIT = """
 import sys, pathlib
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 state = open_shared_state(pathlib.Path(sys.argv[1]), {axis: 0 for axis in AxisId})
 print("open", flush=True)
 sys.stdin.read()

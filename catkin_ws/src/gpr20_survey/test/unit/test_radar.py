@@ -9,24 +9,32 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, description_of
-from gpr20_survey.folder.soil_note import (
+from gpr20_survey.folder.log_record import (
     ENTERED,
-    KIND,
+    LOG,
     OF_PLAN,
-    PLANNED,
+    PLANNED_PERMITTIVITY,
+    SOIL_KIND,
+    Kind,
+    LogRecord,
+    description_of,
     soil_of_survey,
     soil_values,
 )
-from gpr20_survey.radar.depth import (
+from gpr20_survey.radar import (
+    MAX_PERMITTIVITY,
+    MIN_PERMITTIVITY,
     SPEED_OF_LIGHT_M_S,
+    FrequencyToDelay,
+    Soils,
+    Window,
+    delay_kernel,
     delay_of_depth,
     depth_of_delay_m,
     one_way_delay_s,
     one_way_path_m,
+    soil_of,
 )
-from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils, soil_of
 
 
 def echo(delay_s, level, frequency_hz):
@@ -90,14 +98,14 @@ def test_a_soil_is_known_by_its_permittivity(soil):
 def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
     records, said = [], []
     for kind, values in (
-        (Kind.PLAN, {PLANNED: 4.0, "started": "2026"}),
+        (Kind.PLAN, {PLANNED_PERMITTIVITY: 4.0, "started": "2026"}),
         (Kind.RESUME, {}),
         (Kind.DECISION, {"accepted": "other zeros"}),
-        (KIND, soil_values(9.5, 0)),
+        (SOIL_KIND, soil_values(9.5, 0)),
         (Kind.RESUME, {}),
-        (KIND, soil_values(7.0, 0)),
+        (SOIL_KIND, soil_values(7.0, 0)),
         (Kind.END, {"outcome": "finished"}),
-        (KIND, soil_values(None, 0)),
+        (SOIL_KIND, soil_values(None, 0)),
     ):
         records.append(LogRecord.after(records[-1] if records else None, kind, values, "2026"))
         log = [one.as_json() for one in records]

@@ -7,7 +7,7 @@ from case_kit import each_case
 from survey_examples import AXES, TRAVEL
 from survey_examples import PARAMETERS as SMALL
 
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings

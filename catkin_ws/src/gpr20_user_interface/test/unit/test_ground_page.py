@@ -22,7 +22,7 @@ from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 from gpr20_user_interface.window.rail import TabName
 
 NO_MINE = "No echo does not mean no mine."

@@ -12,7 +12,7 @@ from gpr20_analysis.dataset import DEPTH, IMAGE, POLARIZATION, X, Y
 from gpr20_analysis.imaging.permittivity import Source, permittivity_range
 from gpr20_analysis.sentences import NOTES, sentences_of
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar import decibels
 
 NS_PER_S = 1e9
 

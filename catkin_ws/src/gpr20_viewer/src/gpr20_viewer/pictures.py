@@ -9,7 +9,7 @@ import numpy as np
 
 from gpr20_analysis.dataset import A_SCAN, DELAY, MM_PER_M, POLARIZATION, X, Y
 from gpr20_analysis.processing.delay import to_time
-from gpr20_survey.radar.frequency_to_delay import Window, decibels
+from gpr20_survey.radar import Window, decibels
 from gpr20_viewer.live_image import NS_PER_S, LiveImage
 from gpr20_viewer.positions import Line, Place
 from gpr20_viewer.session import ViewSession

@@ -13,7 +13,7 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis import faults, work
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_survey.radar.soils import Soils
+from gpr20_survey.radar import Soils
 from gpr20_viewer.live_image import ImageRequest
 from gpr20_viewer.pictures import (
     Picture,

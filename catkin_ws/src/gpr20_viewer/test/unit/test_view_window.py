@@ -31,7 +31,7 @@ from gpr20_analysis.faults import NO_SCREEN
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import ASKED_FOR
-from gpr20_survey.folder.soil_note import PLANNED
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY
 from gpr20_viewer import view_command
 from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
@@ -262,7 +262,7 @@ def test_what_was_not_measured_is_grey_and_marked(windows, holed):
 
 
 def test_the_list_is_that_of_the_survey_with_its_weaker_echoes_for_who_asks(windows, survey):
-    known = survey.assign_attrs(survey_json=json.dumps({PLANNED: 4.0}))
+    known = survey.assign_attrs(survey_json=json.dumps({PLANNED_PERMITTIVITY: 4.0}))
     window = windows.open(known, permittivity=None)
     found, tab = answer(known).found, window.candidates
     assert window.image.candidates == found and found.permittivity == 4.0 and found.weaker

@@ -20,9 +20,8 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.faults import COMPLETE
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import Kind, LogRecord, soil_of_survey, soil_values
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points

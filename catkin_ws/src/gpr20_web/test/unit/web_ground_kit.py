@@ -20,7 +20,7 @@ from gpr20_operator.ground.traces import (
     TracesRead,
 )
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 from gpr20_web.calls import Body, Call, Person, Role
 from gpr20_web.low.event_streams import json_text
 from gpr20_web.mid.ground_page import PERIOD_S, GroundPage

@@ -35,7 +35,7 @@ from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Person, Role

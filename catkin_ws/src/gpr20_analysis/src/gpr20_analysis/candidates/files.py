@@ -17,7 +17,7 @@ from gpr20_analysis.errors import ExportError, check_ending
 from gpr20_analysis.formats.plain_csv import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.results.candidates import CandidateList, candidate_record, list_record
 
 CSV, JSON, GEOJSON = ".csv", ".json", ".geojson"

@@ -22,7 +22,7 @@ from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message, verbatim
 from gpr20_common.terminal_text import say
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.plan.annotation import (
@@ -31,8 +31,8 @@ from gpr20_survey.plan.annotation import (
     annotation_of,
     position_from_text,
 )
+from gpr20_survey.plan.markers import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.results.candidates import AreaPosition, list_from
-from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.trace import utc_time
 
 NAMES = ("name", "operator", "site", "notes", "position", "heading_deg")

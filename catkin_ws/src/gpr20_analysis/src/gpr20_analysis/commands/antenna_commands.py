@@ -25,7 +25,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.radar.depth import one_way_path_m
+from gpr20_survey.radar import one_way_path_m
 
 NS_PER_S = 1e9
 FILE = "analyzer.yaml"

@@ -31,7 +31,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import USUAL_FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.soils import ANY_SOIL, Soils
+from gpr20_survey.radar import ANY_SOIL, Soils
 
 MOST_DEPTHS = 5000
 SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}

@@ -103,7 +103,7 @@ def _sign(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.read.checks import is_sealed, manifest_differences
     from gpr20_analysis.read.verification import check_survey_folder
     from gpr20_survey.faults import CAN_RESUME
-    from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+    from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked
     from gpr20_survey.folder import survey_folder
     from gpr20_survey.folder.recovery import recover
     from gpr20_survey.folder.signature import Signer

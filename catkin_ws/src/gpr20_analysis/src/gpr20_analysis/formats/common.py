@@ -26,7 +26,7 @@ from gpr20_analysis.read.traces import grid_of
 from gpr20_analysis.sentences import with_notes, with_sentences
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import phase_advance
+from gpr20_survey.radar import phase_advance
 
 HIGHEST_M = 10.0
 

@@ -19,7 +19,7 @@ from gpr20_analysis.sentences import FAULTS, with_doubts
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
+from gpr20_survey.plan.recorded_plan import IMPORTED, TIMES_KNOWN
 
 OUTPUT = "survey.nc"
 """In the command that a refusal names."""

@@ -21,7 +21,7 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, number_between
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.radar import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 DEFAULT_STEPS = ("background:method=surface",)
 """Steps before an image of a survey without steps."""

@@ -33,8 +33,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import one_way_path_m
-from gpr20_survey.radar.frequency_to_delay import phase_advance
+from gpr20_survey.radar import one_way_path_m, phase_advance
 
 NOTED_M = 0.005
 """Median difference of surface echo and height above which an image has a note [m]."""

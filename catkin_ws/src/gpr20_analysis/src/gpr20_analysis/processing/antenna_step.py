@@ -49,8 +49,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, matched, ste
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, delay_kernel, phase_advance
 
 SURFACE_PERMITTIVITY = "surface_permittivity"
 """Attribute: permittivity by the reflection of the surface; with the ends of its range."""

@@ -36,7 +36,7 @@ from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.processing.sweep import matched
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar import two_way_delay_s
 
 # A background of as many components as traces would be the traces themselves.
 TRACES_PER_COMPONENT = 10

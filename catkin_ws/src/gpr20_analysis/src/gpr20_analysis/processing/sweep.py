@@ -20,7 +20,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar import Window
 
 # Relative to the step; recorded frequencies are doubles, an instrument rounds to 1 Hz.
 STEP_TOLERANCE = 1e-3

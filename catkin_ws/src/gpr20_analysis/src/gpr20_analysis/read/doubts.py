@@ -22,12 +22,20 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import received_message
-from gpr20_survey.axes.axis_id import Zeros
+from gpr20_survey.axes import Zeros
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
-from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
-from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros
+from gpr20_survey.plan.recorded_plan import (
+    TIMES_KNOWN,
+    UNPROVEN,
+    ZEROS,
+    Proof,
+    UsedZeros,
+    import_of,
+    import_sentence,
+    is_imported,
+)
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.sweep_settings import CalibrationStatus
 

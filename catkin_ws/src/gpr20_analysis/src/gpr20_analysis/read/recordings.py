@@ -18,7 +18,7 @@ from gpr20_analysis import faults
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, type_of
 from gpr20_survey.recording.mcap_writer import LIBRARY, RecordedMessage

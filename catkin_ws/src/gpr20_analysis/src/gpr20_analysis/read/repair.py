@@ -15,8 +15,8 @@ from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of

@@ -15,11 +15,10 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
-from gpr20_survey.files import ssh_keygen
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.signature import NAMESPACE, is_signed, signed_manifest
+from gpr20_survey.folder.signature import NAMESPACE, is_signed, signed_manifest, ssh_keygen
 from gpr20_survey.folder.survey_log import read_log
 
 OF_COPIES = {Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value}
@@ -133,7 +132,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
     signature = folder / manifest.SIGNATURE_FILE
     for principal in _principals(signature, signers):
         own = ("-n", NAMESPACE, "-s", signature, "-f", signers, "-I", principal)
-        if ssh_keygen.ask(("-Y", "verify", *own), content).yes:
+        if ssh_keygen(("-Y", "verify", *own), content).yes:
             return _with_log(folder, content, principal, fingerprint)
     # Also a key that is listed for other purposes.
     text = Message(
@@ -169,7 +168,7 @@ def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Si
 
 def _principals(signature: Path, signers: Path) -> Iterator[str]:
     """Yield the names for which a signers file accepts the key of a signature."""
-    found = ssh_keygen.ask(("-Y", "find-principals", "-s", signature, "-f", signers))
+    found = ssh_keygen(("-Y", "find-principals", "-s", signature, "-f", signers))
     for line in found.output.splitlines() if found.yes else ():
         # A pattern such as "!R2,*" names nobody by its first part.
         if line.strip() and not line.startswith("!"):

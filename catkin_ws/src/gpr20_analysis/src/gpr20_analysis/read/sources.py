@@ -22,7 +22,7 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import storable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_VERSION
-from gpr20_survey.files.regular_file import check_regular
+from gpr20_survey.files.regular_files import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
 from gpr20_survey.folder.recovery import recover

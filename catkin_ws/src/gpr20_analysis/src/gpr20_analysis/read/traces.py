@@ -16,8 +16,7 @@ from gpr20_analysis.read.survey_attributes import OF_ANALYZER
 from gpr20_analysis.work import require_bytes
 from gpr20_common.message import Message
 from gpr20_survey.faults import DAMAGED
-from gpr20_survey.plan.imported import ImportedGrid
-from gpr20_survey.plan.recorded_plan import PlanFit
+from gpr20_survey.plan.recorded_plan import ImportedGrid, PlanFit
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import FLOATS, TraceField
 from gpr20_survey.trace.utc_time import NS_PER_US

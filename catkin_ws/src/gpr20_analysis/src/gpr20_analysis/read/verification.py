@@ -18,12 +18,11 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import MANIFEST_DAMAGED
-from gpr20_survey.files.folder_lock import writer_of
+from gpr20_survey.files.durable_files import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
-from gpr20_survey.plan.imported import import_sentence, is_imported
-from gpr20_survey.plan.recorded_plan import PlanFit
+from gpr20_survey.plan.recorded_plan import PlanFit, import_sentence, is_imported
 from gpr20_survey.plan.robot_description import is_simulated_identity
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import moment_text

@@ -32,7 +32,7 @@ from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import with_doubts
 from gpr20_common.message import Message
-from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 NOTE = Message("the record was {length} long", length="8 ns")

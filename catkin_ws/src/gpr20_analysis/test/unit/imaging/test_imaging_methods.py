@@ -22,7 +22,7 @@ from gpr20_analysis.work import on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.world.scene import Surface
-from gpr20_survey.radar.depth import one_way_delay_s
+from gpr20_survey.radar import one_way_delay_s
 
 TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))
 QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}

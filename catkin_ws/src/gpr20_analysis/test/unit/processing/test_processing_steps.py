@@ -27,7 +27,7 @@ from gpr20_analysis.processing.sweep import (
     select_polarization,
 )
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar import Window
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
 NONE_DB = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}

@@ -22,7 +22,7 @@ from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.traces import Sample
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import LOCKED
-from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.files.durable_files import locked
 from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover

@@ -34,7 +34,7 @@ from gpr20_msgs.srv import (
     MapHidden,
     MapHiddenResponse,
 )
-from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.axes import BASE_LINK
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json

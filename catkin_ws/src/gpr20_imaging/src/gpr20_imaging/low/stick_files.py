@@ -23,7 +23,7 @@ from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
 from gpr20_imaging import faults
 from gpr20_imaging.faults import ImagingError
-from gpr20_survey.results.volume import Volume
+from gpr20_survey.results.answers import Volume
 
 COMMAND = (
     *("lsblk", "--json", "--bytes"),

@@ -17,8 +17,8 @@ from gpr20_imaging import faults
 from gpr20_imaging.faults import ImagingError
 from gpr20_imaging.low.stick_files import StickFolder, UsbVolumes
 from gpr20_survey.errors import ProcessingError
-from gpr20_survey.files.file_sums import add_folder
-from gpr20_survey.results.volume import ExportPart, Volume
+from gpr20_survey.files.regular_files import add_folder
+from gpr20_survey.results.answers import ExportPart, Volume
 
 FOLDER = "GPR20"
 MARGIN_BYTES = 1 << 20

@@ -46,7 +46,7 @@ from gpr20_msgs.msg import (
     SurveyCoverage,
     SurveyData,
 )
-from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
+from gpr20_survey.axes import AxisId, ZeroEpoch
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.results.answers import ReopenedSurvey

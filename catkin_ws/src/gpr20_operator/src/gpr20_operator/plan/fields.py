@@ -33,7 +33,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     coordinate_limits_mm,
 )
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.radar import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.trace.sweep_settings import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,

@@ -34,8 +34,7 @@ from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_simulator.mid.world.scene import Scene, read_scene
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.high import vna_node
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

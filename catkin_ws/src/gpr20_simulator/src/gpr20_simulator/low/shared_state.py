@@ -21,7 +21,7 @@ from typing import Mapping, Optional
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 INDEX = {axis: index for index, axis in enumerate(AxisId)}
 # A shared state that was just made is opened, and a node that died is there again, within this [s].

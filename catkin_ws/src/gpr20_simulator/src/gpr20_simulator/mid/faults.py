@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.checks import number_between
 from gpr20_simulator.faults import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 MOST_TIMES = 1_000_000
 UNTIL_CLEARED = 0

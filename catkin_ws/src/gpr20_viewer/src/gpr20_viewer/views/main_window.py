@@ -26,7 +26,7 @@ from PyQt5.QtWidgets import (
 from gpr20_analysis.sentences import shown
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_survey.radar.soils import ANY_SOIL
+from gpr20_survey.radar import ANY_SOIL
 from gpr20_viewer.live_image import ImageRequest, LiveImage
 from gpr20_viewer.picks import Pick
 from gpr20_viewer.positions import Place

@@ -23,8 +23,7 @@ from gpr20_survey.folder.recovery import find_survey
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import Trace, TraceBlock
 from gpr20_vna_processing.mid.survey_summaries import summary_of, trace_names
 
 MAX_SURVEYS_PER_PAGE = 50

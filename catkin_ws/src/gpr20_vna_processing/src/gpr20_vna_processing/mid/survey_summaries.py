@@ -18,8 +18,7 @@ from gpr20_survey.folder.log_record import UNCONFIRMED
 from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import read_description, unconfirmed_message
 from gpr20_survey.plan.annotation import ANNOTATION
-from gpr20_survey.plan.imported import import_sentence, is_imported, measured_area
-from gpr20_survey.plan.recorded_plan import refines_of
+from gpr20_survey.plan.recorded_plan import import_sentence, is_imported, measured_area, refines_of
 from gpr20_survey.plan.survey_state import reported_verdict
 from gpr20_survey.results.answers import SurveySummary
 

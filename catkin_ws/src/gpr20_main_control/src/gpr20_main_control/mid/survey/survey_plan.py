@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisParameters
 from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
