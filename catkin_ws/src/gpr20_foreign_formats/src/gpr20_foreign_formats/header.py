@@ -10,7 +10,7 @@ from typing import Any, Iterator, List, Mapping, Optional, Pattern
 import h5py
 import numpy as np
 
-from gpr20_analysis import faults, work
+from gpr20_analysis import errors, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
 from gpr20_survey.files.regular_files import check_regular, read_regular
@@ -87,7 +87,7 @@ def text_header(path: Path, separator: str, kind: str, key: str) -> Header:
 
 def refusal(message: Message) -> UnreadableFileError:
     """Return the error of a file that may be whole, but cannot be used as it is."""
-    return UnreadableFileError(message, fault=faults.INPUT)
+    return UnreadableFileError(message, fault=errors.INPUT)
 
 
 def other_kind(file: str, kind: str, details: object = "") -> UnreadableFileError:

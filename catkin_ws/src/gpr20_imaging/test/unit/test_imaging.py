@@ -14,7 +14,7 @@ from imaging_kit import REFUSAL, image_here, store_survey
 from wait_kit import wait_until
 
 import gpr20_analysis
-from gpr20_analysis import faults as analysis_faults
+from gpr20_analysis import errors as analysis_faults
 from gpr20_analysis.sample import sample_survey
 from gpr20_common.faults import ASKED_FOR, BUSY, DISK_FULL, NOT_ALLOWED
 from gpr20_imaging import faults

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from gpr20_analysis.commands import image_options, report_commands
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
-from gpr20_analysis.faults import NO_SCREEN
+from gpr20_analysis.errors import NO_SCREEN, AnalysisError, MissingLibraryError, library_missing
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_viewer.picks_file import picks_path

@@ -22,12 +22,12 @@ from PyQt5.QtCore import QPointF, Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLineEdit
 
-from gpr20_analysis import answer, faults
+from gpr20_analysis import answer, errors
 from gpr20_analysis.candidates.table import places_sentence
 from gpr20_analysis.commands.command import DAMAGED, DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.faults import NO_SCREEN
+from gpr20_analysis.errors import NO_SCREEN
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import ASKED_FOR
@@ -341,10 +341,10 @@ def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
             context.setenv("DISPLAY", display)
             context.setenv("WAYLAND_DISPLAY", wayland)
             assert main(arguments) == REFUSED
-    assert refusals[-4:] == [faults.STEPS.code, *[NO_SCREEN.code] * 3]
+    assert refusals[-4:] == [errors.STEPS.code, *[NO_SCREEN.code] * 3]
     write_dataset(holed, file)
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
-    assert refusals[-1:] == [faults.INPUT.code]
+    assert refusals[-1:] == [errors.INPUT.code]
     when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Iterator
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import MissingLibraryError
 from gpr20_common.catalogue import Catalogue
@@ -28,7 +28,7 @@ def _needing_ros() -> Iterator[None]:
             Message(
                 "this command needs ROS; source catkin_ws/devel/setup.bash first", details=error
             ),
-            fault=faults.NO_ROS,
+            fault=errors.NO_ROS,
         ) from error
 
 

@@ -13,7 +13,7 @@ from typing import Any, Dict, Tuple, Union
 import xarray as xr
 import yaml
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.errors import (
     ExportError,
@@ -22,8 +22,7 @@ from gpr20_analysis.errors import (
     check_ending,
     library_missing,
 )
-from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
-from gpr20_analysis.formats.plain_csv import write_plain_csv
+from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset, write_plain_csv
 from gpr20_analysis.read.doubts import recording_doubts
 from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
@@ -71,7 +70,7 @@ def export_survey(
                 "have; use `gpr20 export` with the survey's folder or recording",
                 format=form,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     if form == "netcdf":
         write_dataset(survey, path)
@@ -135,7 +134,7 @@ def export_recording(survey: Path, path: Path, form: str, progress: Progress) ->
         if not count:
             raise UnreadableFileError(
                 Message("{file} has no message that can be read", file=recording.name),
-                fault=faults.FILE_DAMAGED,
+                fault=errors.FILE_DAMAGED,
             )
         if form == "ros2":
             _convert(bag, place)
@@ -159,7 +158,7 @@ def _convert(bag: Path, folder: Path) -> None:
     except ConverterError as error:
         raise UnreadableFileError(
             Message("the recording cannot be converted to ROS 2", details=error),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         ) from error
 
 

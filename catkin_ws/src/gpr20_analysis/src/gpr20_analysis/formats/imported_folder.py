@@ -15,7 +15,7 @@ from typing import Any, Dict, Iterator, Mapping
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import __version__, dataset, faults
+from gpr20_analysis import __version__, dataset, errors
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
@@ -138,7 +138,7 @@ def write_imported_folder(
                 "a survey's folder cannot hold the data: {reason}; write a .nc",
                 reason=error.message,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         ) from error
     return folder
 

@@ -11,7 +11,7 @@ from typing import Any, Callable, Optional, Tuple, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.doubts import survey_doubts
@@ -107,7 +107,7 @@ def _argument(option: str) -> str:
 IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
-    fault=faults.STEPS,
+    fault=errors.STEPS,
     wings=dict.fromkeys(
         (
             *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
@@ -156,7 +156,7 @@ def refuse_device(path: Path) -> None:
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise AnalysisError(
             Message("{path} is neither a file nor a folder, so it is not a survey", path=path),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
 
 
@@ -183,5 +183,5 @@ def refuse_importable(path: Path) -> None:
                     format=form,
                     command=command,
                 ),
-                fault=faults.INPUT,
+                fault=errors.INPUT,
             )

@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.replay import Playback, ReplayedSurvey
 from gpr20_common.errors import NodeGoneError, NodeSilentError
@@ -66,7 +66,7 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
                 "replay.launch",
                 address=rosgraph.get_master_uri(),
             ),
-            fault=faults.NO_ROS,
+            fault=errors.NO_ROS,
         )
     published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
     publishers_of = dict(published)
@@ -84,7 +84,7 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
                     "(roslaunch gpr20 replay.launch ns:=replay2 survey:=...)",
                     details=f"{topic} is published by {', '.join(others)}",
                 ),
-                fault=faults.ROBOT_RUNS,
+                fault=errors.ROBOT_RUNS,
             )
 
 

@@ -7,7 +7,7 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, work
+from gpr20_analysis import errors, work
 from gpr20_analysis.dataset import (
     DISPLAY_ONLY,
     HEIGHT,
@@ -79,7 +79,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 "trace itself",
                 rotation_deg=survey[POLARIZATION].values[np.argmin(is_seen)],
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     height_m = np.full(present.shape, options.height_m)
     if options.height_m is None:
@@ -116,7 +116,7 @@ def _check_present(survey: xr.Dataset, present: np.ndarray, options: ImageOption
                 count=len(absent),
                 samples=first_of(absent, NAMED),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     if not options.leave_out_missing and not np.all(present):
         raise WrongDatasetError(

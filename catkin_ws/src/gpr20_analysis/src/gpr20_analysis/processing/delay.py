@@ -10,7 +10,7 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -143,7 +143,7 @@ def _recorded(survey: xr.Dataset, name: str, most: float) -> float:
                 found=str(found),
                 most=most,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return number
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import List
 
-from gpr20_analysis import __version__, faults
+from gpr20_analysis import __version__, errors
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
@@ -94,7 +94,7 @@ def _is_manifest_valid(folder: Path, recovered: RecoveredSurvey) -> bool:
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
                 differences=in_a_row(differences[:SHOWN]),
-            ).reporting_only(faults.NOT_INTACT)
+            ).reporting_only(errors.NOT_INTACT)
         )
     if checks.is_sealed(recovered):
         return True

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, Optional
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.errors import os_reason
@@ -117,7 +117,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
     except FileNotFoundError:
         # Without a manifest the survey is open, or verification calls it damaged.
         text = Message("NOT SIGNED: nobody vouches for the survey")
-        return Signed(text.with_fault(faults.UNSIGNED), Signature.UNSIGNED)
+        return Signed(text.with_fault(errors.UNSIGNED), Signature.UNSIGNED)
     except IrregularFileError as error:
         file, reason = printable(Path(error.filename).name), os_reason(error)
         return _wrong(Message("{file} cannot be read: {reason}", file=file, reason=reason))
@@ -140,7 +140,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
         fingerprint=fingerprint,
     )
     unknown = Signature.UNKNOWN_KEY
-    return Signed(text.with_fault(faults.UNKNOWN_SIGNER), unknown, fingerprint=fingerprint)
+    return Signed(text.with_fault(errors.UNKNOWN_SIGNER), unknown, fingerprint=fingerprint)
 
 
 def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Signed:
@@ -162,7 +162,7 @@ def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Si
         "CHANGED AFTER IT WAS SIGNED: {signer} signed the traces and the log as it was then; "
         "nobody has signed what was added to the log since",
         signer=signer,
-    ).with_fault(faults.CHANGED_SINCE_SIGNED)
+    ).with_fault(errors.CHANGED_SINCE_SIGNED)
     return Signed(text, Signature.CHANGED, signer, fingerprint)
 
 
@@ -177,4 +177,4 @@ def _principals(signature: Path, signers: Path) -> Iterator[str]:
 
 def _wrong(reason: Message) -> Signed:
     text = Message("WRONG SIGNATURE: {reason}", reason=reason)
-    return Signed(text.reporting_only(faults.WRONG_SIGNATURE), Signature.WRONG)
+    return Signed(text.reporting_only(errors.WRONG_SIGNATURE), Signature.WRONG)

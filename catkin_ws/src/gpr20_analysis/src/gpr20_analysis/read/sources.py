@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.read.recordings import (
     Lost,
@@ -81,7 +81,7 @@ def open_source(path: Path, read: ReadTrace = read_trace) -> Source:
     if path.is_dir():
         return _folder_source(path, read)
     if not path.exists():
-        raise AnalysisError(not_there(path), fault=faults.INPUT)
+        raise AnalysisError(not_there(path), fault=errors.INPUT)
     if is_recording(path):
         return _recording_source(path)
     raise AnalysisError(
@@ -90,7 +90,7 @@ def open_source(path: Path, read: ReadTrace = read_trace) -> Source:
             "its .mcap; `gpr20 import` reads other formats",
             path=path,
         ),
-        fault=faults.INPUT,
+        fault=errors.INPUT,
     )
 
 
@@ -116,7 +116,7 @@ def _folder_source(folder: Path, read: ReadTrace) -> Source:
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     found = Source(storable(folder.name), lambda: _of_files(files, read, found), count=len(files))
     if is_described:
@@ -190,7 +190,7 @@ def _of_recording(path: Path, source: Source) -> Iterator[Trace]:
             )
             source.faults.append(Damage(message))
     if lost.faults:
-        reason = in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED)
+        reason = in_a_row(lost.faults).reporting_only(errors.FILE_DAMAGED)
         message = Message(
             "{file} cannot be read to its end: {reason}", file=source.name, reason=reason
         )

@@ -8,7 +8,7 @@ from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import AXIS, HEIGHT, HZ_PER_MHZ, SAMPLE_DIMS
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.read.sources import Damage
@@ -93,7 +93,7 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return grid
 

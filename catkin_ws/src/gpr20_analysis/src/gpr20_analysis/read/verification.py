@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 from typing import Any, Iterator, List, Mapping, Optional, Union
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks, doubts
@@ -52,7 +52,7 @@ def check_survey_folder(folder: Path) -> None:
                 folder=folder,
                 names=", ".join(FILES),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
 
 

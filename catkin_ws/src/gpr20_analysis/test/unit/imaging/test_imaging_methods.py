@@ -10,7 +10,7 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from run_seed import draws
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
@@ -129,7 +129,7 @@ def test_an_image_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
     target, places_mm = point(200, 200, 0.1), np.linspace(100.0, 300.0, 5)
     survey = survey_of(scene([target], **QUIET), places_mm, places_mm)
     monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: survey.s21.nbytes)
-    with raises_fault(faults.TOO_LARGE):
+    with raises_fault(errors.TOO_LARGE):
         image_survey(survey, ImageOptions(permittivity=4.0))
 
 

@@ -18,7 +18,7 @@ from survey_kit import (
 )
 from trace_examples import SURVEY
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import LOG_LOST
@@ -223,8 +223,8 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     (next((copied / "traces").iterdir())).write_text("{")
     for folder, status, code in (
         (finished, 0, ""),
-        (stopped, 1, faults.NOT_COMPLETE.code),
-        (copied, 2, faults.NOT_INTACT.code),
+        (stopped, 1, errors.NOT_COMPLETE.code),
+        (copied, 2, errors.NOT_INTACT.code),
     ):
         assert main(["verify", str(folder), "--json"]) == status
         answer = json.loads(capsys.readouterr().out)
@@ -234,7 +234,7 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     for none in (copied.parent, copied / "missing"):
         assert main(["verify", str(none), "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert answer["error"]["fault"]["code"] == faults.INPUT.code
+        assert answer["error"]["fault"]["code"] == errors.INPUT.code
 
 
 def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):
