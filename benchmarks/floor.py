@@ -18,7 +18,7 @@ from typing import Any, Dict
 from graph_kit import Sample, print_table, run_survey, samples
 from robot_kit import simulated_robot
 
-from gpr20_survey.axes.axis_parameters import Ramp
+from gpr20_survey.axes import Ramp
 from gpr20_survey.plan.survey_parameters import SurveySettings
 
 PITCH_MM = 20.0

@@ -31,7 +31,7 @@ from scipy.constants import epsilon_0, speed_of_light
 from gpr20_analysis.hiding import search as hiding
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.records import Ground
-from gpr20_survey.radar.depth import one_way_delay_s
+from gpr20_survey.radar import one_way_delay_s
 from gpr20_survey.results.candidates import CandidateList
 from gpr20_survey.results.hiding_map import HidingMap, target_of
 

@@ -36,10 +36,9 @@ from gpr20_analysis.imaging.records import Focus, Traces
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.read.load import load_survey
-from gpr20_survey.folder import survey_folder
-from gpr20_survey.radar.depth import one_way_delay_s
-from gpr20_survey.trace import trace_json
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.folder import survey_folder, trace_files
+from gpr20_survey.radar import one_way_delay_s
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import US_PER_S
 
@@ -118,7 +117,7 @@ def _survey_files(scratch: Path) -> Path:
             (), AnalyzerSettings(), "0f8fad5b-d9cb-469f-a165-70867728950e",
             f"sample-{index}", index, moment_us, x_mm, y_mm, 0.0, HEIGHT_M,
         )  # fmt: skip
-        (folder / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
+        (folder / survey_folder.trace_file_name(trace)).write_bytes(trace_files.encode(trace))
     return folder
 
 

@@ -13,7 +13,7 @@ from typing import Any, Dict
 
 import numpy as np
 
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
@@ -22,8 +22,7 @@ from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -65,7 +64,7 @@ def make(folder: Path, x_points: int, y_points: int, frequency_points: int = 501
             SURVEY_ID, f"sample-{point.index}", point.index, moment_us,
             point.x_mm, point.y_mm, point.z_deg, 0.2,
         )  # fmt: skip
-        (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_json.encode(trace))
+        (traces / survey_folder.trace_file_name(trace)).write_bytes(trace_files.encode(trace))
         recording.write_alone(topics.trace(trace, moment_us * 1000))
         if point.index % TRACES_PER_COMMIT == 0:
             recording.commit()

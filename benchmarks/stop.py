@@ -40,7 +40,7 @@ from gpr20_msgs.msg import AxisAction, AxisGoal, CurrentCoordinate
 from gpr20_msgs.srv import Command
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.window.rail import TabName

@@ -30,7 +30,7 @@ from std_msgs.msg import Header
 
 from gpr20_msgs.msg import Trace
 from gpr20_msgs.srv import CloseSurvey, OpenSurvey, ReopenSurvey, StoreData
-from gpr20_survey.axes.axis_id import ANTENNA_LINK
+from gpr20_survey.axes import ANTENNA_LINK
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points
 

@@ -31,7 +31,7 @@ from gpr20_analysis import (
     sample_survey,
 )
 from gpr20_analysis.commands import main as program
-from gpr20_analysis.plotting.projections import candidate_map_figure
+from gpr20_analysis.plotting.maps import candidate_map_figure
 from gpr20_analysis.sample import REAL_LINE_FILE
 from gpr20_common import catalogue
 from gpr20_common.catalogue import Language

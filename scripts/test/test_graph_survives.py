@@ -23,7 +23,7 @@ import rosgraph
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.files.durable_files import locked
 
 KILLS = int(os.environ.get("GPR20_MASTER_KILLS", "2"))
 SIDE = 4

@@ -13,7 +13,7 @@ from case_kit import each_case
 from network_namespaces import ROBOT, SERVER, firewall_commands, remote_shell_rule
 from user_shell import ROOT, printed_by, unit_values
 
-from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY
+from gpr20_survey.axes import PULSE_PRIORITY
 
 VERSION = "1.2.3"
 CHANGELOG = f"""gpr20 ({VERSION}) stable; urgency=medium

@@ -14,7 +14,7 @@ from window_kit import Operator
 
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 # A kill takes about 13 s.

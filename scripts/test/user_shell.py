@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from gpr20_survey.files.folder_lock import writer_of
+from gpr20_survey.files.durable_files import writer_of
 
 ROOT = Path(__file__).resolve().parents[2]
 LIMIT_S = 600.0

@@ -10,7 +10,7 @@ import struct
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Optional
+from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Optional, Tuple
 
 import zstandard
 from mcap.exceptions import McapError
@@ -21,8 +21,8 @@ from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
-from gpr20_survey.files import ssh_keygen
 from gpr20_survey.files.durable_files import Readers, ensure_folders
+from gpr20_survey.folder import signature
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.signature import NAMESPACE
 from gpr20_survey.plan.annotation import Annotation
@@ -196,16 +196,38 @@ def _messages_of(reader: McapReader) -> Iterator[Any]:
 
 def make_key(path: Path, passphrase: str = "") -> None:
     """Make a key of the kind that `robot_config key` makes."""
-    made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", passphrase, "-C", "robot", "-f", path))
+    made = signature.ssh_keygen(
+        ("-q", "-t", "ed25519", "-N", passphrase, "-C", "robot", "-f", path)
+    )
     assert made.yes, made.complaint
 
 
 def fingerprint(path: Path) -> str:
     """Return the fingerprint of a key."""
-    return ssh_keygen.use_key(path, ("-l",)).split()[1]
+    return signature.use_key(path, ("-l",)).split()[1]
 
 
 def signers_line(path: Path, signer: str = "robot") -> str:
     """Return the line of a signers file that accepts a key."""
-    kind, key = ssh_keygen.use_key(path, ("-y", "-P", "")).split()[:2]
+    kind, key = signature.use_key(path, ("-y", "-P", "")).split()[:2]
     return f'{signer} namespaces="{NAMESPACE}" {kind} {key}\n'
+
+
+class AskedStorage:
+    """Answers nothing, remembers what it was asked."""
+
+    def __init__(self) -> None:
+        self.asked: List[Tuple[Any, ...]] = []
+
+    def of(self, kind: str) -> List[Tuple[Any, ...]]:
+        """Return what was asked of a kind."""
+        return [one[1:] for one in self.asked if one[0] == kind]
+
+    def list_surveys(self, before: str) -> None:
+        self.asked.append(("list", before))
+
+    def read_survey(self, folder: str) -> None:
+        self.asked.append(("survey", folder))
+
+    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
+        self.asked.append(("traces", survey, indices))

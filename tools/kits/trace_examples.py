@@ -11,12 +11,12 @@ from typing import Any, Callable, Dict
 
 import numpy as np
 
-from gpr20_survey.axes import axis_id
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey import axes
+from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import AuxValue, Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
@@ -46,7 +46,7 @@ def make_trace(index: int = 0, **changes: Any) -> Trace:
         "quality": ("level low",),
         "analyzer": AnalyzerSettings(1000.0, 4, "HIGH"),
         "aux": (AuxValue("soil_temperature", 18.5, "\N{DEGREE SIGN}C", STARTED_US),),
-        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(axis_id.AXES)),
+        "zeros": tuple(ZeroEpoch(3 + axis, STARTED_US - axis) for axis in range(axes.AXES)),
     }
     return Trace(**{**fields, **changes})
 

@@ -164,9 +164,11 @@ def messages_markdown() -> str:
 def all_faults() -> List[Fault]:
     """Return the faults of all packages, in the order of their codes."""
     found = []
-    for path in sorted(ROOT.glob("catkin_ws/src/gpr20_*/src/*/faults.py")):
-        module = importlib.import_module(f"{path.parent.name}.faults")
-        found += [one for one in vars(module).values() if isinstance(one, Fault)]
+    for path in sorted(ROOT.glob("catkin_ws/src/gpr20_*/src/gpr20_*/**/*s.py")):
+        if path.name in ("faults.py", "errors.py"):
+            place = path.relative_to(ROOT / "catkin_ws/src").with_suffix("").parts[2:]
+            module = importlib.import_module(".".join(place))
+            found += [one for one in vars(module).values() if isinstance(one, Fault)]
     return sorted(found, key=lambda one: one.code)
 
 

@@ -23,7 +23,7 @@ from gpr20_msgs.msg import (
 )
 from gpr20_msgs.srv import Command, ResumeSurvey, SetSurveyParameters, StartSurvey
 from gpr20_simulator.srv import SetFault
-from gpr20_survey.files.folder_lock import writer_of
+from gpr20_survey.files.durable_files import writer_of
 
 LIMIT_S = 200.0
 # Of all nodes: where these are, every node is there.

@@ -30,7 +30,7 @@ from tf2_msgs.msg import TFMessage
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_msgs.msg import Annotation, ControlStatus
 from gpr20_msgs.srv import AddFact, ExportSurvey, FocusSurvey
-from gpr20_survey.axes import axis_id as frames
+from gpr20_survey import axes as frames
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan import annotation
 from gpr20_survey.plan.annotation import Wgs84Position

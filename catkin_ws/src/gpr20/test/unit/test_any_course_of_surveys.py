@@ -12,17 +12,23 @@ import pytest
 from hypothesis import seed, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
-from robot_in_process import ENDS, RobotInProcess
+from robot_in_process import (
+    ENDS,
+    TRACES,
+    RobotInProcess,
+    check_acknowledged,
+    check_places,
+    json_traces,
+)
 from run_seed import SEED, draws
 from simulated_world import LIMIT_S, World
-from stored_surveys import TRACES, check_acknowledged, check_places, json_traces
 
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_axis_driver.faults import AxisException
 from gpr20_main_control.errors import SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.survey_state import SurveyState
 

@@ -20,9 +20,9 @@ from gpr20_analysis.candidates.table import (
     candidate_row,
     places_sentence,
 )
-from gpr20_analysis.high import candidate_topics
 from gpr20_analysis.report.sections import places_section
 from gpr20_analysis.sentences import ENGLISH
+from gpr20_imaging.high import imaging_node
 from gpr20_operator.ground import texts as ground_texts
 from gpr20_operator.jobs.result_texts import headline, why_line
 from gpr20_survey.results.candidates import json_text, list_from
@@ -104,14 +104,14 @@ def check(found, folder):
         assert counted.startswith(f"{len(shown)} place")
 
     # The markers: everything that is listed.
-    markers = candidate_topics.marker_array(found, "base_link", rospy.Time(0)).markers
+    markers = imaging_node.marker_array(found, "base_link", rospy.Time(0)).markers
     spheres = [one for one in markers if one.type == Marker.SPHERE and one.ns == "candidates"]
     names = [one for one in markers if one.type == Marker.TEXT_VIEW_FACING]
     colours = {one.text.split()[0]: one.color for one in names}
     assert [one.color for one in spheres] == list(colours.values())
     assert list(colours) == list(flags)
     for name, colour in colours.items():
-        assert (colour == candidate_topics.DOUBTFUL) == (name in weaker)
+        assert (colour == imaging_node.DOUBTFUL) == (name in weaker)
 
 
 @given(candidate_lists(POSITIONS))

@@ -12,7 +12,7 @@ from gpr20_analysis.dataset import ATTRIBUTES
 from gpr20_analysis.imaging.records import gated_a_scans
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.processing.sweep import FrequencyGrid
-from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, Window, delay_kernel
+from gpr20_survey.radar import FrequencyToDelay, Window, delay_kernel
 from gpr20_visualization.mid.survey_picture import transform_of
 
 SINGLE = 2e-6

@@ -11,10 +11,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from asked_storage import Storage
 from matplotlib.figure import Figure
 from result_kit import Now
-from storage_kit import Kit
+from storage_kit import AskedStorage, Kit
 from surveys_kit import Services
 from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
@@ -36,15 +35,14 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, Kind, soil_values
 from gpr20_survey.folder.recovery import Fact, add_to_survey
-from gpr20_survey.folder.soil_note import KIND, PLANNED, soil_values
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.recorded_plan import UNPROVEN
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import survey_points
+from gpr20_survey.results.answers import focus_fields, image_from
 from gpr20_survey.results.candidates import list_from
-from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_viewer.session import ViewSession
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.ground_page import GroundPage
@@ -126,7 +124,7 @@ def stored_survey(data, remarks=(), at_end=lambda _processing: None, **more):
 
 def enter(folder, permittivity):
     """Add the decision of a person about the soil to a survey that has ended."""
-    fact = Fact(KIND, soil_values(permittivity, TIME_US))
+    fact = Fact(Kind.DECISION, soil_values(permittivity, TIME_US))
     add_to_survey(folder, lambda _description: fact, NOW)
 
 
@@ -165,7 +163,7 @@ def check_page(folder, services, window):
     assert listed["headline"] == str(texts.headline(found))
     assert listed["weaker"] == str(texts.weaker_line(found))
     now = Now()
-    ground = GroundPage(Storage(), AtOnce(services), now, print)
+    ground = GroundPage(AskedStorage(), AtOnce(services), now, print)
     got(ground, "/api/ground", **here)
     stored = services.ask(Service.READ, survey=folder.name)
     indices = tuple(range(stored.stored_traces))
@@ -205,7 +203,7 @@ def said_of(found):
 
 def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(Figure, "savefig", lambda _figure, target, **_: target.write(b"-"))
-    folder = stored_survey(tmp_path / "data", **{PLANNED: 4.0})
+    folder = stored_survey(tmp_path / "data", **{PLANNED_PERMITTIVITY: 4.0})
     alone = of_command(folder / MCAP_FILE, capsys)
     assert said_of(alone) == pytest.approx((4.0, 3.0, 5.0, "of the plan"))
     shown = []
@@ -228,7 +226,7 @@ def test_all_parts_search_with_what_the_survey_knows(tmp_path, capsys, monkeypat
     assert said_of(given) == pytest.approx((8.0, 7.2, 8.8, "given"))
 
 
-DOUBTED = {PLANNED: 4.0, "instrument": {"calibration_status": 3}}
+DOUBTED = {PLANNED_PERMITTIVITY: 4.0, "instrument": {"calibration_status": 3}}
 LOST = Fact(Kind.UNCONFIRMED, {"entries": {"outcome": {"reason": "lost"}}, "lost": []})
 REPORT = {
     "analyzers": [{"identity": "A", "from_index": 0}, {"identity": "B", "from_index": 40}],

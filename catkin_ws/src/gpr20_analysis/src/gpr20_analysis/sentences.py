@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any, Dict, Iterable, List, Mapping, Optional, Sequence
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import library_missing
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error, os_reason
@@ -44,8 +44,8 @@ TRACEBACK = "GPR20_TRACEBACK"
 STEP_IS_SAID = frozenset(
     one.code
     for one in (
-        *(NOT_ALLOWED, ASKED_FOR, faults.INPUT, faults.STEPS, faults.TOO_LARGE),
-        *(faults.NO_ROS, faults.ROBOT_RUNS, faults.PROGRAM, NOT_SIGNED),
+        *(NOT_ALLOWED, ASKED_FOR, errors.INPUT, errors.STEPS, errors.TOO_LARGE),
+        *(errors.NO_ROS, errors.ROBOT_RUNS, errors.PROGRAM, NOT_SIGNED),
     )
 )
 """Codes whose remedy says in general what each of their sentences says exactly."""
@@ -163,10 +163,10 @@ def message_of(error: BaseException, command: str) -> Message:
     elif isinstance(error, ModuleNotFoundError):
         name = error.name or ""
         missing = library_missing(name, EXTRAS.get(name.split(".")[0], ""))
-        return missing.with_fault(faults.STEPS)
+        return missing.with_fault(errors.STEPS)
     elif isinstance(error, MemoryError):
         message = Message("not enough memory; use fewer samples", details=error)
-        return message.with_fault(faults.TOO_LARGE)
+        return message.with_fault(errors.TOO_LARGE)
     elif isinstance(error, OSError):
         reason = os_reason(error)
         reason = reason if reason.cause else reason.with_fault(DISK_REFUSES)
@@ -175,7 +175,7 @@ def message_of(error: BaseException, command: str) -> Message:
             "program error {error}; please report it with the output of {command}",
             error=f"{type(error).__name__}: {error}",
             command=f"{TRACEBACK}=1 {command}",
-        ).with_fault(faults.PROGRAM)
+        ).with_fault(errors.PROGRAM)
     return Message("{file}: {reason}", file=file, reason=reason) if file else reason
 
 

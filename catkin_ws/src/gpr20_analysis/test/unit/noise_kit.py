@@ -7,7 +7,7 @@ from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions, Method
 from gpr20_analysis.processing.background import remove_background
-from gpr20_survey.radar.depth import one_way_delay_s
+from gpr20_survey.radar import one_way_delay_s
 
 HEIGHT_M = 0.2
 DEPTH_M = tuple(np.arange(0.0, 0.2001, 0.008))

@@ -17,9 +17,9 @@ from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
+from gpr20_survey.folder.trace_files import sealed
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_json import sealed
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 
 SURVEY_PARAMETERS = replace(trace_examples.PARAMETERS, polarizations_deg=(0.0, 90.0))

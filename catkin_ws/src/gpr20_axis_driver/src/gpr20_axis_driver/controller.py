@@ -19,8 +19,7 @@ from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import load_extension
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, ZeroEpoch
-from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters
+from gpr20_survey.axes import HOMING_BACKOFFS, UNKNOWN_ZERO, AxisParameters, ZeroEpoch
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED
 
 # The longest that any method of a controller may take [s].

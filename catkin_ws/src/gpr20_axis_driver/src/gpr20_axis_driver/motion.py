@@ -11,8 +11,7 @@ from gpr20_axis_driver.low.pins import Pins
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.axes.axis_parameters import AxisParameters, Ramp
+from gpr20_survey.axes import AxisParameters, Ramp, ZeroEpoch
 
 # Called at every step: whether to end the motion now.
 StopRequested = Callable[[], bool]

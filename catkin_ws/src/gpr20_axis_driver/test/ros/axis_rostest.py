@@ -22,7 +22,7 @@ from gpr20_msgs.msg import AxisAction, AxisActionGoal, AxisActionResult, AxisGoa
 from gpr20_msgs.srv import Command
 from gpr20_simulator.high.simulated_robot import shared_state_path
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 LIMIT_S = 200.0
 # So far that a move there is still under way when a slow computer stops it: 9 s.

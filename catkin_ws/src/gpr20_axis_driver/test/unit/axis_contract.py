@@ -10,7 +10,7 @@ import pytest
 
 from gpr20_axis_driver.faults import AxisException, EndstopError, MotionStopped
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisParameters
 
 LIMIT_S = 100.0
 

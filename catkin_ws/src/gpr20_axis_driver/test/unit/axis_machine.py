@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-from direct_pulses import DirectPulses
+from robot_parts import DirectPulses
 
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, StepCounter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
@@ -19,8 +19,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.carriage import SimulatedHardware
 from gpr20_simulator.mid.world.scene import X_AXIS, Z_AXIS
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 
 LIMIT_S = 100.0
 AXES = read_yaml(Path(__file__).parents[3] / "gpr20_launch/config/axes.yaml")

@@ -29,8 +29,7 @@ from gpr20_axis_driver.faults import (
 from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.motion import never
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
-from gpr20_survey.axes.axis_parameters import Ramp
+from gpr20_survey.axes import UNKNOWN_ZERO, Ramp
 from gpr20_survey.faults import ENDSTOP, NOT_HOMED
 
 TRAVEL_STEPS = SHORT.distance_steps(SHORT.max_coord)

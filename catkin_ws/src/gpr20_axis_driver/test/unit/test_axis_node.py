@@ -30,7 +30,7 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.message import Message
 from gpr20_msgs.msg import AxisGoal
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CONTROL_SILENT, ENDSTOP, NOT_HOMED
 
 CONTROL, OTHER = "/main_control", "/rostopic_7"

@@ -29,7 +29,7 @@ from gpr20_axis_driver.motion import never
 from gpr20_common.faults import CONFIGURATION, MAY_MOVE, NOT_SET_UP, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_simulator.low.shared_state import EndstopFault, open_shared_state
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import ZERO_UNKNOWN
 
 

@@ -12,7 +12,7 @@ from gpr20_axis_driver.faults import EndstopError
 from gpr20_axis_driver.low.pins import StepperInterface
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.motion import Ending, Motion, never
-from gpr20_survey.axes.axis_parameters import Ramp
+from gpr20_survey.axes import Ramp
 from gpr20_survey.faults import ENDSTOP
 
 SLOW = Ramp(0.005, 0.005, 0.001)

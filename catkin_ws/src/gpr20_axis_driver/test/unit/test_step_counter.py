@@ -16,7 +16,7 @@ from gpr20_axis_driver.faults import AxisException
 from gpr20_axis_driver.low import step_counter
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, open_step_counter
 from gpr20_common.faults import CONFIGURATION, DISK_FULL, OTHER_LAUNCH
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.faults import ZERO_UNKNOWN
 
 

@@ -10,10 +10,10 @@ from typing import Any, Iterator, List, Mapping, Optional, Pattern
 import h5py
 import numpy as np
 
-from gpr20_analysis import faults, work
+from gpr20_analysis import errors, work
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
 from gpr20_common.message import Message
-from gpr20_survey.files.regular_file import check_regular, read_regular
+from gpr20_survey.files.regular_files import check_regular, read_regular
 
 BYTES_PER_SAMPLE = 40.0  # in memory: as stored, in double precision, complex, and on the grid
 SHOWN = 80
@@ -36,7 +36,7 @@ class Header:
             "{file}: {key} is {found}; it must be {allowed}. Give the right file or option",
             file=self.file,
             key=key,
-            found=str(self.entries.get(key, "-"))[:SHOWN],
+            found=str(self.entries.get(key, "missing"))[:SHOWN],
             allowed=allowed,
         )
         return refusal(text)
@@ -87,7 +87,7 @@ def text_header(path: Path, separator: str, kind: str, key: str) -> Header:
 
 def refusal(message: Message) -> UnreadableFileError:
     """Return the error of a file that may be whole, but cannot be used as it is."""
-    return UnreadableFileError(message, fault=faults.INPUT)
+    return UnreadableFileError(message, fault=errors.INPUT)
 
 
 def other_kind(file: str, kind: str, details: object = "") -> UnreadableFileError:

@@ -27,7 +27,7 @@ from gpr20_foreign_formats.group_files import (
     survey_of,
 )
 from gpr20_foreign_formats.header import Header, folder_of, refusal
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 
 VALUES = ("freq_value", "real_value", "imaginary_value")
 TIME, DIGITS = "%Y%m%d%H%M%S", 14

@@ -17,7 +17,7 @@ from gpr20_analysis.work import Progress
 from gpr20_common.message import Message
 from gpr20_foreign_formats.header import Header, folder_of, no_files, other_kind, refusal
 from gpr20_foreign_formats.traces import TAKEN, Traces, as_survey, needs_spacing
-from gpr20_survey.files.regular_file import check_regular
+from gpr20_survey.files.regular_files import check_regular
 
 FILES = re.compile(r".*\.s[12]p", re.IGNORECASE | re.DOTALL)
 ENTRY: Dict[str, Tuple[int, int]] = {".s1p": (0, 0), ".s2p": (1, 0)}

@@ -14,7 +14,7 @@ from instruments_kit import read
 from run_seed import draws
 from scipy.io import savemat
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.load import load_survey
 
@@ -112,10 +112,10 @@ SCANS = {"a_scans": np.ones((5, 200)), "time_s": TIME_S, "s21": None, "frequency
 @each_case(
     "arrays, shown",
     [
-        ({"a_scans": np.ones((5, 21))}, ["its arrays", "one complex array s21"]),
+        ({"a_scans": np.ones((5, 21))}, ["its data is s21, a_scans", "one complex array s21"]),
         ({"s21": np.ones((5, 21))}, ["float64", "complex"]),
         ({"s21": np.ones((21, 5)) * 1j}, ["21 x 5", "5 x 21 (x_m, frequency_hz)", "transpose"]),
-        ({"x_m": None}, ["x_m is -"]),
+        ({"x_m": None}, ["x_m is missing"]),
         ({"height_m": [0.1, 0.1]}, ["height_m", "one for each trace: 5"]),
         ({"frequency_hz": np.arange(21.0) + 600}, ["600", "1e+06"]),
         ({"frequency_hz": FREQUENCY_HZ[::-1]}, ["two or more that ascend"]),
@@ -130,7 +130,7 @@ SCANS = {"a_scans": np.ones((5, 200)), "time_s": TIME_S, "s21": None, "frequency
 def test_what_does_not_fit_is_named(tmp_path, arrays, shown):
     path, line = tmp_path / "d.npz", {**a_line(), **arrays}
     write_arrays(path, {key: one for key, one in line.items() if one is not None})
-    with raises_fault(faults.INPUT, "d.npz", *shown):
+    with raises_fault(errors.INPUT, "d.npz", *shown):
         read(path, "arrays")
 
 
@@ -144,11 +144,11 @@ class Harmful:
 
 def test_what_is_not_read_safely_is_refused(tmp_path):
     write_arrays(tmp_path / "o.npz", {"s21": np.array([Harmful(tmp_path / "made")], object)})
-    with raises_fault(faults.FILE_DAMAGED, "o.npz", "plain arrays"):
+    with raises_fault(errors.FILE_DAMAGED, "o.npz", "plain arrays"):
         read(tmp_path / "o.npz", "arrays")
     assert not (tmp_path / "made").exists()
     savemat(tmp_path / "old.mat", a_line())
-    with raises_fault(faults.INPUT, "old.mat", "-v7.3"):
+    with raises_fault(errors.INPUT, "old.mat", "-v7.3"):
         read(tmp_path / "old.mat", "arrays")
     text = b"{'descr': '<c16', 'fortran_order': False, 'shape': (5, 1000000000000), }"
     with zipfile.ZipFile(tmp_path / "large.npz", "w") as archive:
@@ -156,5 +156,5 @@ def test_what_is_not_read_safely_is_refused(tmp_path):
     with h5py.File(tmp_path / "large.h5", "w") as file:
         file.create_dataset("s21", (5, 10**12), "c16", chunks=(1, 1000))
     for name in ("large.npz", "large.h5"):
-        with raises_fault((faults.FILE_DAMAGED, faults.TOO_LARGE), name):
+        with raises_fault((errors.FILE_DAMAGED, errors.TOO_LARGE), name):
             read(tmp_path / name, "arrays")

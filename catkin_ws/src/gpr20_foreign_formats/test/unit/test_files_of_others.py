@@ -12,7 +12,7 @@ import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import to_frequency
@@ -73,15 +73,23 @@ def test_a_figure_of_a_line_shows_what_comes_after_its_time_zero():
     assert 55e-9 < float(found.delay[-1]) < 60e-9
 
 
+def test_a_file_of_the_current_folder_is_refused_with_the_name_of_its_folder(tmp_path, monkeypatch):
+    kit.write_touchstone(tmp_path / "probe", ["z.s2p"])
+    monkeypatch.chdir(tmp_path / "probe")
+    for named in ("z.s2p", "."):
+        with raises_fault(NOT_ALLOWED, "probe: the name z.s2p has no place"):
+            import_survey(named, "touchstone")
+
+
 def test_a_line_whose_antennas_move_apart_is_refused(tmp_path):
-    with raises_fault(faults.INPUT, "SURVEY MODE", "CMP/WARR"):
+    with raises_fault(errors.INPUT, "SURVEY MODE", "CMP/WARR"):
         kit.read(DATA / "cmp.DT1", "dt1")
     places = 20 * np.arange(kit.TRACES)
     kit.write_segy(tmp_path / "warr.sgy", b73=7, b81=places + 20)
-    with raises_fault(faults.INPUT, "constant separation", "0.013", "0.113"):
+    with raises_fault(errors.INPUT, "constant separation", "0.013", "0.113"):
         kit.read(tmp_path / "warr.sgy", "segy")
     kit.write_merged(tmp_path / "m.h5", srcsteps=(0, 0, 0))
-    with raises_fault(faults.INPUT, "#src_steps"):
+    with raises_fault(errors.INPUT, "#src_steps"):
         kit.read(tmp_path / "m.h5", "gprmax", **kit.SPECTRA)
 
 
@@ -104,10 +112,10 @@ def test_a_second_channel_is_read_by_its_own_header(tmp_path):
             kit.read(tmp_path / "a.dzt", "dzt", channel=channel)
     for wrong in ({"spm": 10.0}, {"samples": 39}, {"bits": 8}, {"channels": 3}, {"tag": 0}):
         kit.write_dzt(tmp_path / "w.dzt", channels, second=wrong)
-        with raises_fault(faults.INPUT, "w.dzt"):
+        with raises_fault(errors.INPUT, "w.dzt"):
             kit.read(tmp_path / "w.dzt", "dzt", channel=2)
     (tmp_path / "none.dzt").write_bytes(kit.channel_header(data=1, channels=2) + bytes(4 * 80 * 6))
-    with raises_fault(faults.INPUT, "rh_data"):
+    with raises_fault(errors.INPUT, "rh_data"):
         kit.read(tmp_path / "none.dzt", "dzt", channel=2)
 
 
@@ -128,13 +136,13 @@ def test_a_name_in_other_capitals_is_that_of_another_line_if_that_has_its_own_fi
     (tmp_path / "line1.HD").rename(tmp_path / "LINE1.HD")
     assert kit.read(tmp_path / "line1.dt1", "dt1").sizes["x"] == kit.TRACES
     (tmp_path / "LINE1.DT1").write_bytes((tmp_path / "line1.dt1").read_bytes())
-    with raises_fault(faults.INPUT, "line1.hd", "there are: -"):
+    with raises_fault(errors.INPUT, "line1.hd", "there are: -"):
         kit.read(tmp_path / "line1.dt1", "dt1")
     kit.write_dt1(tmp_path / "line1.dt1", **{"TIMEZERO AT POINT": "9"})  # exact name, other header
     assert kit.read(tmp_path / "line1.dt1", "dt1").attrs["antenna_delay_s"] == pytest.approx(1.6e-9)
     assert kit.read(tmp_path / "LINE1.DT1", "dt1").attrs["antenna_delay_s"] == pytest.approx(0.5e-9)
     shutil.copy(tmp_path / "line1.HD", tmp_path / "line1.hd")
-    with raises_fault(faults.INPUT, "line1.HD", "line1.hd"):
+    with raises_fault(errors.INPUT, "line1.HD", "line1.hd"):
         kit.read(tmp_path / "line1.dt1", "dt1")
 
 
@@ -158,7 +166,7 @@ def test_the_size_of_a_segy_file_decides_which_header_counts_its_samples(tmp_pat
 
 def test_a_trace_whose_time_zero_was_moved_is_refused(tmp_path):
     kit.write_dt1(tmp_path / "l.dt1", moved=[2])
-    with raises_fault(faults.INPUT, "TIMEZERO ADJUSTMENT"):
+    with raises_fault(errors.INPUT, "TIMEZERO ADJUSTMENT"):
         kit.read(tmp_path / "l.dt1", "dt1")
 
 
@@ -166,7 +174,7 @@ def test_a_trace_whose_time_zero_was_moved_is_refused(tmp_path):
 def test_segy_traces_that_show_no_ground_are_missing_or_refused(tmp_path, code, shown):
     kit.write_segy(tmp_path / "l.sgy", b29=[1, 1, code, 1, 1, 1])
     if shown:
-        with raises_fault(faults.INPUT, shown, str(code)):
+        with raises_fault(errors.INPUT, shown, str(code)):
             kit.read(tmp_path / "l.sgy", "segy")
     else:
         missing = kit.read(tmp_path / "l.sgy", "segy").attrs["missing"]
@@ -194,7 +202,7 @@ def test_a_file_of_another_kind_is_never_called_damaged(tmp_path, form):
     path.write_bytes(b"\xff\xd8\xff\xe0" + bytes(range(256)) * 40)
     for one in (".hd", ".rad"):
         path.with_suffix(one).write_bytes(path.read_bytes())
-    with raises_fault(faults.INPUT, "is not a", error=AnalysisError):
+    with raises_fault(errors.INPUT, "is not a", error=AnalysisError):
         kit.read(path, form)
 
 
@@ -219,7 +227,7 @@ def test_names_that_are_no_utf_8_are_read_and_written(tmp_path):
 @each_case("name, topic", [("chatter.bag", "/chatter"), ("imu_ros1.mcap", "/imu/data")])
 def test_a_recording_of_somebody_else_is_refused_with_its_topics(name, topic):
     for read_it in (load_survey, describe):
-        with raises_fault(faults.INPUT, name, topic):
+        with raises_fault(errors.INPUT, name, topic):
             read_it(DATA / name)
     assert main(["replay", str(DATA / name)]) == 3
 
@@ -247,5 +255,5 @@ def test_the_command_that_is_advised_names_the_file_in_a_shell(tmp_path, name):
 
 def test_a_file_that_is_no_folder_of_samples_is_refused_as_that(tmp_path):
     (tmp_path / "a.csv").write_text("x;y\n")
-    with raises_fault(faults.INPUT, "a.csv contains no files VNA_"):
+    with raises_fault(errors.INPUT, "a.csv contains no files VNA_"):
         import_survey(tmp_path / "a.csv", "group-csv")

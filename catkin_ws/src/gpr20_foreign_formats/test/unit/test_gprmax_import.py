@@ -7,7 +7,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from instruments_kit import read
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.imports import Band
 from gpr20_analysis.read.load import load_survey
@@ -83,7 +83,7 @@ def test_two_simulations_of_one_place_by_their_polarization_are_two_samples(tmp_
 def test_a_band_that_the_source_or_the_time_step_does_not_reach_is_refused(tmp_path):
     make_gprmax(tmp_path / "a.h5", version=4)
     for stop_hz in (12e9, 30e9):
-        with raises_fault(faults.INPUT, "--band"):
+        with raises_fault(errors.INPUT, "--band"):
             read(tmp_path, "gprmax", band=Band(1e9, stop_hz, 101))
 
 
@@ -101,7 +101,7 @@ def test_files_that_are_no_single_whole_a_scan_are_refused(tmp_path, change, sho
     make_gprmax(tmp_path / "a.h5", version=4)
     with h5py.File(tmp_path / "a.h5", "r+") as file:
         change(file)
-    with raises_fault(faults.INPUT, shown):
+    with raises_fault(errors.INPUT, shown):
         read(tmp_path, "gprmax", **OPTIONS)
 
 
@@ -116,7 +116,7 @@ def test_antennas_that_move_apart_are_refused(tmp_path):
     make_gprmax(tmp_path / "b.h5", position=(0.2, 0.2), version=4)
     with h5py.File(tmp_path / "b.h5", "r+") as file:
         file["srcs/src1"].attrs["Position"] = (0.07, 0.2, 0.5)
-    with raises_fault(faults.INPUT, "0.06", "0.16", "move together"):
+    with raises_fault(errors.INPUT, "0.06", "0.16", "move together"):
         read(tmp_path, "gprmax", **OPTIONS)
     given = read(tmp_path, "gprmax", **OPTIONS, separation_m=0.1)
     assert given.attrs["antenna_separation_m"] == 0.1
@@ -137,5 +137,5 @@ def test_a_field_upwards_is_refused_in_a_model_of_any_shape(
     if allowed:
         assert read(path, "gprmax", **OPTIONS).polarization.values.tolist() == [90.0]
         return
-    with raises_fault(faults.INPUT, "a.h5", f"E{along}", "upwards"):
+    with raises_fault(errors.INPUT, "a.h5", f"E{along}", "upwards"):
         read(path, "gprmax", **OPTIONS)

@@ -25,7 +25,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.entry_points import additions
 from gpr20_analysis.formats.dataset_files import read_dataset
 from gpr20_analysis.formats.imported_folder import SOURCES_FILE
@@ -105,7 +105,7 @@ def test_a_copied_imaginary_part_is_named_and_never_imaged(form, tmp_path):
     status, printed = run("import", source, output, "--format", form)
     assert status == 0 and "copy of the real part" in printed
     same(read_dataset(output), samples, 1e-7)
-    with raises_fault(faults.STEPS, "copy of the real part"):
+    with raises_fault(errors.STEPS, "copy of the real part"):
         image_survey(read_dataset(output), ImageOptions(permittivity=4.0))
 
 

@@ -19,7 +19,7 @@ from memory_kit import peak_bytes
 from run_seed import SEED, draws
 from test_arrays_import import a_line, write_arrays
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.formats.common import to_frequency
@@ -164,7 +164,7 @@ def test_a_file_that_is_wrong_is_refused_with_the_value(tmp_path_factory, name, 
     tmp_path = tmp_path_factory.mktemp("wrong")
     (form,) = (one for one, kind in kit.KINDS.items() if kind[0] == name)
     write(tmp_path / name)
-    codes = (faults.INPUT, NOT_ALLOWED, faults.FILE_DAMAGED, faults.INPUT)
+    codes = (errors.INPUT, NOT_ALLOWED, errors.FILE_DAMAGED, errors.INPUT)
     with raises_fault(codes, *shown, error=AnalysisError):
         kit.read(tmp_path / name, form, **kit.KINDS[form][2])
 
@@ -180,7 +180,7 @@ def test_traces_that_were_taken_by_time_or_turn_need_a_spacing(tmp_path):
             kit.read(path, form)
         np.testing.assert_allclose(kit.read(path, form, spacing_m=0.5).x, np.arange(6) / 2)
         for spacing_m in (0.0, -0.1, np.nan, np.inf):
-            with raises_fault(faults.INPUT, "--spacing"):
+            with raises_fault(errors.INPUT, "--spacing"):
                 kit.read(path, form, spacing_m=spacing_m)
 
 
@@ -189,7 +189,7 @@ def test_more_than_the_memory_holds_is_refused_before_it_is_read(tmp_path, monke
     name, write, options, _ = kit.KINDS[form]
     write(tmp_path / name)
     monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 1000)
-    with raises_fault(faults.TOO_LARGE):
+    with raises_fault(errors.TOO_LARGE):
         kit.read(tmp_path / name, form, **options)
 
 

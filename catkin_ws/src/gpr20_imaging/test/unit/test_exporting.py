@@ -19,7 +19,7 @@ from gpr20_imaging.low import stick_files
 from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid import exporting
 from gpr20_imaging.mid.exporting import FOLDER, Exporter, ExportRequest
-from gpr20_survey.results.volume import ExportPart
+from gpr20_survey.results.answers import ExportPart
 
 REPORT, ZIP = ExportPart.REPORT_HTML, ExportPart.SURVEY_ZIP
 

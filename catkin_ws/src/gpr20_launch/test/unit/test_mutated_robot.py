@@ -13,7 +13,7 @@ from run_seed import draws
 
 from gpr20_launch.mid.axis_checks import GPIO_OF_BOARD, NOT_GPIO, spi_pins
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisParameters
 
 # The header as the board shows it: odd pins left, even pins right, a row a line.
 HEADER = """

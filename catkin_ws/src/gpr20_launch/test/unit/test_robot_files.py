@@ -14,11 +14,10 @@ from gpr20_common.mid.codec import record_from
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
 from gpr20_launch.mid.written_files import templates
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files import ssh_keygen
 from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 # Another analyzer than the usual one.
@@ -168,7 +167,7 @@ def test_the_line_that_is_printed_accepts_what_the_robot_signs(tmp_path, robot_c
     content, fingerprint = signature.signed_manifest(folder)
     signed = ("-s", folder / manifest.SIGNATURE_FILE, "-f", folder / "signers")
     verify = ("-Y", "verify", "-n", signature.NAMESPACE, *signed, "-I", line.split()[0])
-    assert ssh_keygen.ask(verify, content).yes
+    assert signature.ssh_keygen(verify, content).yes
     assert fingerprint in printed
 
 

@@ -30,15 +30,14 @@ from gpr20_main_control.mid.devices.robot import (
 )
 from gpr20_main_control.mid.main_control import MainControl
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch
+from gpr20_survey.axes import UNKNOWN_ZERO, AxisId, ZeroEpoch
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Site
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep
 
 LIMIT_S = 60.0
 # The imaginary part of every sweep; the real part is its number, a small difference beside it.

@@ -18,7 +18,7 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import motion_error
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.survey_state import SurveyState as State
 

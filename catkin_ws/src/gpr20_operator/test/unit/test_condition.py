@@ -27,7 +27,7 @@ from gpr20_doctor.mid.node_health import (
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import Progress, Request
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 S, L = SurveyState, JobLevel

@@ -38,7 +38,7 @@ from gpr20_operator.robot.notices import (
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import COMPLETE, ENDSTOP
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 

@@ -44,7 +44,7 @@ from gpr20_operator.words import (
     rotations_from_text,
 )
 from gpr20_survey.plan.annotation import Wgs84Position
-from gpr20_survey.plan.imported import IMPORTED
+from gpr20_survey.plan.recorded_plan import IMPORTED
 from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
 from gpr20_survey.plan.survey_points import survey_cost
 from gpr20_survey.plan.survey_state import SurveyState

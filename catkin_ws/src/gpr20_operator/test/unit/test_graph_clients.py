@@ -24,7 +24,7 @@ from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
 from gpr20_operator.settings_file import Newest
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 REMEDY = Message("Free some space on the disk.")
 FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))

@@ -30,7 +30,7 @@ from gpr20_operator.ground.echoes import (
 )
 from gpr20_operator.ground.grid import Place, Stop
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 
 PLAIN = RadarSettings(remove_background=False)
 NOISE = 1e-4

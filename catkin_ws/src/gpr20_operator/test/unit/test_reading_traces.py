@@ -4,8 +4,8 @@ import dataclasses
 import random
 
 import pytest
-from asked_storage import Storage
 from run_seed import draws
+from storage_kit import AskedStorage
 from view_kit import (
     FOLDER,
     PAST,
@@ -32,7 +32,7 @@ from gpr20_operator.ground.traces import (
 from gpr20_operator.robot.events import Replay
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 
 NEXT = "1b4e28ba-2fa1-41d2-883f-0016d3cca427"
 ALL_STORED = tuple(range(40))
@@ -106,7 +106,7 @@ class Course:
     """What the robot and people do, in any order, and what every page must show then."""
 
     def __init__(self):
-        self.storage, self.problems = Storage(), []
+        self.storage, self.problems = AskedStorage(), []
         self.traces = TracePresenter(self.storage, self.problems.append)
         self.stored = {SURVEY: 0, NEXT: 0, PAST: 12}
         self.running, self.measuring, self.live = "", False, ""

@@ -32,7 +32,7 @@ from gpr20_operator.robot.remote_control import (
     WebStatusReported,
     remote_obstacle,
 )
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import SurveyState
 

@@ -18,7 +18,7 @@ from gpr20_operator.robot.service_model import (
     AxisAction,
     ServiceModel,
 )
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 

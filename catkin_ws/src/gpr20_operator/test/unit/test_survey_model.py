@@ -22,7 +22,7 @@ from gpr20_operator.robot.events import (
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 S, R = SurveyState, Request

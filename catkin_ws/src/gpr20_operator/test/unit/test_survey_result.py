@@ -5,9 +5,9 @@ import re
 
 import pytest
 from candidate_examples import candidate, candidate_list, candidate_lists
-from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
+from result_examples import a_map
 from result_kit import (
     BLUE,
     ELEVEN,
@@ -46,11 +46,10 @@ from gpr20_operator.jobs.result_texts import (
     notices,
     soil_lines,
 )
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.soil_note import soil_values
+from gpr20_survey.folder.log_record import Kind, soil_values
+from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND
+from gpr20_survey.plan.markers import What, found_of
 from gpr20_survey.results.candidates import json_text, list_from
-from gpr20_survey.results.found import FORMAT as FOUND
-from gpr20_survey.results.found import What, found_of
 from gpr20_survey.results.hiding_map import Targets
 
 

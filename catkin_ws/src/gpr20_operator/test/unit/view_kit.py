@@ -15,17 +15,16 @@ from gpr20_operator.ground.grid import planned_grid
 from gpr20_operator.ground.sources import EchoSource
 from gpr20_operator.robot.events import Configured, ControlState
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CLOCK_WRONG, COMPLETE
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.radar.depth import delay_of_depth
+from gpr20_survey.radar import delay_of_depth
 from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.sweep import AnalyzerSettings
+from gpr20_survey.trace.trace import Trace, TraceBlock
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"
 # Another survey, which is stored.

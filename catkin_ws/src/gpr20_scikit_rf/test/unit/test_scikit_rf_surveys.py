@@ -8,10 +8,9 @@ import pytest
 import yaml
 from case_kit import each_case
 from fault_kit import raises_fault
-from robot_in_process import RobotInProcess
+from robot_in_process import RobotInProcess, check_state, description_in, json_traces
 from scpi_analyzers import PnaAnalyzer, ScpiServer
 from simulated_world import World
-from stored_surveys import check_state, description_in, json_traces
 from tutorial_code import code_blocks
 from wait_kit import wait_until
 
@@ -21,7 +20,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 README = Path(__file__).parents[2] / "README.md"

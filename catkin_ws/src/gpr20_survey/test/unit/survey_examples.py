@@ -1,7 +1,6 @@
 """A survey and the axes of the robot, for tests."""
 
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 

@@ -21,7 +21,7 @@ from gpr20_survey.plan.annotation import (
     from_fields,
     position_from_text,
 )
-from gpr20_survey.results.found import Found, What, found_of, present
+from gpr20_survey.plan.markers import Found, What, found_of, present
 
 
 @given(annotations)

@@ -12,8 +12,7 @@ from survey_examples import AXES
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.mid.codec import record_from
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 
 X_PARAMETERS, Z_PARAMETERS = AXES[AxisId.X], AXES[AxisId.Z]
 

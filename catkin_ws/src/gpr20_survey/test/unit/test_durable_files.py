@@ -13,7 +13,7 @@ from case_kit import each_case
 
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import PIECE_BYTES
+from gpr20_survey.files.regular_files import PIECE_BYTES
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_web.mid.surveys_page import zip_parts
 

@@ -7,7 +7,7 @@ from case_kit import each_case
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from gpr20_survey.axes.axis_parameters import ROUNDING, Ramp
+from gpr20_survey.axes import ROUNDING, Ramp
 
 TOLERANCE_S = 1e-12
 

@@ -14,20 +14,20 @@ from trace_examples import make_trace
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_survey.plan.imported import (
+from gpr20_survey.plan.recorded_plan import (
     ImportedGrid,
+    PlanFit,
     imported_grid,
     is_imported,
     measured_area,
 )
-from gpr20_survey.plan.recorded_plan import PlanFit
-from gpr20_survey.plan.sensors import Sensors
+from gpr20_survey.plan.robot_description import Sensors
 from gpr20_survey.plan.survey_parameters import (
     check,
     find_problems,
 )
 from gpr20_survey.plan.survey_points import grid, survey_points, visits
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 
 def test_x_turns_at_every_row_and_the_antennas_at_every_stop_and_only_there():

@@ -16,24 +16,24 @@ from hypothesis import strategies as st
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.trace import trace_json, utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
-from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue
-from gpr20_survey.trace.trace_block import TraceBlock, block_fields, block_from
+from gpr20_survey.folder import trace_files
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep import AnalyzerSettings
+from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue, TraceBlock, block_fields, block_from
 
 
 @given(st.floats(6e9 - 1e-3, 6e9))
 def test_neighbouring_frequencies_stay_apart(frequency_hz):
     grid = np.array([1.0, 2.0, 3.0, np.nextafter(frequency_hz, 0.0), frequency_hz])
     trace = make_trace(frequency_hz=grid)
-    assert_same_numbers(trace, json.loads(trace_json.encode(trace)))
+    assert_same_numbers(trace, json.loads(trace_files.encode(trace)))
 
 
 def test_the_keys_are_those_of_every_trace_and_null_is_what_is_not_known():
     keys = [*(one.name for one in TRACE_FIELDS), "sha256"]
     unknown = make_trace(analyzer=AnalyzerSettings(), aux=(), zeros=(), antennae_height_m=math.nan)
-    values = json.loads(trace_json.encode(unknown))
-    assert list(json.loads(trace_json.encode(make_trace()))) == list(values) == keys
+    values = json.loads(trace_files.encode(unknown))
+    assert list(json.loads(trace_files.encode(make_trace()))) == list(values) == keys
     assert {name for name, one in values.items() if one is None} == MAY_BE_UNKNOWN
     assert values["aux"] == []
 
@@ -42,12 +42,12 @@ ABSENT = object()
 SETTINGS = ("if_bandwidth_hz", "averages", "output_power")
 MAY_BE_UNKNOWN = {"antennae_height_m", *SETTINGS, "zero_epochs", "zero_times"}
 AUX = {"name": "t", "value": 1.5, "unit": "", "stamp": utc_time.iso_text(STARTED_US)}
-VALUES = json.loads(trace_json.encode(make_trace()))
+VALUES = json.loads(trace_files.encode(make_trace()))
 del VALUES["sha256"]
 
 
 def decoded(values):
-    return trace_json.decode(trace_json.sealed(json.dumps(values).encode()))
+    return trace_files.decode(trace_files.sealed(json.dumps(values).encode()))
 
 
 @each_case(
@@ -86,14 +86,14 @@ def decoded(values):
 def test_what_no_trace_has_is_refused_by_its_entry_though_its_checksum_is_right(changes, key):
     values = {name: one for name, one in {**VALUES, **changes}.items() if one is not ABSENT}
     with raises_fault(("survey.damaged", "survey.other_version"), key, error=TraceRefusedError):
-        trace_json.decode(trace_json.sealed(json.dumps(values).encode()))
+        trace_files.decode(trace_files.sealed(json.dumps(values).encode()))
 
 
 def test_another_format_is_refused_with_the_one_that_is_read_whatever_it_holds():
     for values in ({**VALUES, "more": 1}, {}):
         other = json.dumps({**values, "format": "gpr20-trace/2"}).encode()
         with raises_fault("survey.other_version", "gpr20-trace/2", "gpr20-trace/1"):
-            trace_json.decode(trace_json.sealed(other))
+            trace_files.decode(trace_files.sealed(other))
 
 
 @given(st.integers(utc_time.EARLIEST_US, utc_time.LATEST_US - 1))
@@ -106,7 +106,7 @@ def test_times_are_iso_8601_in_utc_to_the_microsecond(time_us):
 
 
 def test_the_three_times_are_not_mixed_up():
-    values = json.loads(trace_json.encode(make_trace()))
+    values = json.loads(trace_files.encode(make_trace()))
     expected = [STARTED_US + 1_000_003, STARTED_US + 1, STARTED_US + 1_000_001]
     assert [values[key] for key in ("timestamp", "sweep_started", "sweep_ended")] == [
         utc_time.iso_text(time_us) for time_us in expected
@@ -114,19 +114,19 @@ def test_the_three_times_are_not_mixed_up():
 
 
 def test_a_file_ends_with_the_checksum_of_all_bytes_before_it():
-    content = trace_json.encode(make_trace())
+    content = trace_files.encode(make_trace())
     covered = content[: content.rindex(b', "sha256"')]
     assert json.loads(content)["sha256"] == hashlib.sha256(covered).hexdigest()
     for wrong in (covered + b"}\n", content[:-1], content[:-9], content + b"\n", b"", b"}"):
         with raises_fault("survey.damaged", "checksum", error=TraceRefusedError):
-            trace_json.decode(wrong)
+            trace_files.decode(wrong)
 
 
 @each_case("text", [b"{}}", b"[" * 100_000, b'"\xff"}', b"[]", b"3}", b"}"])
 def test_what_is_no_json_object_is_refused_however_right_its_checksum(text):
     for start in (b"", b'{"format": "gpr20-trace/1", '):
         with raises_fault(("survey.damaged", "survey.other_version"), error=TraceRefusedError):
-            trace_json.decode(trace_json.sealed(start + text))
+            trace_files.decode(trace_files.sealed(start + text))
 
 
 NAN, INF = math.nan, math.inf

@@ -18,10 +18,11 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from run_seed import SEED, draws
 from trace_examples import MESSAGES, assert_same_numbers, make_trace
 
-from gpr20_survey.axes.axis_id import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
+from gpr20_survey.axes import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.trace import trace_json, trace_message, utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.folder import trace_files
+from gpr20_survey.trace import trace_message, utc_time
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue
 
 TYPE = "gpr20_msgs/msg/Trace"
@@ -93,21 +94,21 @@ def traces(draw):
 def test_every_trace_comes_back_to_the_last_bit_and_no_flipped_byte_of_its_file(
     trace, other, chance
 ):
-    data, content = trace_message.encode(trace), trace_json.encode(trace)
-    for decoded in (trace_message.decode(data), trace_json.decode(content)):
+    data, content = trace_message.encode(trace), trace_files.encode(trace)
+    for decoded in (trace_message.decode(data), trace_files.decode(content)):
         assert decoded.fingerprint() == trace.fingerprint()
         assert trace_message.encode(decoded) == data
-        assert trace_json.encode(decoded) == content
+        assert trace_files.encode(decoded) == content
     message = TYPES.deserialize_ros1(data, TYPE)
     assert_same_numbers(trace, message)
     assert_same_numbers(trace, json.loads(content))
     assert bytes(TYPES.serialize_ros1(message, TYPE)) == data
     with raises_fault("survey.damaged", "checksum", error=TraceRefusedError):
-        trace_json.decode(flipped(chance, content))
+        trace_files.decode(flipped(chance, content))
     # Other settings make another trace.
     changed, same = dataclasses.replace(trace, analyzer=other), other == trace.analyzer
     assert (changed.fingerprint() == trace.fingerprint()) == same
-    assert (trace_json.encode(changed) == content) == same
+    assert (trace_files.encode(changed) == content) == same
 
 
 @settings(max_examples=draws(20))

@@ -32,7 +32,7 @@ from wait_kit import wait_until
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
 from gpr20_operator.settings_file import RememberedPlan, SettingsFile
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
 from survey_client import SurveyClient, node_pid

@@ -6,8 +6,8 @@ What the robot says in it is Spanish: in a Spanish window every English word is 
 import itertools
 
 from candidate_examples import candidate
-from hiding_kit import a_map
 from map_kit import MARKER, marked
+from result_examples import a_map
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     FOLDER,
@@ -34,10 +34,10 @@ from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress,
 from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_survey.plan.markers import What
 from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.found import What
 from gpr20_user_interface.window.rail import TabName
 
 LONG = "el VNA en 192.168.100.100 no contesta; revise el cable y la dirección. " * 9

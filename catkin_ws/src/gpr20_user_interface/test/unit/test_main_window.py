@@ -28,7 +28,7 @@ from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.top_bar import StateBand

@@ -2,7 +2,7 @@
 
 import pytest
 from candidate_examples import candidate
-from hiding_kit import a_map
+from result_examples import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, is_cut, press_keys, show
@@ -13,9 +13,9 @@ from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
 from gpr20_operator.words import local_time
+from gpr20_survey.plan.markers import What
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
-from gpr20_survey.results.found import What
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.window.rail import TabName

@@ -23,7 +23,7 @@ from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition, Replay
 from gpr20_operator.robot.service_model import HeightTested
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import AnalyzerTest, Part

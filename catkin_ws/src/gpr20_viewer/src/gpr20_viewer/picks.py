@@ -10,7 +10,7 @@ from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import AnalysisError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.radar import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
 
 NO_CLEARANCE_BY_PICKS = Message(
     "This is a list of picks, no clearance: ground without a pick is not free of mines."

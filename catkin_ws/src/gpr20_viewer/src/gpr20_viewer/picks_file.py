@@ -15,9 +15,8 @@ import xarray as xr
 
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import FREQUENCY, POLARIZATION, S21, S21_DIMS, X, Y, require
-from gpr20_analysis.errors import AnalysisError
-from gpr20_analysis.faults import PICKS_CHANGED
-from gpr20_analysis.formats.plain_csv import csv_cell
+from gpr20_analysis.errors import PICKS_CHANGED, AnalysisError
+from gpr20_analysis.formats.dataset_files import csv_cell
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from

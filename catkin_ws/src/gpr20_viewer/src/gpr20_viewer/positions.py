@@ -10,7 +10,7 @@ import xarray as xr
 
 from gpr20_analysis.dataset import HEIGHT, SAMPLE_DIMS, X, Y
 from gpr20_analysis.processing.delay import ADVANCE
-from gpr20_survey.radar.depth import one_way_delay_s, two_way_delay_s
+from gpr20_survey.radar import one_way_delay_s, two_way_delay_s
 
 
 @dataclass(frozen=True)

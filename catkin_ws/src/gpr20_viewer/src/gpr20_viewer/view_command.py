@@ -9,8 +9,7 @@ from pathlib import Path
 
 from gpr20_analysis.commands import image_options, report_commands
 from gpr20_analysis.commands.command import Command
-from gpr20_analysis.errors import AnalysisError, MissingLibraryError, library_missing
-from gpr20_analysis.faults import NO_SCREEN
+from gpr20_analysis.errors import NO_SCREEN, AnalysisError, MissingLibraryError, library_missing
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
 from gpr20_viewer.picks_file import picks_path
@@ -46,7 +45,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = image_options.steps_of(chosen)
     survey, status = image_options.processed(chosen, options, steps, catalogue)
     session = ViewSession(survey, options, report_commands.hiding_of(chosen, survey))
-    from gpr20_viewer.views.application import show
+    from gpr20_viewer.views.main_window import show
 
     picks = chosen.picks or picks_path(chosen.survey)
     name = chosen.survey.expanduser().resolve().name

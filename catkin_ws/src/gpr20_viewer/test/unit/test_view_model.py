@@ -10,19 +10,13 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis import faults, work
+from gpr20_analysis import errors, work
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
-from gpr20_survey.radar.soils import Soils
-from gpr20_viewer.live_image import ImageRequest
-from gpr20_viewer.pictures import (
-    Picture,
-    longest_delay_s,
-    traces_picture,
-)
+from gpr20_survey.radar import Soils
 from gpr20_viewer.positions import Place
-from gpr20_viewer.scene import Scene
-from gpr20_viewer.session import ViewSession
+from gpr20_viewer.scene import Picture, Scene, longest_delay_s, traces_picture
+from gpr20_viewer.session import ImageRequest, ViewSession
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)
@@ -113,13 +107,13 @@ def test_the_separation_that_a_survey_records_is_used_unless_another_is_given():
 def test_what_cannot_be_shown_is_refused(monkeypatch):
     nowhere = small().assign_attrs({"antenna_separation_m": np.nan})
     for survey, fault, shown in (
-        (nowhere, faults.INPUT, "nan"),
-        (process_survey(small(), "time"), faults.STEPS, "'s21'"),
+        (nowhere, errors.INPUT, "nan"),
+        (process_survey(small(), "time"), errors.STEPS, "'s21'"),
     ):
         with raises_fault(fault, shown):
             ViewSession(survey, FIXED)
     monkeypatch.setattr(work, "available_bytes", lambda: 1 << 20)
-    with raises_fault(faults.TOO_LARGE):
+    with raises_fault(errors.TOO_LARGE):
         ViewSession(small(), FIXED)
 
 

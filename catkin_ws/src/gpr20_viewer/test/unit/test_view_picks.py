@@ -13,7 +13,7 @@ from run_seed import draws
 from survey_kit import make_survey
 
 from gpr20_analysis import cell_text
-from gpr20_analysis.faults import PICKS_CHANGED
+from gpr20_analysis.errors import PICKS_CHANGED
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.faults import NOT_ALLOWED

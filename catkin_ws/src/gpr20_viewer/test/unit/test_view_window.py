@@ -22,22 +22,22 @@ from PyQt5.QtCore import QPointF, Qt, QTimer
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication, QLineEdit
 
-from gpr20_analysis import answer, faults
+from gpr20_analysis import answer, errors
 from gpr20_analysis.candidates.table import places_sentence
 from gpr20_analysis.commands.command import DAMAGED, DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.faults import NO_SCREEN
+from gpr20_analysis.errors import NO_SCREEN
 from gpr20_analysis.formats.dataset_files import write_dataset
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_common.faults import ASKED_FOR
-from gpr20_survey.folder.soil_note import PLANNED
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY
 from gpr20_viewer import view_command
 from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
 from gpr20_viewer.views.main_window import MainWindow
-from gpr20_viewer.views.picture_plot import NOT_MEASURED
+from gpr20_viewer.views.sections import NOT_MEASURED
 from gpr20_viewer.views.tables import PicksTab
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
@@ -262,7 +262,7 @@ def test_what_was_not_measured_is_grey_and_marked(windows, holed):
 
 
 def test_the_list_is_that_of_the_survey_with_its_weaker_echoes_for_who_asks(windows, survey):
-    known = survey.assign_attrs(survey_json=json.dumps({PLANNED: 4.0}))
+    known = survey.assign_attrs(survey_json=json.dumps({PLANNED_PERMITTIVITY: 4.0}))
     window = windows.open(known, permittivity=None)
     found, tab = answer(known).found, window.candidates
     assert window.image.candidates == found and found.permittivity == 4.0 and found.weaker
@@ -341,10 +341,10 @@ def test_a_damaged_survey_a_missing_library_or_no_screen_is_refused(
             context.setenv("DISPLAY", display)
             context.setenv("WAYLAND_DISPLAY", wayland)
             assert main(arguments) == REFUSED
-    assert refusals[-4:] == [faults.STEPS.code, *[NO_SCREEN.code] * 3]
+    assert refusals[-4:] == [errors.STEPS.code, *[NO_SCREEN.code] * 3]
     write_dataset(holed, file)
     assert main(arguments) == REFUSED
     assert main([*arguments, "--accept-damaged"]) == REFUSED
-    assert refusals[-1:] == [faults.INPUT.code]
+    assert refusals[-1:] == [errors.INPUT.code]
     when_computed(lambda window: window.close())
     assert main([*arguments, "--accept-damaged", "--leave-out-missing"]) == DAMAGED

@@ -12,7 +12,7 @@ from fault_kit import raises_fault
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.yaml_file import read_yaml
-from gpr20_survey.axes import axis_id as frames
+from gpr20_survey import axes as frames
 from gpr20_visualization.mid.robot_model import (
     X_JOINT,
     Y_JOINT,

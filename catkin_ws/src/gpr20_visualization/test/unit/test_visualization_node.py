@@ -14,7 +14,7 @@ from test_survey_picture import DESCRIPTION, line
 
 from gpr20_common.high.diagnostics import OK, WARN
 from gpr20_msgs.msg import Coordinates, Trace
-from gpr20_survey.axes.axis_id import BASE_LINK, MAP
+from gpr20_survey.axes import BASE_LINK, MAP
 from gpr20_survey.trace import trace_message
 from gpr20_visualization.high import visualization_node
 from gpr20_visualization.high.visualization_node import VisualizationNode

@@ -13,7 +13,7 @@ from fault_kit import raises_fault
 
 from gpr20_common import faults as common_faults
 from gpr20_common.mid.codec import record_from
-from gpr20_simulator.mid.analyzer.in_process import CLEAR, CONNECT, LOCK
+from gpr20_simulator.mid.analyzer.simulated_analyzer import CLEAR, CONNECT, LOCK
 from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.faults import (
     NOT_CALIBRATED,
@@ -23,7 +23,7 @@ from gpr20_survey.faults import (
     VNA_SILENT,
     WRONG_VNA,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSweepError
 from gpr20_vna_acquisition.mid.ms2026c_commands import OPTIONAL, check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

@@ -12,7 +12,7 @@ from run_seed import draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
-from gpr20_survey.trace.trace_block import SAMPLE, TraceBlock
+from gpr20_survey.trace.trace import SAMPLE, TraceBlock
 from gpr20_vna_processing.mid import stored_surveys
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 

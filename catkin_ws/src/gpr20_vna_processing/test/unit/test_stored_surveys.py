@@ -11,8 +11,8 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imported_kit import imported_folder
 from log_examples import FILES, NOW, marker
+from result_examples import imported_folder
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace
@@ -20,15 +20,13 @@ from trace_examples import STARTED_US, SURVEY, make_trace
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError
 from gpr20_survey.faults import COMPLETE
-from gpr20_survey.folder.log_record import Kind, LogRecord
+from gpr20_survey.folder.log_record import Kind, LogRecord, soil_of_survey, soil_values
 from gpr20_survey.folder.recovery import read_description
-from gpr20_survey.folder.soil_note import soil_of_survey, soil_values
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_vna_processing.mid import stored_surveys
-from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
-from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, map_of, summary_of
+from gpr20_vna_processing.mid.stored_surveys import MOST_CELLS, StoredSurveys, map_of, summary_of
 
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
 METADATA = json.dumps({"simulated": True, "parameters": PLAN})

@@ -24,14 +24,13 @@ from gpr20_common.message import verbatim
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported
 from gpr20_operator.jobs.result import list_sum
-from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.files.durable_files import locked
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
-from gpr20_survey.plan.markers import present_markers
+from gpr20_survey.plan.markers import What, found_of, present_markers
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
-from gpr20_survey.results.found import What, found_of
 from gpr20_web import faults
 from gpr20_web.errors import BusyError, NotFoundError, NotNowError
 from gpr20_web.low.http_server import COOKIE

@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 import view_kit
-from asked_storage import Storage
 from PIL import Image
 from result_kit import Requests
+from storage_kit import AskedStorage
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
 from web_kit import route_of
 
@@ -20,7 +20,7 @@ from gpr20_operator.ground.traces import (
     TracesRead,
 )
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 from gpr20_web.calls import Body, Call, Person, Role
 from gpr20_web.low.event_streams import json_text
 from gpr20_web.mid.ground_page import PERIOD_S, GroundPage
@@ -34,7 +34,7 @@ class Server:
 
     def __init__(self):
         self.now_s = 1000.0
-        self.storage, self.node, self.problems = Storage(), Requests(), []
+        self.storage, self.node, self.problems = AskedStorage(), Requests(), []
         self.page = GroundPage(
             self.storage, self.node, lambda: self.now_s, lambda one: self.problems.append(str(one))
         )

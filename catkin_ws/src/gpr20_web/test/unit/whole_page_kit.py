@@ -10,8 +10,8 @@ import socket
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
-from asked_storage import Storage
 from result_kit import Requests
+from storage_kit import AskedStorage
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
@@ -35,7 +35,7 @@ from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
 from gpr20_web.calls import Person, Role
@@ -61,7 +61,7 @@ class WholePage:
     def __init__(self, folder: Path) -> None:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
-        self.control, self.storage, self.requests = Control(), Storage(), Requests()
+        self.control, self.storage, self.requests = Control(), AskedStorage(), Requests()
         self.accounts = make_accounts(folder)
         self.logins = make_logins(self.accounts, self.clock)
         self._tokens: Dict[Role, str] = {}

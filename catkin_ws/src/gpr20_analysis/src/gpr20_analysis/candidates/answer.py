@@ -37,12 +37,11 @@ from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
-from gpr20_survey.folder.soil_note import soil_of_survey
+from gpr20_survey.folder.log_record import soil_of_survey
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.frequency_to_delay import decibels
-from gpr20_survey.radar.soils import soil_of
+from gpr20_survey.radar import decibels, soil_of
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.focused_image import FocusedImage
 
 # With fewer lines of an area neither the background nor the clutter can be measured.
 FEWEST_LINES = 3

@@ -1,7 +1,8 @@
-"""Lists of places as CSV, JSON and GeoJSON.
+"""Lists of places as CSV, JSON and GeoJSON, and maps of hidden targets as JSON.
 
-Each file holds the sentence that the list is no clearance, whether the survey was simulated, and
-how the places were found; beside it a file .sha256 is for `sha256sum -c`.
+A list holds the sentence that it is no clearance, whether the survey was simulated, and how the
+places were found; a map, that it holds for its target only. Beside each file one that ends in
+.sha256 is for `sha256sum -c`.
 """
 
 from __future__ import annotations
@@ -13,12 +14,14 @@ from pathlib import Path
 from typing import Any, Dict, Sequence, Tuple, Union
 
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.errors import ExportError, check_ending
-from gpr20_analysis.formats.plain_csv import csv_cell
+from gpr20_analysis.errors import ExportError, UnreadableFileError, check_ending
+from gpr20_analysis.formats.dataset_files import csv_cell
+from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.results.candidates import CandidateList, candidate_record, list_record
+from gpr20_survey.results.hiding_map import HidingMap, hiding_from, hiding_json
 
 CSV, JSON, GEOJSON = ".csv", ".json", ".geojson"
 ENDINGS = (CSV, JSON, GEOJSON)
@@ -30,6 +33,8 @@ COLUMNS = (
     *("longitude_deg", "latitude_deg"),
 )
 Record = Dict[str, Any]
+# A map has one place for about this many characters.
+LARGEST_BYTES = 50_000_000
 
 
 def write_candidates(found: CandidateList, path: Union[str, Path]) -> None:
@@ -138,3 +143,40 @@ def _flat(value: Any) -> Any:
     if isinstance(value, list):
         return " ".join(f"{one:g}" if isinstance(one, float) else one for one in value)
     return int(value) if isinstance(value, bool) else value
+
+
+def write_hiding(found: HidingMap, path: Union[str, Path]) -> None:
+    """Write a map, and its checksum.
+
+    Args:
+        found: The map.
+        path: The file; its ending is .json.
+
+    Raises:
+        AnalysisError: It has another ending, or cannot be written.
+    """
+    check_ending(Path(path), (JSON,))
+    write_with_checksum(Path(path), hiding_json(found))
+
+
+def read_hiding(path: Union[str, Path]) -> HidingMap:
+    """Return the map in a JSON file that `gpr20 hiding` wrote.
+
+    Raises:
+        UnreadableFileError: It is no such file.
+        OSError: It cannot be read.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > LARGEST_BYTES:
+            raise InvalidValueError(Message("it is too large"))
+        return hiding_from(path.read_text(encoding="utf-8"))
+    except ValueError as error:
+        raise UnreadableFileError(
+            Message(
+                "{path} is no map of gpr20 hiding: {reason}; make it again with gpr20 hiding -o "
+                "FILE.json",
+                path=path,
+                reason=str(error),
+            )
+        ) from error

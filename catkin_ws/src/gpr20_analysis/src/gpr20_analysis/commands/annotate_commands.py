@@ -9,10 +9,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Callable, Dict, Optional
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.candidates.files import ENDINGS, output_paths
-from gpr20_analysis.candidates.markers import marker_lines, marker_list, write_markers
-from gpr20_analysis.commands import outputs
+from gpr20_analysis.candidates.table import marker_lines, marker_list, write_markers
+from gpr20_analysis.commands import arguments
 from gpr20_analysis.commands.command import DONE, Command, number, print_rows
 from gpr20_analysis.errors import AnalysisError, check_ending, not_there
 from gpr20_analysis.read.checks import found_rows
@@ -22,7 +22,7 @@ from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message, verbatim
 from gpr20_common.terminal_text import say
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.plan.annotation import (
@@ -31,8 +31,8 @@ from gpr20_survey.plan.annotation import (
     annotation_of,
     position_from_text,
 )
+from gpr20_survey.plan.markers import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.results.candidates import AreaPosition, list_from
-from gpr20_survey.results.found import PHOTO_ENDINGS, PHOTOS, Found, What
 from gpr20_survey.trace import utc_time
 
 NAMES = ("name", "operator", "site", "notes", "position", "heading_deg")
@@ -60,17 +60,17 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--who", metavar="NAME", default="", help="who found it")
     add("--photo", type=Path, metavar="FILE", help="photograph, which is copied into the survey")
     add("--remark", default="", metavar="TEXT", help="one line, such as the model of the device")
-    add("--markers", type=outputs.path_with(*ENDINGS), action="append", default=[], metavar="FILE",
-        help="write the markers as .csv, .json or .geojson; may be given more than "
+    add("--markers", type=arguments.path_with(*ENDINGS), action="append", default=[],
+        metavar="FILE", help="write the markers as .csv, .json or .geojson; may be given more than "
         "once")  # fmt: skip
-    outputs.add_overwrite(parser)
+    arguments.add_overwrite(parser)
 
 
 def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     survey = chosen.survey
     if not survey.is_dir():
         no_folder = Message("{path} is no folder; only a survey's folder takes notes", path=survey)
-        raise AnalysisError(no_folder if survey.exists() else not_there(survey), fault=faults.INPUT)
+        raise AnalysisError(no_folder if survey.exists() else not_there(survey), fault=errors.INPUT)
     given = [one is not None for one in (chosen.found, chosen.list, chosen.what)]
     if any(given) and not all(given):
         raise AnalysisError(Message("give --found, --list and --what, or none of them"))
@@ -79,7 +79,7 @@ def _annotate(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     if chosen.photo is not None:
         check_ending(chosen.photo.with_suffix(chosen.photo.suffix.lower()), PHOTO_ENDINGS)
     written = [one for path in chosen.markers for one in output_paths(path)]
-    outputs.check(written, [survey], chosen.overwrite)
+    arguments.check_outputs(written, [survey], chosen.overwrite)
     changes = {name: getattr(chosen, name) for name in NAMES if hasattr(chosen, name)}
     # First, so that nothing is stored of a request that is refused.
     found_fact = _found_fact(chosen) if all(given) else None
@@ -166,7 +166,7 @@ def _candidate(chosen: argparse.Namespace) -> Dict[str, Any]:
             return {"x_mm": one.x_mm, "y_mm": one.y_mm, "candidate": one.id, "list_sha256": own}
     ids = ", ".join(one.id for one in listed)
     other = Message("there is no candidate {id}; write {ids}", id=chosen.found, ids=ids)
-    raise AnalysisError(other, fault=faults.INPUT)
+    raise AnalysisError(other, fault=errors.INPUT)
 
 
 def _area_position(annotation: Annotation) -> Optional[AreaPosition]:

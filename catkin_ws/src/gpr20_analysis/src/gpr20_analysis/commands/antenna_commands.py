@@ -9,7 +9,7 @@ from typing import List
 import xarray as xr
 
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.commands import inputs, outputs
+from gpr20_analysis.commands import arguments
 from gpr20_analysis.commands.command import DONE, Command
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
@@ -25,14 +25,14 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
-from gpr20_survey.radar.depth import one_way_path_m
+from gpr20_survey.radar import one_way_path_m
 
 NS_PER_S = 1e9
 FILE = "analyzer.yaml"
 
 
 def _add_delay(parser: argparse.ArgumentParser) -> None:
-    inputs.add_survey(parser)
+    arguments.add_survey(parser)
     _add_separation(parser)
     add = parser.add_argument
     add("--height", type=float, metavar="M",
@@ -43,7 +43,7 @@ def _add_delay(parser: argparse.ArgumentParser) -> None:
 
 def _delay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     _check(chosen, [chosen.height])
-    survey = inputs.load(chosen, catalogue)
+    survey = arguments.load(chosen, catalogue)
     steps = [one["step"] for one in recorded_steps(survey)]
     if steps:
         raise WrongDatasetError(
@@ -68,7 +68,7 @@ def _delay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         f"in {FILE} of the robot's configuration:",
         f"{DELAY_KEY}: {delay_ns:.3f}",
     )
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def _add_antenna(parser: argparse.ArgumentParser) -> None:
@@ -78,7 +78,7 @@ def _add_antenna(parser: argparse.ArgumentParser) -> None:
     add("--height", type=float, nargs="+", metavar="M",
         help="height over the plate in each survey, instead of the recorded ones")  # fmt: skip
     _add_separation(parser)
-    outputs.add_output(parser, [NETCDF], "model: .nc", required=True)
+    arguments.add_output(parser, [NETCDF], "model: .nc", required=True)
 
 
 def _antenna(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -93,11 +93,11 @@ def _antenna(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
             fault=NOT_ALLOWED,
         )
     _check(chosen, heights_m)
-    outputs.check([chosen.output], chosen.plates, chosen.overwrite)
+    arguments.check_outputs([chosen.output], chosen.plates, chosen.overwrite)
     plates: List[xr.Dataset] = []
     for path, height_m in zip(chosen.plates, heights_m):
         plates.append(with_height(load_survey(path), height_m))
-        inputs.print_warnings(plates[-1], catalogue, str(path))
+        arguments.print_warnings(plates[-1], catalogue, str(path))
     model = antenna_of(plates, chosen.separation)
     write_dataset(model, chosen.output)
     heights_mm = MM_PER_M * model[PLATE_HEIGHT].values
@@ -106,7 +106,7 @@ def _antenna(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         f"{chosen.output}: antennas by {len(plates)} heights from {heights_mm.min():.0f} to "
         f"{heights_mm.max():.0f} mm; a plate leaves {misfit:.1f} % of their difference unexplained"
     )
-    return max([DONE, *map(inputs.status_of, plates)])
+    return max([DONE, *map(arguments.status_of, plates)])
 
 
 def _add_separation(parser: argparse.ArgumentParser) -> None:

@@ -7,7 +7,7 @@ import importlib
 from dataclasses import dataclass
 from typing import Callable, Dict, Iterable, Tuple
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.entry_points import ExtensionPoint, additions
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
@@ -43,7 +43,7 @@ SUMMARIES: Dict[str, Tuple[str, str]] = {
     "hiding": ("report", "map where a mine could hide from the survey's own detector"),
     "delay": ("antenna", "fit the delay of cables and antennas to the surface echo"),
     "antenna": ("antenna", "fit the model of the antennas to surveys of a metal plate"),
-    "plot": ("plot", "draw a survey or its A-scans"),
+    "plot": ("image", "draw a survey or its A-scans"),
     "annotate": ("annotate", "note name, site, position and finds of a survey; list markers"),
     "verify": ("survey", "check a survey's folder, and repair its log and manifest"),
     "sign": ("survey", "sign a survey as it is now"),
@@ -65,7 +65,7 @@ ENGLISH = {"annotate", "antenna", "delay", "export", "import", "process"} | {
 COMMANDS = ExtensionPoint(
     "gpr20.commands",
     Message("the command"),
-    fault=faults.STEPS,
+    fault=errors.STEPS,
     own=SUMMARIES,
     wings={"view": "gpr20_viewer"},
     kind=Command,

@@ -10,9 +10,9 @@ from typing import Any, Dict, Tuple
 
 import xarray as xr
 
-from gpr20_analysis import dataset, faults
+from gpr20_analysis import dataset, errors
 from gpr20_analysis.atomic_output import atomic_output
-from gpr20_analysis.commands import inputs, outputs
+from gpr20_analysis.commands import arguments
 from gpr20_analysis.commands.command import DONE, Command, per
 from gpr20_analysis.errors import AnalysisError, ExportError, check_ending, not_there
 from gpr20_analysis.formats.common import to_frequency
@@ -30,7 +30,7 @@ MCAP = ".mcap"
 def _add_export(parser: argparse.ArgumentParser) -> None:
     from gpr20_analysis.formats.exports import ENDINGS
 
-    inputs.add_survey(parser)
+    arguments.add_survey(parser)
     endings = ", ".join(f"{ending} ({name})" for name, ending in ENDINGS.items() if ending)
     parser.add_argument(
         "output",
@@ -40,7 +40,7 @@ def _add_export(parser: argparse.ArgumentParser) -> None:
         "in the folder of the survey",
     )
     parser.add_argument("--format", choices=ENDINGS, required=True, help="what to write")
-    outputs.add_overwrite(parser)
+    arguments.add_overwrite(parser)
 
 
 def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -54,27 +54,27 @@ def _export(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                     "the format {format} needs an output: give a file or folder behind the survey",
                     format=form,
                 ),
-                fault=faults.INPUT,
+                fault=errors.INPUT,
             )
         return _say(exports.make_survey_bag(chosen.survey), chosen.survey, catalogue)
     exports.check_format(output, form)
-    outputs.check([output], [chosen.survey], chosen.overwrite)
-    progress = inputs.progress_bar("writing")
+    arguments.check_outputs([output], [chosen.survey], chosen.overwrite)
+    progress = arguments.progress_bar("writing")
     if form in exports.OF_RECORDINGS:
         written = exports.export_recording(chosen.survey, output, form, progress)
         return _say(written, output, catalogue)
-    survey = inputs.load(chosen, catalogue)
+    survey = arguments.load(chosen, catalogue)
     say(f"{output}: {exports.export_survey(survey, output, form, progress)}")
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def _say(written: Tuple[Message, Dict[str, Any]], path: Path, catalogue: Catalogue) -> int:
     """Print what was written, and on stderr what is left out or doubted; return the status."""
     content, said = written
     survey = xr.Dataset(attrs=said)
-    inputs.print_warnings(survey, catalogue)
+    arguments.print_warnings(survey, catalogue)
     say(f"{path}: {content}")
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def _add_import(parser: argparse.ArgumentParser) -> None:
@@ -106,7 +106,7 @@ def _add_import(parser: argparse.ArgumentParser) -> None:
     add("--channel", type=int, metavar="N", help="dzt: channel, from 1")
     add("--interval", dest="interval_s", type=per(1e12), metavar="PS",
         help="segy: time between samples [ps]; default: the number in the header")  # fmt: skip
-    outputs.add_overwrite(parser)
+    arguments.add_overwrite(parser)
 
 
 def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
@@ -116,12 +116,12 @@ def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         check_ending(output, (NETCDF,))
     # The survey's folder gets its name when it is written.
     written = output / "survey" if into_folder else output
-    outputs.check([written], [chosen.input], chosen.overwrite)
+    arguments.check_outputs([written], [chosen.input], chosen.overwrite)
     if not chosen.input.exists():
-        raise AnalysisError(not_there(chosen.input), fault=faults.INPUT)
+        raise AnalysisError(not_there(chosen.input), fault=errors.INPUT)
     options = {one.name: getattr(chosen, one.name) for one in fields(ImportOptions)}
     band = options["band"] = _band(*chosen.band) if chosen.band else None
-    progress = inputs.progress_bar("reading")
+    progress = arguments.progress_bar("reading")
     survey = import_survey(chosen.input, chosen.format, progress, **options)
     if dataset.A_SCAN in survey:
         survey = to_frequency(survey, *(astuple(band) if band else ()))
@@ -131,16 +131,16 @@ def _import(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         )
     if chosen.real_ground:
         survey = survey.assign_attrs({dataset.SIMULATED: 0})
-    inputs.print_warnings(survey, catalogue)
+    arguments.print_warnings(survey, catalogue)
     if into_folder:
         source = ImportSource.of(chosen.input, chosen.format)
-        progress = inputs.progress_bar("writing traces")
+        progress = arguments.progress_bar("writing traces")
         output = write_imported_folder(survey, output, source, progress)
     else:
         write_dataset(survey, output)
     sizes = ", ".join(f"{name} {size}" for name, size in survey.sizes.items())
     say(f"{output}: {sizes}")
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def _band(start_hz: float, stop_hz: float, points: float) -> Band:
@@ -165,13 +165,13 @@ def _add_sample(parser: argparse.ArgumentParser) -> None:
         help="a line over real ground instead: 14 reinforcing bars in concrete, measured by a GSSI "
         "radar (CHARISMA, CC0)",
     )
-    outputs.add_overwrite(parser)
+    arguments.add_overwrite(parser)
 
 
 def _sample(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     output = chosen.output
     check_ending(output, (NETCDF if chosen.real else MCAP,))
-    outputs.check([output], [sample_survey()], chosen.overwrite)
+    arguments.check_outputs([output], [sample_survey()], chosen.overwrite)
     if chosen.real:
         write_dataset(real_line(), output)
     else:

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.commands import inputs
+from gpr20_analysis.commands import arguments
 from gpr20_analysis.commands.command import per
 from gpr20_analysis.dataset import MM_PER_M
 from gpr20_analysis.errors import WrongDatasetError
@@ -20,6 +20,7 @@ from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, BuriedReferen
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import (
     FUNCTIONS,
+    STEPS,
     Step,
     StepFunction,
     apply_steps,
@@ -31,7 +32,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_survey.plan.annotation import USUAL_FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.soils import ANY_SOIL, Soils
+from gpr20_survey.radar import ANY_SOIL, Soils
 
 MOST_DEPTHS = 5000
 SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}
@@ -39,7 +40,7 @@ SOILS = {one.name.lower().replace("_", "-"): one for one in Soils}
 
 def add_options(parser: argparse.ArgumentParser) -> None:
     """Declare survey, steps, and how an image is made."""
-    inputs.add_survey(parser)
+    arguments.add_survey(parser)
     add_steps(parser)
     add = parser.add_argument
     add("--method", choices=METHODS.names(), default=Method.PHASE_SHIFT.name)
@@ -138,7 +139,7 @@ def processed(
     Raises:
         AnalysisError: The survey cannot be read, or a step cannot be applied.
     """
-    survey = inputs.load(chosen, catalogue)
+    survey = arguments.load(chosen, catalogue)
     if chosen.antenna:
         survey = with_height(survey, options.height_m)
     return process(survey, wanted, catalogue)
@@ -152,7 +153,7 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME[:PARAMETER=VALUE,...]",
         help="a step; may be repeated, steps are applied in order; "
-        + "; ".join(map(_usage, FUNCTIONS)),
+        + "; ".join([*map(_usage, FUNCTIONS), *STEPS.added()]),
     )
 
 
@@ -183,15 +184,15 @@ def process(
 
     A survey that a step names is refused if it is damaged; warnings about it are printed.
     """
-    statuses = [inputs.status_of(survey)]
+    statuses = [arguments.status_of(survey)]
 
     def read(path: str) -> xr.Dataset:
-        reference = load_survey(path, progress=inputs.progress_bar(f"reading {path}"))
-        inputs.print_warnings(reference, catalogue, path)
-        statuses.append(inputs.status_of(reference))
+        reference = load_survey(path, progress=arguments.progress_bar(f"reading {path}"))
+        arguments.print_warnings(reference, catalogue, path)
+        statuses.append(arguments.status_of(reference))
         return reference
 
-    for step in inputs.progress_bar("processing")(steps, len(steps)):
+    for step in arguments.progress_bar("processing")(steps, len(steps)):
         survey = apply_steps(survey, [step], read)
     return survey, max(statuses)
 

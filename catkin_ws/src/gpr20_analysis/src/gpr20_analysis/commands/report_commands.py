@@ -12,11 +12,10 @@ import xarray as xr
 
 from gpr20_analysis import dataset
 from gpr20_analysis.candidates.answer import with_height
-from gpr20_analysis.candidates.files import JSON, output_paths
-from gpr20_analysis.commands import image_options, inputs, outputs
+from gpr20_analysis.candidates.files import JSON, output_paths, read_hiding, write_hiding
+from gpr20_analysis.commands import arguments, image_options
 from gpr20_analysis.commands.command import Command, per
 from gpr20_analysis.errors import WrongDatasetError
-from gpr20_analysis.hiding.files import read_hiding, write_hiding
 from gpr20_analysis.hiding.search import Detector, HidingOptions, map_hidden
 from gpr20_analysis.processing.chain import apply_steps
 from gpr20_analysis.processing.delay import recorded_separation_m
@@ -33,7 +32,7 @@ STANDARD = HidingOptions()
 
 def _add_report(parser: argparse.ArgumentParser) -> None:
     image_options.add_options(parser)
-    outputs.add_output(parser, [".html"], "report to write: .html", required=True)
+    arguments.add_output(parser, [".html"], "report to write: .html", required=True)
     add_hiding(parser)
 
 
@@ -41,12 +40,14 @@ def _report(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.report.sections import write_report
 
     options, wanted = image_options.options_of(chosen), image_options.steps_of(chosen)
-    outputs.check([chosen.output], image_options.inputs_of(chosen, wanted), chosen.overwrite)
+    arguments.check_outputs(
+        [chosen.output], image_options.inputs_of(chosen, wanted), chosen.overwrite
+    )
     # The report shows the survey before and after the chosen steps.
     first, later = (wanted[:1], wanted[1:]) if chosen.antenna else ([], wanted)
     survey, status = image_options.processed(chosen, options, first, catalogue)
     dataset.require(survey, dataset.S21, dataset.S21_DIMS)
-    progress = inputs.progress_bar("creating the report")
+    progress = arguments.progress_bar("creating the report")
     hiding = hiding_of(chosen, survey)
     write_report(
         survey, chosen.survey, chosen.output, options, later, chosen.language, progress, hiding
@@ -75,11 +76,11 @@ def _add_hiding_map(parser: argparse.ArgumentParser) -> None:
         help=f"how many lattices of targets are tried at each depth; default {STANDARD.rounds}; "
         "more give a finer map")  # fmt: skip
     add("--seed", type=int, default=STANDARD.seed, help="of the random places; default 0")
-    outputs.add_output(
+    arguments.add_output(
         parser,
-        [JSON, *outputs.PICTURES],
+        [JSON, *arguments.PICTURES],
         "map as .json, which report and view read, or a picture "
-        f"({', '.join(outputs.PICTURES)}); may be given more than once",
+        f"({', '.join(arguments.PICTURES)}); may be given more than once",
         action="append",
         default=[],
     )
@@ -90,9 +91,9 @@ def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     target = target_of(chosen.target)
     written: List[Path] = []
     for path in chosen.output:
-        written += [path] if path.suffix in outputs.PICTURES else output_paths(path)
-    outputs.check(written, image_options.inputs_of(chosen, wanted), chosen.overwrite)
-    survey = with_height(inputs.load(chosen, catalogue), options.height_m)
+        written += [path] if path.suffix in arguments.PICTURES else output_paths(path)
+    arguments.check_outputs(written, image_options.inputs_of(chosen, wanted), chosen.overwrite)
+    survey = with_height(arguments.load(chosen, catalogue), options.height_m)
     hiding = HidingOptions(
         depth_m=tuple(np.round(chosen.target_depths, 6).tolist()),
         rounds=chosen.rounds,
@@ -104,17 +105,17 @@ def _map_hiding(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     read = functools.lru_cache(maxsize=None)(load_survey)
     detector = Detector(options, lambda one: apply_steps(one, wanted, read))
     antenna: Optional[xr.Dataset] = load_survey(chosen.antenna) if chosen.antenna else None
-    progress = inputs.progress_bar("hiding targets")
+    progress = arguments.progress_bar("hiding targets")
     found = map_hidden(survey, detector, target, hiding, antenna, progress)
     for path in chosen.output:
-        if path.suffix in outputs.PICTURES:
+        if path.suffix in arguments.PICTURES:
             from gpr20_analysis.plotting.maps import hiding_figure
 
-            outputs.save_figure(hiding_figure(found, catalogue), path)
+            arguments.save_figure(hiding_figure(found, catalogue), path)
         else:
             write_hiding(found, path)
     say(*(shown(one, catalogue) for one in found.sentences))
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def add_hiding(parser: argparse.ArgumentParser) -> None:

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 from typing import Iterator
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.command import DONE, REFUSED, Command
 from gpr20_analysis.errors import MissingLibraryError
 from gpr20_common.catalogue import Catalogue
@@ -28,7 +28,7 @@ def _needing_ros() -> Iterator[None]:
             Message(
                 "this command needs ROS; source catkin_ws/devel/setup.bash first", details=error
             ),
-            fault=faults.NO_ROS,
+            fault=errors.NO_ROS,
         ) from error
 
 
@@ -52,7 +52,7 @@ def _replay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     with _needing_ros():
         import rospy
 
-        from gpr20_analysis.high import replay_node
+        from gpr20_analysis import replay_node
     replay_node.refuse_beside_others(f"{chosen.ns}{name}" for name in replay_node.TOPICS_OF_A_ROBOT)
     # Two replays in different namespaces do not end each other.
     rospy.init_node("replay", anonymous=True)

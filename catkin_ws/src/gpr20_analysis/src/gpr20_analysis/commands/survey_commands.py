@@ -6,8 +6,8 @@ import argparse
 import json
 from pathlib import Path
 
-from gpr20_analysis import faults
-from gpr20_analysis.commands import inputs
+from gpr20_analysis import errors
+from gpr20_analysis.commands import arguments
 from gpr20_analysis.commands.command import DONE, Command, print_rows
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.report.summary import summarize, summary_of, warnings_of
@@ -29,12 +29,12 @@ SHOWN = 5
 
 
 def _add_info(parser: argparse.ArgumentParser) -> None:
-    inputs.add_survey(parser)
+    arguments.add_survey(parser)
     parser.add_argument("--json", action="store_true", help="print JSON, for programs")
 
 
 def _info(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
-    survey = inputs.load(chosen, catalogue)
+    survey = arguments.load(chosen, catalogue)
     if chosen.json:
         lists = {name: survey.attrs.get(name, []) for name in LIST_ATTRIBUTES}
         lists["warnings"] = [str(one) for one in warnings_of(survey)]
@@ -43,7 +43,7 @@ def _info(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
         print_rows(summary_of(survey), catalogue)
         for one in warnings_of(survey):
             say(shown(one, catalogue))
-    return inputs.status_of(survey)
+    return arguments.status_of(survey)
 
 
 def _add_verify(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +64,7 @@ def _verify(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.read.signature import look_at_signature
     from gpr20_analysis.read.verification import verify_survey
 
-    progress = inputs.progress_bar("verifying")
+    progress = arguments.progress_bar("verifying")
     folder = chosen.folder.expanduser()
     repaired = repair_survey(folder, progress) if chosen.repair else []
     signed = look_at_signature(folder, chosen.signers)
@@ -103,7 +103,7 @@ def _sign(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     from gpr20_analysis.read.checks import is_sealed, manifest_differences
     from gpr20_analysis.read.verification import check_survey_folder
     from gpr20_survey.faults import CAN_RESUME
-    from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+    from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked
     from gpr20_survey.folder import survey_folder
     from gpr20_survey.folder.recovery import recover
     from gpr20_survey.folder.signature import Signer
@@ -128,7 +128,7 @@ def _sign(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
                 Message(
                     "what differs from the manifest is not signed: {differences}",
                     differences=in_a_row([*differences, *damaged][:SHOWN]),
-                ).reporting_only(faults.NOT_INTACT)
+                ).reporting_only(errors.NOT_INTACT)
             )
         sealed.write_for(folder, log.records[-1])
         signer.sign(folder)

@@ -7,7 +7,7 @@ from typing import Iterable, List, Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import dataset, faults, work
+from gpr20_analysis import dataset, errors, work
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -26,7 +26,7 @@ from gpr20_analysis.read.traces import grid_of
 from gpr20_analysis.sentences import with_notes, with_sentences
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import phase_advance
+from gpr20_survey.radar import phase_advance
 
 HIGHEST_M = 10.0
 
@@ -74,7 +74,7 @@ def as_dataset(
                 height_m=wrong[0],
                 highest_m=HIGHEST_M,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     shape = values.shape[:3]
     # A sample of only NaN is missing; one with some NaN is damaged.
@@ -155,7 +155,7 @@ def on_grid(
                 "{source} has two samples at the same position and rotation; give data with one",
                 source=source,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     axis = delay_s if frequency_hz is None else frequency_hz
     if axis is None:
@@ -168,7 +168,7 @@ def on_grid(
     if not np.nan_to_num(values).any():
         raise UnreadableFileError(
             Message("{source} has no sample other than 0; give measured data", source=source),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     data = as_dataset(
         values.reshape(*grid.shape, -1),
@@ -220,7 +220,7 @@ def to_frequency(
     if len(delay_s) < 2 or np.ptp(np.diff(delay_s)) > EVEN * step_s:
         raise WrongDatasetError(
             Message("the times of the A-scans are not evenly spaced; two or more are needed"),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     notes: List[Message] = []
     if not (start_hz or stop_hz or points):
@@ -277,7 +277,7 @@ def _band_of(survey: xr.Dataset, a_scans: np.ndarray, step_s: float) -> Tuple[fl
                 "every A-scan is zero or missing, or contains a single frequency, so there is no "
                 "spectrum that resolves a delay; see gpr20 info"
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     first, last = max(int(strong[0]), 1), int(strong[-1])
     step_hz = 1.0 / (len(level) * step_s)

@@ -13,8 +13,9 @@ from typing import Any, Dict, Tuple, Union
 import xarray as xr
 import yaml
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.dataset import QUALITY, usable
 from gpr20_analysis.errors import (
     ExportError,
     MissingLibraryError,
@@ -22,8 +23,7 @@ from gpr20_analysis.errors import (
     check_ending,
     library_missing,
 )
-from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset
-from gpr20_analysis.formats.plain_csv import write_plain_csv
+from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset, write_plain_csv
 from gpr20_analysis.read.doubts import recording_doubts
 from gpr20_analysis.read.recordings import Lost, all_messages, recording_of
 from gpr20_analysis.sentences import DOUBTS, kept_doubts, with_sentences
@@ -71,13 +71,23 @@ def export_survey(
                 "have; use `gpr20 export` with the survey's folder or recording",
                 format=form,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     if form == "netcdf":
         write_dataset(survey, path)
-        return Message("all data")
+        return _of_dataset(survey)
     with atomic_output(path, int(survey.nbytes)) as place:
         return Message("{count} samples", count=write_plain_csv(survey, place, progress))
+
+
+def _of_dataset(survey: xr.Dataset) -> Message:
+    """Return how much of a survey a Dataset holds; samples without data are marked in it."""
+    if QUALITY not in survey:
+        return Message("all data")
+    count, total = int(usable(survey).sum()), survey[QUALITY].size
+    if count == total:
+        return Message("all data, {count} samples", count=count)
+    return Message("{count} of {total} samples; the others have no data", count=count, total=total)
 
 
 def check_format(path: Path, form: str) -> None:
@@ -135,7 +145,7 @@ def export_recording(survey: Path, path: Path, form: str, progress: Progress) ->
         if not count:
             raise UnreadableFileError(
                 Message("{file} has no message that can be read", file=recording.name),
-                fault=faults.FILE_DAMAGED,
+                fault=errors.FILE_DAMAGED,
             )
         if form == "ros2":
             _convert(bag, place)
@@ -159,7 +169,7 @@ def _convert(bag: Path, folder: Path) -> None:
     except ConverterError as error:
         raise UnreadableFileError(
             Message("the recording cannot be converted to ROS 2", details=error),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         ) from error
 
 

@@ -15,7 +15,7 @@ from typing import Any, Dict, Iterator, Mapping
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import __version__, dataset, faults
+from gpr20_analysis import __version__, dataset, errors
 from gpr20_analysis.atomic_output import atomic_output
 from gpr20_analysis.dataset import HEIGHT, S21, S21_DIMS, SAMPLE_DIMS, TIMESTAMP
 from gpr20_analysis.errors import ExportError
@@ -27,17 +27,17 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import FileSum, regular_files, sum_of, sum_of_file
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.files.regular_files import FileSum, regular_files, sum_of, sum_of_file
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.survey_metadata import START
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, Wgs84Position
-from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
+from gpr20_survey.plan.recorded_plan import IMPORTED, TIMES_KNOWN, import_sentence, imported_grid
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace import trace_json, utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace import utc_time
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SOFTWARE = f"gpr20 {__version__}"
@@ -138,7 +138,7 @@ def write_imported_folder(
                 "a survey's folder cannot hold the data: {reason}; write a .nc",
                 reason=error.message,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         ) from error
     return folder
 
@@ -214,7 +214,7 @@ class _Content:
             recording.write(topics.metadata(text, time_ns))
             recording.write(topics.log(log.last, time_ns))
             for trace in progress(self._traces(), int(self._usable.sum())):
-                file, content = survey_folder.trace_file_name(trace), trace_json.encode(trace)
+                file, content = survey_folder.trace_file_name(trace), trace_files.encode(trace)
                 durable_files.write_in_new_folder(traces / file, content)
                 sums[manifest.trace_name(file)] = sum_of(content)
                 own_ns = trace.timestamp_us * utc_time.NS_PER_US

@@ -11,7 +11,7 @@ from typing import Any, Callable, Optional, Tuple, Union
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.doubts import survey_doubts
@@ -19,7 +19,7 @@ from gpr20_analysis.sentences import FAULTS, with_doubts
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
-from gpr20_survey.plan.imported import IMPORTED, TIMES_KNOWN
+from gpr20_survey.plan.recorded_plan import IMPORTED, TIMES_KNOWN
 
 OUTPUT = "survey.nc"
 """In the command that a refusal names."""
@@ -107,7 +107,7 @@ def _argument(option: str) -> str:
 IMPORTS = ExtensionPoint(
     "gpr20_analysis.imports",
     Message("the format"),
-    fault=faults.STEPS,
+    fault=errors.STEPS,
     wings=dict.fromkeys(
         (
             *("group-csv", "merged-hdf5", "gprmax", "original-json", "arrays"),
@@ -136,7 +136,8 @@ def import_survey(
             it; or the format cannot use an option.
         MissingLibraryError: The package of the format, or a library, is not installed.
     """
-    chosen, place = ImportOptions(**options), Path(path).expanduser()
+    # Also of `.` and of the file of a folder the name is told.
+    chosen, place = ImportOptions(**options), Path(path).expanduser().absolute()
     refuse_device(place)
     importer: ImportFormat = IMPORTS.find(form)
     importer.check(form, chosen)
@@ -156,7 +157,7 @@ def refuse_device(path: Path) -> None:
     if path.exists() and not (path.is_file() or path.is_dir()):
         raise AnalysisError(
             Message("{path} is neither a file nor a folder, so it is not a survey", path=path),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
 
 
@@ -183,5 +184,5 @@ def refuse_importable(path: Path) -> None:
                     format=form,
                     command=command,
                 ),
-                fault=faults.INPUT,
+                fault=errors.INPUT,
             )

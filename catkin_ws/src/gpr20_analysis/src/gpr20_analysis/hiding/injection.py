@@ -31,7 +31,7 @@ from gpr20_analysis.processing.surface_echo import fit_delay
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_delay_s
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, one_way_delay_s
 
 # Of the median magnitude of all traces: in fainter ones, the antennas received nothing.
 DEAD_SHARE = 0.1

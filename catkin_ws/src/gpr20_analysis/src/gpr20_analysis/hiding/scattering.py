@@ -20,7 +20,7 @@ from typing import Tuple
 import numpy as np
 from scipy.special import spherical_jn, spherical_yn
 
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, tangent_in_air
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, tangent_in_air
 from gpr20_survey.results.hiding_map import Target
 
 STEP_M = 0.005

@@ -30,7 +30,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S
 from gpr20_survey.results.candidates import Candidate, CandidateList
 from gpr20_survey.results.hiding_map import HidingMap, Target
 

@@ -23,7 +23,7 @@ from gpr20_analysis.imaging.records import (
 )
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_delay_s, tangent_in_air
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, one_way_delay_s, tangent_in_air
 
 # The error of linear interpolation over the distance is less than step^2 / 8 times the second
 # derivative of the delay: 0.5 mrad at 6 GHz and 0.1 m of height.

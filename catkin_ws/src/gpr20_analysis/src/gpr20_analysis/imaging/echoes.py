@@ -20,8 +20,7 @@ from scipy.ndimage import maximum_filter, uniform_filter1d
 from gpr20_analysis.imaging.phase_shift import unit_phasor
 from gpr20_analysis.imaging.records import Focus, Traces, antenna_offset_m, gated_sweep
 from gpr20_analysis.processing.sweep import steps_to_top
-from gpr20_survey.radar.depth import one_way_delay_s
-from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar import decibels, one_way_delay_s
 
 Imager = Callable[[Traces], np.ndarray]
 """Returns the image (depth, y, x) of traces."""

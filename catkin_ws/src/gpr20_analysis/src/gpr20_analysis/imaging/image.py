@@ -33,8 +33,7 @@ from gpr20_analysis.sentences import with_notes
 from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import delay_of_depth, one_way_path_m
-from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar import decibels, delay_of_depth, one_way_path_m
 
 NOTED_DEPTH_M = 0.001
 """Error of depths by antennas that are apart above which an image has a note [m]."""

@@ -8,7 +8,7 @@ from typing import Callable, ClassVar, Optional, Tuple
 
 import numpy as np
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_analysis.imaging.back_projection import back_projection_image
@@ -21,7 +21,7 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import Text, number_between
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.radar import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 
 DEFAULT_STEPS = ("background:method=surface",)
 """Steps before an image of a survey without steps."""
@@ -51,7 +51,7 @@ Method.BACK_PROJECTION = Method("back-projection", back_projection_image, exact_
 METHODS = ExtensionPoint(
     "gpr20_analysis.imaging_methods",
     Message("the method"),
-    fault=faults.STEPS,
+    fault=errors.STEPS,
     own={one.name: one for one in (Method.PHASE_SHIFT, Method.BACK_PROJECTION)},
     kind=Method,
 )

@@ -7,7 +7,7 @@ from typing import List, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults, work
+from gpr20_analysis import errors, work
 from gpr20_analysis.dataset import (
     DISPLAY_ONLY,
     HEIGHT,
@@ -33,8 +33,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.sentences import first_of, sentence_of
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import one_way_path_m
-from gpr20_survey.radar.frequency_to_delay import phase_advance
+from gpr20_survey.radar import one_way_path_m, phase_advance
 
 NOTED_M = 0.005
 """Median difference of surface echo and height above which an image has a note [m]."""
@@ -80,7 +79,7 @@ def traces_of(survey: xr.Dataset, options: ImageOptions) -> Tuple[List[Traces], 
                 "trace itself",
                 rotation_deg=survey[POLARIZATION].values[np.argmin(is_seen)],
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     height_m = np.full(present.shape, options.height_m)
     if options.height_m is None:
@@ -117,7 +116,7 @@ def _check_present(survey: xr.Dataset, present: np.ndarray, options: ImageOption
                 count=len(absent),
                 samples=first_of(absent, NAMED),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     if not options.leave_out_missing and not np.all(present):
         raise WrongDatasetError(

@@ -23,9 +23,8 @@ from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_analysis.work import no_progress
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.folder.soil_note import ENTERED, OF_PLAN, soil_of_survey
-from gpr20_survey.radar.depth import one_way_path_m
-from gpr20_survey.radar.soils import ANY_SOIL, MAX_PERMITTIVITY, Soil, soil_of
+from gpr20_survey.folder.log_record import ENTERED, OF_PLAN, soil_of_survey
+from gpr20_survey.radar import ANY_SOIL, MAX_PERMITTIVITY, Soil, one_way_path_m, soil_of
 
 if TYPE_CHECKING:
     from gpr20_analysis.imaging.image_options import ImageOptions, Method

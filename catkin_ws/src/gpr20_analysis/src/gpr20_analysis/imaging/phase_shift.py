@@ -26,7 +26,7 @@ from gpr20_analysis.imaging.records import Focus, Traces, reach, weighted_gate
 from gpr20_analysis.work import Progress, no_progress, on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_delay_s
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, one_way_delay_s
 
 # Positions are read from axes that count steps of 0.01 mm.
 GRID_TOLERANCE = 0.02

@@ -11,7 +11,7 @@ import numpy as np
 import scipy.fft
 
 from gpr20_analysis.processing.sweep import FrequencyGrid, summed
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar import Window
 
 
 class Ground(enum.Enum):

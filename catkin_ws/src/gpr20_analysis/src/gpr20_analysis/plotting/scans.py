@@ -38,7 +38,7 @@ from gpr20_analysis.sentences import ENGLISH
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import one_way_path_m, two_way_delay_s
+from gpr20_survey.radar import one_way_path_m, two_way_delay_s
 
 NS_PER_S = 1e9
 DEPTH_TICKS = 8

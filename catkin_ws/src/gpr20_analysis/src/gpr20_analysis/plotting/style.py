@@ -22,7 +22,7 @@ from gpr20_analysis.sentences import (
 )
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Message
-from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar import decibels
 
 # A perceptually uniform map, readable by the colour-blind.
 MAGNITUDE_MAP = "viridis"

@@ -25,7 +25,7 @@ from typing import Optional, Sequence, Tuple
 import numpy as np
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import (
     ANTENNA,
     ANTENNA_DIMS,
@@ -49,8 +49,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, matched, ste
 from gpr20_analysis.read.survey_attributes import ANTENNA_DELAY
 from gpr20_analysis.sentences import with_notes
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S
-from gpr20_survey.radar.frequency_to_delay import delay_kernel, phase_advance
+from gpr20_survey.radar import SPEED_OF_LIGHT_M_S, delay_kernel, phase_advance
 
 SURFACE_PERMITTIVITY = "surface_permittivity"
 """Attribute: permittivity by the reflection of the surface; with the ends of its range."""
@@ -123,7 +122,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
                 fewest=FEWEST_HEIGHTS,
                 range_mm=MM_PER_M * LEAST_RANGE_M,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     path_m = np.hypot(2.0 * heights_m, separation_m)
     means = np.stack([require(one, S21, S21_DIMS).mean([Y, X]).values for one in plates], axis=1)
@@ -133,7 +132,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
                 "survey {number} of the plate has a rotation without data; measure it again",
                 number=number + 1,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     centres_m = CENTRES_M[-0.5 * float(path_m.min()) < CENTRES_M]
     frequency_hz = plates[0][FREQUENCY].values
@@ -151,7 +150,7 @@ def antenna_of(plates: Sequence[xr.Dataset], separation_m: float = 0.0) -> xr.Da
                 misfit=100.0 * max(misfits),
                 limit=100.0 * MOST_MISFIT,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return xr.Dataset(
         {
@@ -248,7 +247,7 @@ def without_antenna(survey: xr.Dataset, model: xr.Dataset) -> xr.Dataset:
     if not {ANTENNA, CENTRE, MISFIT, SEPARATION} <= {*model.variables, *model.attrs}:
         raise WrongDatasetError(
             Message("the file that was given as model is none: make one with gpr20 antenna"),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     require_measured(survey)
     model = matched(model, survey)

@@ -20,7 +20,7 @@ import numpy as np
 import xarray as xr
 from scipy.ndimage import uniform_filter
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import (
     FREQUENCY,
     HEIGHT,
@@ -36,7 +36,7 @@ from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.processing.sweep import matched
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import two_way_delay_s
+from gpr20_survey.radar import two_way_delay_s
 
 # A background of as many components as traces would be the traces themselves.
 TRACES_PER_COMPONENT = 10
@@ -81,14 +81,14 @@ def subtract_coupling(survey: xr.Dataset, reference: xr.Dataset) -> xr.Dataset:
                 "the reference is the survey itself, so echoes of the ground would be subtracted "
                 "too; use a survey measured towards the sky, or the step background"
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     measured = require(survey, S21, S21_DIMS)
     empty = require(matched(reference, survey), S21, S21_DIMS).mean([Y, X], skipna=True)
     if not bool(np.all(np.isfinite(empty.values))):
         raise WrongDatasetError(
             Message("the reference has no usable sample at one of the rotations; measure it again"),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return survey.assign({S21: measured - empty.values[:, None, None, :]})
 

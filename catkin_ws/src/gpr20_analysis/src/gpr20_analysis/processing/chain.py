@@ -17,7 +17,7 @@ from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple, Type, Un
 
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import PROCESSING, QUALITY, SAMPLE_DIMS, SIMULATED
 from gpr20_analysis.entry_points import ExtensionPoint
 from gpr20_analysis.errors import AnalysisError, StepError
@@ -113,7 +113,7 @@ class StepFunction:
                 origin=self.origin,
                 reason=reason,
             ),
-            fault=faults.STEPS,
+            fault=errors.STEPS,
         )
 
 
@@ -122,7 +122,7 @@ STEPS = ExtensionPoint(
     Message("the step"),
     own={name: StepFunction(name, call) for name, call in FUNCTIONS.items()},
     error=StepError,
-    fault=faults.STEPS,
+    fault=errors.STEPS,
 )
 """By this, other packages add steps."""
 

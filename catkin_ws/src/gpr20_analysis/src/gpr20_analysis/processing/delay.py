@@ -10,7 +10,7 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import (
     A_SCAN,
     ATTRIBUTES,
@@ -33,8 +33,7 @@ from gpr20_analysis.read.survey_attributes import (
 )
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import two_way_delay_s
-from gpr20_survey.radar.frequency_to_delay import Window, phase_advance
+from gpr20_survey.radar import Window, phase_advance, two_way_delay_s
 
 REMOVED = "antenna_delay_removed_s"
 """Attribute: the delay that the step `antenna` removed from the spectra [s]."""
@@ -144,7 +143,7 @@ def _recorded(survey: xr.Dataset, name: str, most: float) -> float:
                 found=str(found),
                 most=most,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return number
 

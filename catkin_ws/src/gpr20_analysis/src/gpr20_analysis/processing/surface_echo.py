@@ -21,8 +21,13 @@ from gpr20_analysis.processing.delay import ADVANCE
 from gpr20_analysis.processing.sweep import FrequencyGrid, a_scans, steps_to_top
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_survey.radar.depth import SPEED_OF_LIGHT_M_S, one_way_path_m
-from gpr20_survey.radar.frequency_to_delay import Window, delay_kernel, phase_advance
+from gpr20_survey.radar import (
+    SPEED_OF_LIGHT_M_S,
+    Window,
+    delay_kernel,
+    one_way_path_m,
+    phase_advance,
+)
 
 SURFACE_DELAY = "surface_delay_s"
 """Attribute: median over the traces of the delay of the surface echo less that of twice the

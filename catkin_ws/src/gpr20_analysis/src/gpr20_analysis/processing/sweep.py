@@ -8,7 +8,7 @@ import numpy as np
 import scipy.fft
 import xarray as xr
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import (
     FREQUENCY,
     HZ_PER_MHZ,
@@ -20,7 +20,7 @@ from gpr20_analysis.dataset import (
 from gpr20_analysis.errors import WrongDatasetError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message, numeral
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar import Window
 
 # Relative to the step; recorded frequencies are doubles, an instrument rounds to 1 Hz.
 STEP_TOLERANCE = 1e-3
@@ -78,7 +78,7 @@ class FrequencyGrid:
                     off_hz=off_hz,
                     step_hz=step_hz,
                 ),
-                fault=faults.INPUT,
+                fault=errors.INPUT,
             )
         return cls(float(frequency_hz[0]), step_hz, count)
 
@@ -196,7 +196,7 @@ def matched(reference: xr.Dataset, survey: xr.Dataset) -> xr.Dataset:
                 reference=_settings(reference),
                 survey=_settings(survey),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     found = reference.isel({POLARIZATION: off_deg.argmin(axis=1)})
     return found.assign_coords({name: survey[name] for name in (POLARIZATION, FREQUENCY)})

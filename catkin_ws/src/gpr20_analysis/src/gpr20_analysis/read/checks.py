@@ -13,15 +13,15 @@ from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.files.file_sums import FileSum, sum_if_readable, sum_of_file
+from gpr20_survey.files.regular_files import FileSum, sum_if_readable, sum_of_file
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import RecoveredSurvey, recover
 from gpr20_survey.folder.survey_folder import BAG_FILE, DAMAGED_FOLDER, MCAP_FILE
+from gpr20_survey.plan.markers import FOUND_FORMAT, PHOTOS, Found, found_of, present
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
-from gpr20_survey.results.found import FORMAT, PHOTOS, Found, found_of, present
 from gpr20_survey.trace import trace_message
 
 DATA = "traces and recording"
@@ -75,7 +75,7 @@ def has_other_data(description: Mapping[str, Any], sums: Mapping[str, Optional[F
 def found_in(records: Sequence[LogRecord]) -> List[Found]:
     """Return what the records of a log say was found; those of later versions are left out."""
     values = [one.values for one in records if one.kind == Kind.FOUND]
-    return [found_of(one) for one in values if one.get("format") == FORMAT]
+    return [found_of(one) for one in values if one.get("format") == FOUND_FORMAT]
 
 
 def found_rows(folder: Path) -> List[Tuple[str, ...]]:

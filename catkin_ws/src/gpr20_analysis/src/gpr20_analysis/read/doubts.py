@@ -11,7 +11,7 @@ import math
 from pathlib import Path
 from typing import Any, Iterable, Iterator, List, Mapping, Sequence, Set, Tuple
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.sources import open_source
@@ -22,14 +22,22 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.sent_message import received_message
-from gpr20_survey.axes.axis_id import Zeros
+from gpr20_survey.axes import Zeros
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values
 from gpr20_survey.folder.recovery import unconfirmed_message
-from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, import_sentence, is_imported
-from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros
+from gpr20_survey.plan.recorded_plan import (
+    TIMES_KNOWN,
+    UNPROVEN,
+    ZEROS,
+    Proof,
+    UsedZeros,
+    import_of,
+    import_sentence,
+    is_imported,
+)
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 
 Described = Mapping[str, Any]
 REASONS, LISTED = 2, 5
@@ -82,7 +90,7 @@ def _positions(description: Described, samples: Sequence[Sample]) -> Iterator[Me
             "{count} traces refer to zeros of the axes that no measurement proved to be those of "
             "the others: their positions and rotations may be wrong",
             count=count,
-        ).with_fault(faults.ZEROS_UNPROVEN)
+        ).with_fault(errors.ZEROS_UNPROVEN)
 
 
 def _unconfirmed(description: Described, damaged: int) -> Iterator[Message]:
@@ -102,7 +110,7 @@ def _repeated(samples: Sequence[Sample]) -> Iterator[Message]:
             "{count} samples have exactly the values of another sample, which measured data never "
             "have; check whether the VNA returned one sweep twice",
             count=count,
-        ).with_fault(faults.SWEEP_REPEATED)
+        ).with_fault(errors.SWEEP_REPEATED)
 
 
 def _calibration(description: Described) -> Iterator[Message]:
@@ -112,7 +120,7 @@ def _calibration(description: Described) -> Iterator[Message]:
             yield Message(
                 "calibration of the VNA at the start of the survey: {meaning}",
                 meaning=one.meaning,
-            ).with_fault(faults.CALIBRATION)
+            ).with_fault(errors.CALIBRATION)
 
 
 def _drift(description: Described) -> Iterator[Message]:
@@ -125,7 +133,7 @@ def _drift(description: Described) -> Iterator[Message]:
             limit_deg=str(exceeded[0].get("limit_deg")),
             count=len(exceeded),
             index=str(exceeded[0].get("next_index")),
-        ).with_fault(faults.DRIFTED)
+        ).with_fault(errors.DRIFTED)
 
 
 def _settings(description: Described, samples: Sequence[Sample]) -> Iterator[Message]:
@@ -134,7 +142,7 @@ def _settings(description: Described, samples: Sequence[Sample]) -> Iterator[Mes
             "from trace {index} on another VNA measured: {identity}",
             index=str(one.get("from_index")),
             identity=str(one.get("identity")),
-        ).with_fault(faults.SETTINGS_CHANGED)
+        ).with_fault(errors.SETTINGS_CHANGED)
     found = known_settings(samples)
     if len(found) > 1:
         (most, count), (other, _), *_others = found
@@ -145,7 +153,7 @@ def _settings(description: Described, samples: Sequence[Sample]) -> Iterator[Mes
             settings=most.message,
             other_count=sum(number for _one, number in found[1:]),
             other=other.message,
-        ).with_fault(faults.SETTINGS_CHANGED)
+        ).with_fault(errors.SETTINGS_CHANGED)
 
 
 def unproven_zeros(report: Any, measured: Iterable[Zeros]) -> Set[Zeros]:
@@ -201,7 +209,7 @@ def _clock(description: Described, samples: Sequence[Sample]) -> Iterator[Messag
     if reasons:
         yield Message(
             "times may be wrong: {reasons}", reasons=first_of(reasons, REASONS)
-        ).reporting_only(faults.CLOCK)
+        ).reporting_only(errors.CLOCK)
 
 
 def _import(description: Described) -> Iterator[Message]:
@@ -209,7 +217,7 @@ def _import(description: Described) -> Iterator[Message]:
         yield Message(
             "{imported}, without a plan: nothing says what is missing",
             imported=import_sentence(description),
-        ).with_fault(faults.IMPORTED)
+        ).with_fault(errors.IMPORTED)
         yield from carried_doubts(import_of(description))
 
 

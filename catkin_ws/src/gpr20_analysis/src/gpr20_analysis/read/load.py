@@ -30,8 +30,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.folder.survey_folder import LOG_FILE
 from gpr20_survey.folder.trace_files import read_trace
-from gpr20_survey.plan.imported import TIMES_KNOWN, import_of, is_imported
-from gpr20_survey.plan.recorded_plan import REFINES, PlanFit
+from gpr20_survey.plan.recorded_plan import REFINES, TIMES_KNOWN, PlanFit, import_of, is_imported
 from gpr20_survey.trace.trace import Trace
 
 FAULTS_LISTED = 8
@@ -167,8 +166,8 @@ def _plan(source: Source) -> Optional[PlanFit]:
     if source.description is None:
         source.notes.append(
             Message(
-                "the log of the survey is not here, so the plan is unknown and missing rows at "
-                "the edges cannot be detected"
+                "the log of the survey is not here: it is not known whether the data are "
+                "SIMULATED, nor what was planned, so missing rows at the edges cannot be detected"
             )
         )
         return None

@@ -14,11 +14,11 @@ from typing import Any, Iterator, List
 from mcap.reader import make_reader
 from mcap.well_known import Profile
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError, not_there
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Message, in_a_row
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import open_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.recording.mcap_reader import TORN, StoredMcap, type_of
 from gpr20_survey.recording.mcap_writer import LIBRARY, RecordedMessage
@@ -67,7 +67,7 @@ def recording_of(survey: Path) -> Path:
         AnalysisError: There is none.
     """
     if not survey.exists():
-        raise AnalysisError(not_there(survey), fault=faults.INPUT)
+        raise AnalysisError(not_there(survey), fault=errors.INPUT)
     names = (survey_folder.MCAP_FILE, survey_folder.BAG_FILE)
     found = [survey / name for name in names] if survey.is_dir() else [survey.resolve()]
     for path in found:
@@ -80,7 +80,7 @@ def recording_of(survey: Path) -> Path:
             path=survey,
             names=" or ".join(names),
         ),
-        fault=faults.INPUT,
+        fault=errors.INPUT,
     )
 
 
@@ -89,14 +89,14 @@ def without_traces(path: Path) -> UnreadableFileError:
     lost = Lost()
     topics = sorted({one.topic for one in all_messages(path, lost)})
     if lost.faults:
-        return UnreadableFileError(in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED))
+        return UnreadableFileError(in_a_row(lost.faults).reporting_only(errors.FILE_DAMAGED))
     return UnreadableFileError(
         Message(
             "{file} contains no readable trace of a survey; its topics are: {topics}",
             file=path.name,
             topics=", ".join(topics) or "-",
         ),
-        fault=faults.INPUT,
+        fault=errors.INPUT,
     )
 
 
@@ -124,7 +124,7 @@ def all_messages(path: Path, lost: Lost, datatype: str = "") -> Iterator[Recorde
                     file=path.name,
                     kind="MCAP" if is_mcap else "bag",
                 ),
-                fault=faults.FILE_DAMAGED if magic.startswith(start) else faults.INPUT,
+                fault=errors.FILE_DAMAGED if magic.startswith(start) else errors.INPUT,
             )
         stream.seek(0)
         messages = (_of_mcap if is_mcap else _of_bag)(path, stream, lost, datatype)
@@ -171,7 +171,7 @@ def _of_mcap(path: Path, stream: Any, lost: Lost, datatype: str) -> Iterator[Rec
                 file=path.name,
                 profile=header.profile,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     is_finished = stored.is_finished()
     if not is_finished:
@@ -195,12 +195,8 @@ def _of_bag(path: Path, stream: Any, _: Lost, datatype: str) -> Iterator[Recorde
         bag.open()
     except Exception as error:  # of damaged bytes, of any kind
         raise UnreadableFileError(
-            Message(
-                "{file} has no complete index; use the survey's folder, or write the index with "
-                "`rosbag reindex {file}`",
-                file=path.name,
-                details=repr(error),
-            )
+            Message("{file} has no complete index", file=path.name, details=repr(error)),
+            fault=errors.NO_INDEX,
         ) from error
     try:
         kinds = {one.id: str(one.msgtype).replace("/msg/", "/") for one in bag.connections}

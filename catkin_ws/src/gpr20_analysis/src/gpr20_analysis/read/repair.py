@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import List
 
-from gpr20_analysis import __version__, faults
+from gpr20_analysis import __version__, errors
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks
 from gpr20_analysis.read.verification import check_survey_folder, verify_survey
@@ -15,8 +15,8 @@ from gpr20_analysis.work import Progress, no_progress
 from gpr20_common.message import Message, in_a_row
 from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
@@ -94,7 +94,7 @@ def _is_manifest_valid(folder: Path, recovered: RecoveredSurvey) -> bool:
                 "the manifest is whole, but files differ from it: {differences}; resume the "
                 "survey, which repairs its files, or restore them from a copy",
                 differences=in_a_row(differences[:SHOWN]),
-            ).reporting_only(faults.NOT_INTACT)
+            ).reporting_only(errors.NOT_INTACT)
         )
     if checks.is_sealed(recovered):
         return True

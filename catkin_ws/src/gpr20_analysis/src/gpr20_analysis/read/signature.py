@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Dict, Iterator, Optional
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.errors import os_reason
@@ -15,11 +15,10 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import IrregularFileError, ProcessingError, SigningError
-from gpr20_survey.files import ssh_keygen
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 from gpr20_survey.folder import manifest
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.signature import NAMESPACE, is_signed, signed_manifest
+from gpr20_survey.folder.signature import NAMESPACE, is_signed, signed_manifest, ssh_keygen
 from gpr20_survey.folder.survey_log import read_log
 
 OF_COPIES = {Kind.BAG.value, Kind.EXPORT.value, Kind.AUDIT.value}
@@ -118,7 +117,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
     except FileNotFoundError:
         # Without a manifest the survey is open, or verification calls it damaged.
         text = Message("NOT SIGNED: nobody vouches for the survey")
-        return Signed(text.with_fault(faults.UNSIGNED), Signature.UNSIGNED)
+        return Signed(text.with_fault(errors.UNSIGNED), Signature.UNSIGNED)
     except IrregularFileError as error:
         file, reason = printable(Path(error.filename).name), os_reason(error)
         return _wrong(Message("{file} cannot be read: {reason}", file=file, reason=reason))
@@ -133,7 +132,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
     signature = folder / manifest.SIGNATURE_FILE
     for principal in _principals(signature, signers):
         own = ("-n", NAMESPACE, "-s", signature, "-f", signers, "-I", principal)
-        if ssh_keygen.ask(("-Y", "verify", *own), content).yes:
+        if ssh_keygen(("-Y", "verify", *own), content).yes:
             return _with_log(folder, content, principal, fingerprint)
     # Also a key that is listed for other purposes.
     text = Message(
@@ -141,7 +140,7 @@ def check_signature(folder: Path, signers: Path) -> Signed:
         fingerprint=fingerprint,
     )
     unknown = Signature.UNKNOWN_KEY
-    return Signed(text.with_fault(faults.UNKNOWN_SIGNER), unknown, fingerprint=fingerprint)
+    return Signed(text.with_fault(errors.UNKNOWN_SIGNER), unknown, fingerprint=fingerprint)
 
 
 def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Signed:
@@ -163,13 +162,13 @@ def _with_log(folder: Path, content: bytes, signer: str, fingerprint: str) -> Si
         "CHANGED AFTER IT WAS SIGNED: {signer} signed the traces and the log as it was then; "
         "nobody has signed what was added to the log since",
         signer=signer,
-    ).with_fault(faults.CHANGED_SINCE_SIGNED)
+    ).with_fault(errors.CHANGED_SINCE_SIGNED)
     return Signed(text, Signature.CHANGED, signer, fingerprint)
 
 
 def _principals(signature: Path, signers: Path) -> Iterator[str]:
     """Yield the names for which a signers file accepts the key of a signature."""
-    found = ssh_keygen.ask(("-Y", "find-principals", "-s", signature, "-f", signers))
+    found = ssh_keygen(("-Y", "find-principals", "-s", signature, "-f", signers))
     for line in found.output.splitlines() if found.yes else ():
         # A pattern such as "!R2,*" names nobody by its first part.
         if line.strip() and not line.startswith("!"):
@@ -178,4 +177,4 @@ def _principals(signature: Path, signers: Path) -> Iterator[str]:
 
 def _wrong(reason: Message) -> Signed:
     text = Message("WRONG SIGNATURE: {reason}", reason=reason)
-    return Signed(text.reporting_only(faults.WRONG_SIGNATURE), Signature.WRONG)
+    return Signed(text.reporting_only(errors.WRONG_SIGNATURE), Signature.WRONG)

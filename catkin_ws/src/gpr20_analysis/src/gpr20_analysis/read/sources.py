@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import AnalysisError, not_there
 from gpr20_analysis.read.recordings import (
     Lost,
@@ -22,9 +21,10 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import storable
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_VERSION
-from gpr20_survey.files.regular_file import check_regular
+from gpr20_survey.files.regular_files import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
+from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
@@ -33,6 +33,8 @@ from gpr20_survey.trace.trace import Trace
 
 FACTS = (Kind.DECISION, Kind.CLOCK, Kind.DRIFT)
 """Kinds of the log's facts that no other entry of survey.json holds, but a reader needs."""
+OF_SURVEY = (survey_folder.SURVEY_FILE, MANIFEST_FILE)
+"""JSON files of a survey that are no traces."""
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
 ReadTrace = Callable[[Path], Trace]
@@ -81,7 +83,7 @@ def open_source(path: Path, read: ReadTrace = read_trace) -> Source:
     if path.is_dir():
         return _folder_source(path, read)
     if not path.exists():
-        raise AnalysisError(not_there(path), fault=faults.INPUT)
+        raise AnalysisError(not_there(path), fault=errors.INPUT)
     if is_recording(path):
         return _recording_source(path)
     raise AnalysisError(
@@ -90,7 +92,7 @@ def open_source(path: Path, read: ReadTrace = read_trace) -> Source:
             "its .mcap; `gpr20 import` reads other formats",
             path=path,
         ),
-        fault=faults.INPUT,
+        fault=errors.INPUT,
     )
 
 
@@ -104,10 +106,22 @@ def _folder_source(folder: Path, read: ReadTrace) -> Source:
     logs = [folder / name for name in survey_folder.LOG_FILES]
     for one in (traces, *logs):
         check_regular(one)
-    with os.scandir(str(traces if traces.is_dir() else folder)) as entries:
-        files = [Path(one.path) for one in entries if one.name.endswith(".json")]
-    files = sorted(one for one in files if one.name != survey_folder.SURVEY_FILE)
+    place = traces if traces.is_dir() else folder
+    names = [one.name for one in place.iterdir() if one.name.endswith(".json")]
+    files = sorted(place / one for one in names if one not in OF_SURVEY)
     is_described = any(one.exists() for one in logs)
+    recording = folder / survey_folder.MCAP_FILE
+    if not files and recording.exists():
+        raise AnalysisError(
+            Message(
+                "the folder {traces}/ of {folder} has no traces; give {recording}, which has them "
+                "too",
+                traces=survey_folder.TRACES_FOLDER,
+                folder=folder,
+                recording=recording,
+            ),
+            fault=errors.INPUT,
+        )
     if not files:
         raise AnalysisError(
             Message(
@@ -116,7 +130,7 @@ def _folder_source(folder: Path, read: ReadTrace) -> Source:
                 folder=folder,
                 traces=survey_folder.TRACES_FOLDER,
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     found = Source(storable(folder.name), lambda: _of_files(files, read, found), count=len(files))
     if is_described:
@@ -190,7 +204,7 @@ def _of_recording(path: Path, source: Source) -> Iterator[Trace]:
             )
             source.faults.append(Damage(message))
     if lost.faults:
-        reason = in_a_row(lost.faults).reporting_only(faults.FILE_DAMAGED)
+        reason = in_a_row(lost.faults).reporting_only(errors.FILE_DAMAGED)
         message = Message(
             "{file} cannot be read to its end: {reason}", file=source.name, reason=reason
         )

@@ -8,7 +8,7 @@ from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Set
 
 import numpy as np
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import AXIS, HEIGHT, HZ_PER_MHZ, SAMPLE_DIMS
 from gpr20_analysis.errors import DamagedSurveyError
 from gpr20_analysis.read.sources import Damage
@@ -16,8 +16,7 @@ from gpr20_analysis.read.survey_attributes import OF_ANALYZER
 from gpr20_analysis.work import require_bytes
 from gpr20_common.message import Message
 from gpr20_survey.faults import DAMAGED
-from gpr20_survey.plan.imported import ImportedGrid
-from gpr20_survey.plan.recorded_plan import PlanFit
+from gpr20_survey.plan.recorded_plan import ImportedGrid, PlanFit
 from gpr20_survey.trace.trace import TRACE_FIELDS, Trace
 from gpr20_survey.trace.trace_form import FLOATS, TraceField
 from gpr20_survey.trace.utc_time import NS_PER_US
@@ -94,7 +93,7 @@ def grid_of(positions: np.ndarray, notes: List[Message]) -> SurveyGrid:
                 columns=len(grid.x_mm),
                 rows=len(grid.y_mm),
             ),
-            fault=faults.INPUT,
+            fault=errors.INPUT,
         )
     return grid
 

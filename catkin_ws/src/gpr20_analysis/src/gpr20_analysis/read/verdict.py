@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Dict, List, Optional, Tuple
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.sentences import json_fields
 from gpr20_common.message import Message
 from gpr20_survey.faults import LOCKED, UNCONFIRMED
@@ -55,7 +55,7 @@ class Verification:
             "being_written": bool(self.writer),
             "verdict": json_fields(self.verdict),
             "faults": [
-                json_fields(one if one.cause else one.with_fault(faults.NOT_INTACT))
+                json_fields(one if one.cause else one.with_fault(errors.NOT_INTACT))
                 for one in self.faults
             ],
             "doubts": [json_fields(one) for one in self.doubts],
@@ -84,7 +84,7 @@ class Verification:
         if self.faults:
             first = self.faults[0].fault
             if first is None or any(one.fault != first for one in self.faults):
-                first = faults.NOT_INTACT if self.imported is None else faults.FILE_DAMAGED
+                first = errors.NOT_INTACT if self.imported is None else errors.FILE_DAMAGED
             return Message(
                 "DAMAGED or contradictory ({count} faults): {counted}",
                 count=len(self.faults),
@@ -97,14 +97,14 @@ class Verification:
                 counted=self._counted,
             ).with_fault(LOCKED)
         if self.imported is None and not self._is_whole:
-            return self._incomplete.with_fault(faults.NOT_COMPLETE)
+            return self._incomplete.with_fault(errors.NOT_COMPLETE)
         if self.unproven:
             return Message(
                 "POSITIONS NOT PROVEN: {counted}, but {count} of them refer to other zeros of the "
                 "axes",
                 counted=self._counted,
                 count=self.unproven,
-            ).with_fault(faults.ZEROS_UNPROVEN)
+            ).with_fault(errors.ZEROS_UNPROVEN)
         if self.unconfirmed:
             return Message(
                 "intact, except {count} entries UNCONFIRMED: {counted}, but nothing vouches for "

@@ -12,12 +12,18 @@ import xarray as xr
 
 from gpr20_analysis import __version__, dataset
 from gpr20_analysis.candidates.answer import Answer, answer
-from gpr20_analysis.candidates.markers import marker_heading, marker_rows, survey_markers
-from gpr20_analysis.candidates.table import candidate_table, places_sentence, weaker_sentence
+from gpr20_analysis.candidates.table import (
+    candidate_table,
+    marker_heading,
+    marker_rows,
+    places_sentence,
+    survey_markers,
+    weaker_sentence,
+)
 from gpr20_analysis.errors import AnalysisError, check_ending
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.imaging.permittivity import permittivity_line
-from gpr20_analysis.plotting import maps, projections, scans
+from gpr20_analysis.plotting import maps, scans
 from gpr20_analysis.processing.chain import Step, apply_steps
 from gpr20_analysis.processing.delay import to_time
 from gpr20_analysis.read.checks import found_rows
@@ -92,7 +98,7 @@ def write_report(
         places.notice = catalogue.text(NO_CLEARANCE)
     else:
         places = places_section(found.found, catalogue)
-        figure = projections.candidate_map_figure(found.image, found.found.shown(), catalogue)
+        figure = maps.candidate_map_figure(found.image, found.found.shown(), catalogue)
         places.figures.append(figure)
     sections = [
         places,
@@ -228,7 +234,7 @@ def _image(
     ]
     section = _section(Message("Image of the ground"), [], lines, catalogue)
     section.figures += [
-        projections.projection_figure(image, turn, found.found.shown(), catalogue)
+        maps.projection_figure(image, turn, found.found.shown(), catalogue)
         for turn in range(image.sizes[dataset.POLARIZATION])
     ]
     section.figures += _b_scans(to_time(found.processed), permittivity, catalogue)

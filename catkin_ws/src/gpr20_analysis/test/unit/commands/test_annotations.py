@@ -20,9 +20,8 @@ from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, read_description, recover
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position, annotation_of
-from gpr20_survey.plan.markers import Marker
+from gpr20_survey.plan.markers import Marker, What, present
 from gpr20_survey.results.candidates import NO_CLEARANCE, json_text
-from gpr20_survey.results.found import What, present
 
 # When the storage of the tests notes something.
 NOW = "2026-09-21T14:15:00.000000+00:00"

@@ -15,7 +15,7 @@ from command_kit import install
 from fault_kit import raises_fault
 from tutorial_code import code_blocks
 
-from gpr20_analysis import entry_points, faults
+from gpr20_analysis import entry_points, errors
 from gpr20_analysis.commands import command
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.formats.imports import import_survey
@@ -100,7 +100,7 @@ def test_a_command_of_a_page_runs_and_is_listed_without_an_import(site, sample, 
 
 def test_no_package_replaces_what_gpr20_or_another_package_has(site, refusals, capsys):
     install(site, "[gpr20.commands]\ncorners = other:CORNERS\nverify = none:X\n", "other")
-    assert main(["corners", "x"]) == command.REFUSED and refusals == [faults.STEPS.code]
+    assert main(["corners", "x"]) == command.REFUSED and refusals == [errors.STEPS.code]
     error = capsys.readouterr().err
     assert "my-commands 1.0, my_commands:" in error and "other 1.0, other:CORNERS" in error
     assert main(["verify", "--help"]) == main(["--help"]) == command.DONE
@@ -124,7 +124,7 @@ def test_a_command_names_the_absent_package(without_others, sample, refusals, ca
         (["view", "x"], "gpr20_viewer"),
         (["import", "there", "x.nc", "--format", "gprmax"], "gpr20_foreign_formats"),
     ):
-        assert main(arguments) == 3 and refusals.pop() == faults.STEPS.code
+        assert main(arguments) == 3 and refusals.pop() == errors.STEPS.code
         assert f"catkin_ws/src/{package}" in capsys.readouterr().err
 
 
@@ -135,10 +135,10 @@ def test_a_format_of_a_page_is_imported_and_recognized(site, sample):
     found = load_survey("line.nc")
     np.testing.assert_array_equal(found.s21.values[0, 0], [[1, 1j, -1], [1, -1j, -1]])
     assert found.x.values.tolist() == [0.0, 0.02] and (found.height == 0.1).all()
-    with raises_fault(faults.INPUT, "gpr20 import line.scan survey.nc --format scan"):
+    with raises_fault(errors.INPUT, "gpr20 import line.scan survey.nc --format scan"):
         load_survey("line.scan")
     Path("line.scan").write_text("no numbers")
-    with raises_fault(faults.INPUT, "not a file of the kind scan"):
+    with raises_fault(errors.INPUT, "not a file of the kind scan"):
         import_survey("line.scan", "scan")
     assert load_survey("survey.mcap").attrs["simulated"] == 1
 
@@ -156,7 +156,9 @@ def never(path):
     raise AssertionError(path)
 
 
-def test_the_result_names_an_installed_step_and_its_version(site, sample):
+def test_the_result_names_an_installed_step_and_its_version(site, sample, capsys):
+    assert main(["process", "--help"]) == command.DONE
+    assert re.search(r"\bnotch\b", " ".join(capsys.readouterr().out.split()))
     texts = ("notch:center_hz=1.8e9", "background")
     result = apply_steps(sample, [step_from_text(one) for one in texts], never)
     notch, background = recorded_steps(result)
@@ -166,7 +168,7 @@ def test_the_result_names_an_installed_step_and_its_version(site, sample):
     again = [step_from_text(text_of(one)) for one in recorded_steps(result)]
     assert apply_steps(sample, again, never).identical(result)
     for name in ("my_steps:notch", "os:system", "my_steps.notch"):
-        with raises_fault(faults.STEPS):
+        with raises_fault(errors.STEPS):
             step_from_text(f"{name}:center_hz=1e9")
 
 
@@ -184,7 +186,7 @@ def own_step(site, code, text="own"):
 
 
 def test_a_step_that_cannot_be_used_is_refused_with_the_reason(site):
-    with raises_fault(faults.STEPS, "names"):
+    with raises_fault(errors.STEPS, "names"):
         own_step(site, "def own(survey, names: list): return survey", "own:names=1")
 
 
@@ -199,7 +201,7 @@ def test_a_step_that_cannot_be_used_is_refused_with_the_reason(site):
 )
 def test_a_step_that_does_not_keep_the_survey_is_an_error(site, sample, body, shown):
     step = own_step(site, f"def own(survey): return {body}\n")
-    with raises_fault(faults.STEPS, shown):
+    with raises_fault(errors.STEPS, shown):
         apply_steps(sample, [step], never)
 
 

@@ -6,7 +6,7 @@ import pytest
 from storage_kit import fingerprint, make_key, signers_line
 from survey_kit import contents, make_survey
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey import faults as survey_faults
@@ -74,14 +74,14 @@ def test_what_nobody_on_the_list_signed_or_nobody_ended_is_never_complete(
     sealed, signature = manifest.read_bytes(), (folder / SIGNATURE_FILE).read_bytes()
 
     manifest.write_bytes(sealed.replace(b"finished", b"finishes") + b" ")
-    assert verify(folder) == (2, "wrong", faults.WRONG_SIGNATURE.code)
+    assert verify(folder) == (2, "wrong", errors.WRONG_SIGNATURE.code)
     manifest.write_bytes(sealed)
     (folder / SIGNATURE_FILE).write_bytes(signature[:-9])
-    assert verify(folder) == (2, "wrong", faults.WRONG_SIGNATURE.code)
+    assert verify(folder) == (2, "wrong", errors.WRONG_SIGNATURE.code)
     Signer(keys / "other").sign(folder)
-    assert verify(folder) == (2, "unknown key", faults.UNKNOWN_SIGNER.code)
+    assert verify(folder) == (2, "unknown key", errors.UNKNOWN_SIGNER.code)
     (folder / SIGNATURE_FILE).unlink()
-    assert verify(folder) == (1, "unsigned", faults.UNSIGNED.code)
+    assert verify(folder) == (1, "unsigned", errors.UNSIGNED.code)
     stopped = make_survey(tmp_path / "stopped", 7, "stopped")
     Signer(keys / "robot").sign(stopped)
     assert verify(stopped) == (1, "valid", "")
@@ -91,7 +91,7 @@ def test_what_is_added_is_not_signed_before_somebody_signs(folder, keys, verify,
     key = str(keys / "robot")
     assert main(["annotate", str(folder), "--site", "here"]) == 0
     changed = "changed after it was signed"
-    assert verify(folder) == (1, changed, faults.CHANGED_SINCE_SIGNED.code)
+    assert verify(folder) == (1, changed, errors.CHANGED_SINCE_SIGNED.code)
     assert main(["sign", str(folder), key]) == 0
     assert "signed as it is now" in capsys.readouterr().out
     assert verify(folder) == (0, "valid", "")
@@ -113,7 +113,7 @@ def test_what_differs_and_what_is_not_closed_is_not_signed(folder, keys, tmp_pat
     assert contents(folder) == before
     (folder / "survey.json").write_bytes(b"{}")
     assert main(["sign", str(folder), key]) == 3
-    codes = [survey_faults.NOT_SIGNED, NOT_ALLOWED, CAN_RESUME, faults.NOT_INTACT]
+    codes = [survey_faults.NOT_SIGNED, NOT_ALLOWED, CAN_RESUME, errors.NOT_INTACT]
     assert refusals == [one.code for one in codes]
 
 

@@ -26,11 +26,10 @@ from gpr20_analysis import (
     write_candidates,
     write_markers,
 )
-from gpr20_analysis.candidates.markers import MarkerList
+from gpr20_analysis.candidates.table import MarkerList
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.formats.plain_csv import csv_cell
+from gpr20_analysis.formats.dataset_files import csv_cell, write_dataset
 from gpr20_common.message import verbatim
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.results.candidates import Candidate

@@ -15,11 +15,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imported_kit import SOURCE, imported_folder, line_survey
+from result_examples import SOURCE, imported_folder, line_survey
 from run_seed import draws
 from wait_kit import wait_until
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.atomic_output import BESIDE
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import QUALITY, SAMPLE_DIMS, Quality
@@ -32,15 +32,15 @@ from gpr20_analysis.read.verdict import INCOMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_analysis.sentences import with_doubts
 from gpr20_common.message import Message
-from gpr20_survey.files.file_sums import sum_of_file
+from gpr20_survey.files.regular_files import sum_of_file
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 
 NOTE = Message("the record was {length} long", length="8 ns")
-DOUBT = Message("levels may be wrong").with_fault(faults.CALIBRATION)
+DOUBT = Message("levels may be wrong").with_fault(errors.CALIBRATION)
 CHILD = """
 import sys
 from pathlib import Path
-from imported_kit import imported_folder
+from result_examples import imported_folder
 print("begins", flush=True)
 while True:
     imported_folder(Path(sys.argv[1]), 40, 3)
@@ -127,7 +127,7 @@ def test_a_missing_trace_is_named_and_the_survey_is_to_be_imported_again(tmp_pat
     (trace,) = (folder / "traces").glob("000003_*")
     trace.unlink()
     found = verify_survey(folder)
-    assert found.verdict.fault_code == faults.FILE_DAMAGED.code
+    assert found.verdict.fault_code == errors.FILE_DAMAGED.code
     survey = load_survey(folder)
     assert survey.attrs["missing"] == ["missing: x 60 mm, y 0 mm, 0 deg"]
 

@@ -9,7 +9,7 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 
-from gpr20_analysis import faults, read_hiding, write_hiding
+from gpr20_analysis import errors, read_hiding, write_hiding
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import AnalysisError, UnreadableFileError
@@ -119,7 +119,7 @@ def test_a_target_that_is_or_may_be_like_the_soil_is_found_nowhere(ground):
 def test_what_gives_no_map_is_refused(ground):
     near = survey_of(scene([point(240.0, 240.0, 0.08)], height_m=0.03), FEW_MM, FEW_MM, FEW_HZ)
     for fault, survey, own in (
-        (faults.STEPS, process_survey(ground, *DEFAULT_STEPS), detector()),
+        (errors.STEPS, process_survey(ground, *DEFAULT_STEPS), detector()),
         # A model of the antennas is needed.
         (NOT_ALLOWED, ground.assign(s21=noise(ground, 1.0)), detector()),
         (NOT_ALLOWED, near, detector()),
@@ -185,7 +185,7 @@ def test_report_shows_the_map_of_its_survey_only(sample_file, written, tmp_path,
     other.write_text(json.dumps({**values, "survey_id": "another"}))
     assert main([*given, str(other), "--overwrite"]) == REFUSED
     assert main([*given, str(written / "a.png"), "--overwrite"]) == REFUSED
-    assert refusals == [NOT_ALLOWED.code, faults.FILE_DAMAGED.code]
+    assert refusals == [NOT_ALLOWED.code, errors.FILE_DAMAGED.code]
 
 
 def test_a_map_is_read_as_it_was_written_and_wrong_files_are_refused(found, tmp_path):

@@ -21,8 +21,8 @@ from gpr20_analysis.imaging.image_options import Method
 from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_analysis.read.load import GrowingSurvey, load_survey
 from gpr20_common.faults import BUSY
+from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.survey_folder import trace_file_name
-from gpr20_survey.trace import trace_json
 
 METHODS = [Method.PHASE_SHIFT, Method.BACK_PROJECTION]
 PLACE_M = 0.0125 * np.arange(41)
@@ -203,7 +203,7 @@ def test_too_few_lines_are_refused(area_survey):
 def add_trace(folder, index, **changes):
     trace = planned_trace(index, **changes)
     path = folder / "traces" / trace_file_name(trace)
-    path.write_bytes(trace_json.encode(trace))
+    path.write_bytes(trace_files.encode(trace))
     return path
 
 

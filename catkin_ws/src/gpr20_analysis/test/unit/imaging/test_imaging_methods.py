@@ -10,7 +10,7 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from run_seed import draws
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.imaging.back_projection import back_projection_image
 from gpr20_analysis.imaging.image import image_survey
@@ -22,7 +22,7 @@ from gpr20_analysis.work import on_threads
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_simulator.mid.world.ground import Ground as SimulatedGround
 from gpr20_simulator.mid.world.scene import Surface
-from gpr20_survey.radar.depth import one_way_delay_s
+from gpr20_survey.radar import one_way_delay_s
 
 TARGETS = (point(173.3, 181.7, 0.1134), point(318.9, 307.4, 0.0711))
 QUIET = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
@@ -129,7 +129,7 @@ def test_an_image_that_does_not_fit_into_the_memory_is_refused(monkeypatch):
     target, places_mm = point(200, 200, 0.1), np.linspace(100.0, 300.0, 5)
     survey = survey_of(scene([target], **QUIET), places_mm, places_mm)
     monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: survey.s21.nbytes)
-    with raises_fault(faults.TOO_LARGE):
+    with raises_fault(errors.TOO_LARGE):
         image_survey(survey, ImageOptions(permittivity=4.0))
 
 

@@ -8,7 +8,7 @@ from fault_kit import raises_fault
 from ground_kit import point, scene, survey_of
 from run_seed import draws
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.candidates.answer import answer
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import DISPLAY_ONLY, HEIGHT, S21, Quality
@@ -141,7 +141,7 @@ def holed(*missing):
 
 @pytest.mark.parametrize("method", METHODS)
 def test_missing_samples_are_refused_or_left_out_said_and_move_nothing(method):
-    with raises_fault(faults.INPUT, "3 samples have no data"):
+    with raises_fault(errors.INPUT, "3 samples have no data"):
         image_survey(holed(*HOLES), ImageOptions(method, 4.0))
     options = ImageOptions(method, 4.0, leave_out_missing=True)
     image = image_survey(remove_background(holed(*HOLES)), options)
@@ -177,10 +177,10 @@ def test_what_cannot_be_imaged_is_refused():
     frequency_hz = whole.frequency.values.copy()
     frequency_hz[50:] += 20e6
     for fault, data in (
-        (faults.STEPS, broken),
-        (faults.STEPS, whole.assign_attrs({DISPLAY_ONLY: "gain"})),
-        (faults.STEPS, to_time(whole)),
-        (faults.INPUT, whole.assign_coords(frequency=frequency_hz)),
+        (errors.STEPS, broken),
+        (errors.STEPS, whole.assign_attrs({DISPLAY_ONLY: "gain"})),
+        (errors.STEPS, to_time(whole)),
+        (errors.INPUT, whole.assign_coords(frequency=frequency_hz)),
         (NOT_ALLOWED, unknown),
         (NOT_ALLOWED, whole.assign_coords(x=whole.x.values**2)),
         (NOT_ALLOWED, whole.isel(x=[4], y=[4])),

@@ -19,7 +19,7 @@ from gpr20_analysis.imaging.permittivity import (
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.radar.soils import ANY_SOIL, Soils
+from gpr20_survey.radar import ANY_SOIL, Soils
 
 PLACE_MM = np.linspace(100.0, 300.0, 9)
 

@@ -11,7 +11,7 @@ from run_seed import draws
 from scipy.constants import speed_of_light
 from survey_kit import describe_again, make_survey
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import WrongDatasetError
@@ -155,8 +155,8 @@ def test_other_surveys_that_cannot_give_it_are_refused():
     one = survey()
     noise = np.random.default_rng(0).standard_normal((*one.s21.shape, 2)) @ [1.0, 1j]
     for fault, wrong in (
-        (faults.STEPS, set_time_zero(one)),
-        (faults.STEPS, to_time(one)),
+        (errors.STEPS, set_time_zero(one)),
+        (errors.STEPS, to_time(one)),
         (NOT_ALLOWED, process_survey(one, "background:method=mean")),
         (NOT_ALLOWED, one.assign(s21=one.s21 * 0.0 + noise)),
         (NOT_ALLOWED, one.isel(frequency=slice(0, 10))),

@@ -17,7 +17,7 @@ from run_seed import draws
 from scipy.constants import speed_of_light
 from scipy.special import jv
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.command import DONE, REFUSED
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.errors import WrongDatasetError
@@ -159,7 +159,7 @@ def test_coupling_is_removed_and_an_image_uses_the_surface_and_says_so(antennas,
 def test_what_is_no_plate_at_enough_heights_and_a_model_of_others_is_refused(antennas, model):
     survey = antennas.survey(0.1, 5.0)
     for other in (survey.isel(frequency=slice(1, None)), survey.assign_coords(polarization=[90.0])):
-        with raises_fault(faults.INPUT):
+        with raises_fault(errors.INPUT):
             without_antenna(other, model)
     few = ([0.1, 0.12, 0.15], [0.1, 0.105, 0.11, 0.115], [0.1, 0.1, 0.15, 0.2])
     sets = [[antennas.survey(one, METAL, PLACE_M[:2]) for one in heights_m] for heights_m in few]
@@ -168,13 +168,13 @@ def test_what_is_no_plate_at_enough_heights_and_a_model_of_others_is_refused(ant
     sets.append([plate.assign(height=zero + one) for one in PLATE_M])  # one survey many times
     changed = process_survey(survey, "background")
     for plates in sets:
-        with raises_fault(faults.INPUT):
+        with raises_fault(errors.INPUT):
             antenna_of(plates)
     with pytest.raises(WrongDatasetError, match="background"):
         antenna_of([changed] * 5)
     lost = [two(one, one) for one in sets[-1]]
     lost[2]["s21"][1] = np.nan
-    with raises_fault(faults.INPUT, "survey 3"):
+    with raises_fault(errors.INPUT, "survey 3"):
         antenna_of(lost)
 
 

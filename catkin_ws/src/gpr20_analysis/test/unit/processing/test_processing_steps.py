@@ -10,7 +10,7 @@ from ground_kit import point, scene, survey_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.dataset import S21_DIMS
 from gpr20_analysis.formats.common import to_frequency
 from gpr20_analysis.processing.background import Background, remove_background, subtract_coupling
@@ -27,7 +27,7 @@ from gpr20_analysis.processing.sweep import (
     select_polarization,
 )
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.radar.frequency_to_delay import Window
+from gpr20_survey.radar import Window
 
 PLACES_MM = np.linspace(120.0, 360.0, 13)
 NONE_DB = {"coupling_level_db": -200.0, "surface_gain_db": -200.0}
@@ -103,8 +103,8 @@ def test_parameters_and_references_that_do_not_suit_are_refused():
         (NOT_ALLOWED, lambda: remove_background(measured, Background.MOVING, width=4)),
         (NOT_ALLOWED, lambda: to_time(measured, padding=0.5)),
         (NOT_ALLOWED, lambda: select_polarization(measured, 45.0)),
-        (faults.INPUT, lambda: subtract_coupling(named, named)),
-        (faults.INPUT, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
+        (errors.INPUT, lambda: subtract_coupling(named, named)),
+        (errors.INPUT, lambda: subtract_coupling(named, measured.isel(frequency=slice(50)))),
     ):
         with raises_fault(fault):
             refused()
@@ -189,5 +189,5 @@ REFUSED = (
 
 def test_steps_that_make_no_sense_are_refused_with_what_is_allowed():
     for text, shown in REFUSED:
-        with raises_fault(faults.STEPS, shown):
+        with raises_fault(errors.STEPS, shown):
             step_from_text(text)

@@ -19,7 +19,7 @@ from run_seed import SEED, draws
 from storage_kit import bag_messages, with_bag
 from survey_kit import POINTS, SURVEY, make_survey, write_trace_file
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.errors import AnalysisError
@@ -143,7 +143,7 @@ def test_positions_on_no_grid_are_refused(copied):
         values.update(x_coord_mm=x_mm, y_coord_mm=y_mm)
         name = f"{index:06d}_X{x_mm:07.2f}_Y{y_mm:07.2f}_Z{values['z_coord_deg']:+07.2f}.json"
         write_trace_file(copied / "traces" / name, values)
-    with raises_fault(faults.INPUT):
+    with raises_fault(errors.INPUT):
         load_survey(copied / "traces")
 
 
@@ -216,19 +216,19 @@ def test_a_dataset_that_was_changed_or_cut_short_is_refused(finished, tmp_path, 
         try:
             assert load_survey(path).equals(survey)
         except AnalysisError as error:
-            assert error.message.fault_code == faults.FILE_DAMAGED.code
+            assert error.message.fault_code == errors.FILE_DAMAGED.code
             refused += 1
     assert refused > 10
     refusals.clear()
     for order in (slice(None, None, -1), np.random.default_rng(1).permutation(5)):
         write_dataset(survey.isel(frequency=order), tmp_path / "s.nc")
         assert run("process", tmp_path / "s.nc", tmp_path) == (REFUSED, [])
-        assert refusals[-1:] == [faults.FILE_DAMAGED.code]
+        assert refusals[-1:] == [errors.FILE_DAMAGED.code]
     survey.s21[0, 1, 1, 3] = np.nan
     write_dataset(survey, tmp_path / "s.nc")
     for more in ((), ("--accept-damaged",)):
         assert run("info", tmp_path / "s.nc", tmp_path, *more) == (REFUSED, [])
-        assert refusals[-1:] == [faults.FILE_DAMAGED.code]
+        assert refusals[-1:] == [errors.FILE_DAMAGED.code]
 
 
 def test_a_dataset_of_somebody_else_is_refused(tmp_path):
@@ -272,7 +272,7 @@ def test_a_recording_of_a_survey_of_another_version_is_refused_with_its_number(c
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])
-def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it(
+def test_a_bag_without_its_whole_index_is_refused_with_what_to_do_and_nothing_else(
     recorded_folder, tmp_path, name, capsys
 ):
     path, content = tmp_path / name, (recorded_folder / "survey.bag").read_bytes()
@@ -281,7 +281,9 @@ def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it
     for one in (without, content[:-10], content[: len(content) // 2], content[:5000]):
         path.write_bytes(one)
         assert main(["info", str(path)]) == REFUSED
-        assert f"rosbag reindex {name}" in capsys.readouterr().err
+        said, remedy = capsys.readouterr().err.splitlines()
+        assert f"{name} has no complete index" in said
+        assert remedy == f"First: {errors.NO_INDEX.remedy}" and "rosbag reindex" in remedy
 
 
 def test_what_is_damaged_in_a_recording_is_named(recorded_folder, tmp_path, monkeypatch):
@@ -297,12 +299,12 @@ def test_what_is_damaged_in_a_recording_is_named(recorded_folder, tmp_path, monk
         if one.datatype != trace_message.DATATYPE and not is_metadata_topic(one.topic):
             file.write(one)
     file.finish()
-    with raises_fault(faults.INPUT, "its topics are: /"):
+    with raises_fault(errors.INPUT, "its topics are: /"):
         describe(path)
     content = path.read_bytes()
     path.write_bytes(content[: len(content) // 2] + bytes(40) + content[len(content) // 2 + 40 :])
     for read in (describe, load_survey):
-        with raises_fault(faults.FILE_DAMAGED):
+        with raises_fault(errors.FILE_DAMAGED):
             read(path)
 
     def failing(_self, datatype=""):

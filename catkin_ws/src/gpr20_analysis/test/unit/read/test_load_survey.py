@@ -12,18 +12,17 @@ from fault_kit import raises_fault
 from storage_kit import with_bag
 from survey_kit import POINTS, STARTED_US, make_survey, planned_trace
 
-from gpr20_analysis import dataset, faults
+from gpr20_analysis import dataset, errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.dataset import Quality
-from gpr20_analysis.formats.dataset_files import write_dataset
-from gpr20_analysis.formats.plain_csv import write_plain_csv
+from gpr20_analysis.formats.dataset_files import write_dataset, write_plain_csv
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.traces import grid_of
 from gpr20_analysis.report.summary import summarize
 from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.axes import ZeroEpoch
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import AuxValue
 
 ALL = len(POINTS)
@@ -139,7 +138,7 @@ def test_an_image_that_cannot_be_is_refused_before_it_is_computed(folder, refusa
     monkeypatch.setattr("resource.getrlimit", lambda kind: (4096, 4096))
     assert available_bytes() == 4096
     monkeypatch.setattr("gpr20_analysis.work.available_bytes", lambda: 1000)
-    with raises_fault(faults.TOO_LARGE):
+    with raises_fault(errors.TOO_LARGE):
         load_survey(folder)
 
 
@@ -147,8 +146,17 @@ def test_what_is_no_survey_is_refused_by_name(tmp_path):
     (tmp_path / "empty").mkdir()
     (tmp_path / "text.txt").write_text("no survey")
     for name in ("nothing", "empty", "text.txt"):
-        with raises_fault(faults.INPUT, name):
+        with raises_fault(errors.INPUT, name):
             load_survey(tmp_path / name)
+
+
+def test_a_folder_that_lost_its_traces_names_the_recording_that_has_them(folder, tmp_path):
+    for name, lost in (("gone", shutil.rmtree), ("empty", lambda one: [*map(Path.unlink, one)])):
+        copied = Path(shutil.copytree(str(folder), str(tmp_path / name)))
+        lost(copied / "traces" if name == "gone" else (copied / "traces").iterdir())
+        with raises_fault(errors.INPUT, copied / "survey.mcap"):
+            load_survey(copied)
+    assert load_survey(copied / "survey.mcap").equals(load_survey(folder))
 
 
 def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):

@@ -9,15 +9,14 @@ pytest.importorskip("gpr20_msgs.msg")
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from imported_kit import imported_folder
 from mcap.writer import Writer
+from result_examples import imported_folder
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from survey_kit import POINTS, SURVEY, planned_trace
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors, replay_node
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.high import replay_node
 from gpr20_common.errors import NodeGoneError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
@@ -93,7 +92,7 @@ def test_an_imported_survey_comes_back_without_a_plan(graph, tmp_path):
 def test_it_is_refused_on_topics_of_others_but_not_of_the_dead(graph, finished, refusals):
     graph.others["/trace"] = ["/robot"]
     assert main(["replay", str(finished), "--ns", "/", "--rate", "1e4"]) == 3
-    assert refusals == [faults.ROBOT_RUNS.code] and graph.sent == {}
+    assert refusals == [errors.ROBOT_RUNS.code] and graph.sent == {}
     for name in ("a b", "1st", "../x", "a//b"):
         assert main(["replay", str(finished), "--ns", name]) == 3 and graph.sent == {}, name
     assert main(["replay", str(finished), "--rate", "1e4"]) == 0

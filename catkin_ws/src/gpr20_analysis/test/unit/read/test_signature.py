@@ -16,8 +16,8 @@ from gpr20_analysis.read.signature import Signature, check_signature
 from gpr20_common.message import Severity
 from gpr20_survey import faults
 from gpr20_survey.errors import SigningError, StorageFailedError
-from gpr20_survey.files import durable_files, ssh_keygen
-from gpr20_survey.folder import manifest
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.signature import (
     NAMESPACE,
@@ -145,7 +145,7 @@ def test_the_signers_file_decides_whose_key_counts(tmp_path, folder, keys):
 
 
 def test_a_signature_for_another_purpose_does_not_count(folder, keys, signers):
-    made = ssh_keygen.use_key(
+    made = signature.use_key(
         keys / "robot", ("-Y", "sign", "-n", "file"), (folder / SEAL).read_bytes()
     )
     (folder / SIGNATURE_FILE).write_text(made)
@@ -260,7 +260,7 @@ def test_without_a_working_ssh_keygen_nothing_is_signed_and_nothing_is_called_wr
     with pytest.MonkeyPatch.context() as patched:
         patched.setenv("PATH", f"{place}" if script is None else f"{place}:/bin:/usr/bin")
         if case == "hangs":
-            patched.setattr(ssh_keygen, "TIMEOUT_S", 0.3)
+            patched.setattr(signature, "TIMEOUT_S", 0.3)
         with raises_fault(faults.NOT_SIGNED, "ssh-keygen", error=SigningError):
             Signer(keys / "robot").sign(folder)
         with raises_fault(faults.NOT_SIGNED, "ssh-keygen", error=SigningError):

@@ -18,8 +18,9 @@ from survey_kit import (
 )
 from trace_examples import SURVEY
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import LOG_LOST
 from gpr20_survey.folder.log_record import Kind
@@ -28,7 +29,7 @@ from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 NO_SETTINGS = AnalyzerSettings()
 
@@ -133,6 +134,24 @@ def test_an_entry_that_the_recording_alone_holds_is_named(tmp_path):
     assert found.unconfirmed and not found.faults
 
 
+def test_traces_alone_are_counted_and_not_taken_for_real_ground(copied):
+    for path in copied.iterdir():
+        if path.is_file():
+            path.unlink()
+    found = verify_survey(copied)
+    assert (found.stored, len(found.faults)) == (len(POINTS), 1)
+    assert "18 traces are stored and readable" in str(found.verdict)
+    assert found.verdict.fault_code == LOG_LOST.code
+    (trace, *_others) = (copied / "traces").iterdir()
+    trace.write_bytes(trace.read_bytes()[:-9])
+    found = verify_survey(copied)
+    assert found.stored == len(POINTS) - 1 and f"{trace.name} is not" in str(found.faults[1])
+    assert found.verdict.fault_code == LOG_LOST.code
+    trace.unlink()
+    assert "not known whether the data are SIMULATED" in str(found.notes[0])
+    assert "not known whether the data are SIMULATED" in load_survey(copied).attrs["notes"][0]
+
+
 def test_where_both_logs_are_lost_nobody_is_told_to_resume(copied):
     for name in LOG_FILES:
         content = (copied / name).read_bytes()
@@ -223,8 +242,8 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     (next((copied / "traces").iterdir())).write_text("{")
     for folder, status, code in (
         (finished, 0, ""),
-        (stopped, 1, faults.NOT_COMPLETE.code),
-        (copied, 2, faults.NOT_INTACT.code),
+        (stopped, 1, errors.NOT_COMPLETE.code),
+        (copied, 2, errors.NOT_INTACT.code),
     ):
         assert main(["verify", str(folder), "--json"]) == status
         answer = json.loads(capsys.readouterr().out)
@@ -234,7 +253,7 @@ def test_programs_get_the_result_as_json_with_codes(finished, stopped, copied, c
     for none in (copied.parent, copied / "missing"):
         assert main(["verify", str(none), "--json"]) == 3
         answer = json.loads(capsys.readouterr().out)
-        assert answer["error"]["fault"]["code"] == faults.INPUT.code
+        assert answer["error"]["fault"]["code"] == errors.INPUT.code
 
 
 def test_the_command_runs_where_ros_is_not_installed(finished, tmp_path):

@@ -16,13 +16,13 @@ from survey_kit import (
     planned_trace,
 )
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_analysis.read.traces import Sample
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import LOCKED
-from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.files.durable_files import locked
 from gpr20_survey.folder import recovery
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import read_description, recover
@@ -85,7 +85,7 @@ def test_simulated_agrees_with_what_measured_the_survey(
 def test_times_that_contradict_each_other_are_doubted(times, more, said):
     traces = (planned_trace(index, **times.get(index, {})) for index in range(max(4, len(times))))
     found = survey_doubts({**TIMES, **more}, [Sample.of(one, 0) for one in traces])
-    assert [one.fault_code for one in found] == [faults.CLOCK.code] * bool(said)
+    assert [one.fault_code for one in found] == [errors.CLOCK.code] * bool(said)
     assert all(one in str(found[0]) for one in said)
 
 

@@ -10,7 +10,7 @@ from ground_kit import point, scene, survey_of
 from gpr20_analysis.dataset import Quality
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import ImageOptions
-from gpr20_analysis.plotting import maps, projections, scans
+from gpr20_analysis.plotting import maps, scans
 from gpr20_analysis.processing.background import remove_background
 from gpr20_analysis.processing.delay import to_time
 from gpr20_survey.results.candidates import Candidate
@@ -33,8 +33,8 @@ FIGURES = {
     "b-scan along y": lambda: scans.b_scan_figure(IN_TIME, "y", 0.24),
     "c-scan in time": lambda: scans.c_scan_figure(IN_TIME, 2.4e-9),
     "c-scan of an image": lambda: scans.c_scan_figure(IMAGE, 0.083),
-    "projections": lambda: projections.projection_figure(IMAGE, 0),
-    "candidates": lambda: projections.candidate_map_figure(IMAGE, CANDIDATES),
+    "projections": lambda: maps.projection_figure(IMAGE, 0),
+    "candidates": lambda: maps.candidate_map_figure(IMAGE, CANDIDATES),
     "coverage": lambda: maps.coverage_figure(SURVEY),
     "height": lambda: maps.height_figure(SURVEY),
 }
@@ -88,8 +88,8 @@ def test_the_brightest_of_a_map_is_where_the_target_is(name):
 def test_a_single_line_has_one_panel_with_its_section_and_candidates(across):
     image = IMAGE.isel({across: [5]})
     for figure in (
-        projections.projection_figure(image, 0, CANDIDATES),
-        projections.candidate_map_figure(image, CANDIDATES),
+        maps.projection_figure(image, 0, CANDIDATES),
+        maps.candidate_map_figure(image, CANDIDATES),
     ):
         (axes,) = panels(figure)
         assert axes.get_xlabel() == f"{'y' if across == 'x' else 'x'} [mm]"

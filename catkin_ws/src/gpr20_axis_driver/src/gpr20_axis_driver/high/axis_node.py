@@ -33,8 +33,7 @@ from gpr20_msgs.srv import AxisLease as AxisLeaseService
 from gpr20_msgs.srv import AxisLeaseRequest as AxisLeaseServiceRequest
 from gpr20_msgs.srv import AxisLeaseResponse as AxisLeaseServiceResponse
 from gpr20_msgs.srv import Command, CommandRequest, CommandResponse
-from gpr20_survey.axes.axis_id import BASE_LINK, AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import BASE_LINK, AxisId, AxisParameters
 from gpr20_survey.faults import NOT_HOMED
 
 MOVING_PERIOD_S = 1.0 / 50

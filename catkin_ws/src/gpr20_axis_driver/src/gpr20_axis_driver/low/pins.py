@@ -12,7 +12,7 @@ from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_survey.axes.axis_parameters import AxisParameters, Level, Pull
+from gpr20_survey.axes import AxisParameters, Level, Pull
 
 SHARED_MEMORY = Path("/dev/shm")
 

@@ -19,7 +19,7 @@ from gpr20_axis_driver.faults import AxisException
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import CONFIGURATION, OTHER_LAUNCH
 from gpr20_common.message import Message
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.faults import ZERO_UNKNOWN
 
 LAYOUT = 0x47505241_00000001

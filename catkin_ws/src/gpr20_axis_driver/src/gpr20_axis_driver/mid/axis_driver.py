@@ -26,8 +26,7 @@ from gpr20_axis_driver.motion import (
 )
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, numeral
-from gpr20_survey.axes.axis_id import ZeroEpoch
-from gpr20_survey.axes.axis_parameters import AxisParameters, Ramp
+from gpr20_survey.axes import AxisParameters, Ramp, ZeroEpoch
 from gpr20_survey.faults import ENDSTOP, NOT_HOMED, ZERO_UNKNOWN
 
 SET_ZERO = Message(

@@ -7,7 +7,7 @@ from typing import Callable, Optional
 from gpr20_axis_driver.faults import EndstopError, MotionStopped
 from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested, Until
 from gpr20_common.message import Message
-from gpr20_survey.axes.axis_parameters import HOMING_BACKOFFS, AxisParameters, Ramp
+from gpr20_survey.axes import HOMING_BACKOFFS, AxisParameters, Ramp
 
 RunMotion = Callable[[Motion, StopRequested], MotionReport]
 

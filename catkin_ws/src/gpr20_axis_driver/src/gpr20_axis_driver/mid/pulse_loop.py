@@ -40,7 +40,7 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_survey.axes.axis_parameters import PULSE_PRIORITY, AxisParameters, Level, Pull, Ramp
+from gpr20_survey.axes import PULSE_PRIORITY, AxisParameters, Level, Pull, Ramp
 
 # The parent counts a beat with every poll; one that counts none for this long can no longer
 # stop the motion.

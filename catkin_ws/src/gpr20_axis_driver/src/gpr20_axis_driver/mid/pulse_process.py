@@ -19,7 +19,7 @@ from gpr20_axis_driver.motion import AxisHardware, Ending, Motion, MotionReport,
 from gpr20_common.faults import MAY_MOVE, OVERLOADED
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.axes import ZeroEpoch
 
 # A new interpreter: a fork of a process with ROS's threads would not work.
 SERVER = "gpr20_axis_driver.mid.pulse_loop"

@@ -15,7 +15,7 @@ from gpr20_common.sent_message import received_message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.answers import AnalyzerTest
 

@@ -22,7 +22,7 @@ from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.node_health import axis_node
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.data_folder import existing_folder, file_system_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR

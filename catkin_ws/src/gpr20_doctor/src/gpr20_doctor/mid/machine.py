@@ -18,7 +18,7 @@ from gpr20_doctor.low.masters import is_here
 from gpr20_doctor.low.processes import DEFAULT_MASTER, Processes
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.node_health import axis_node
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.robot_description import STORAGE, NodeDescription
 
 ROOT = Path("/")

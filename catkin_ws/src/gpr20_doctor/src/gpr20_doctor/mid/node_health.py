@@ -10,7 +10,7 @@ from typing import Deque, Dict, List, Mapping, Optional, Tuple
 from gpr20_common.faults import INTERNAL, PART_SILENT
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row, verbatim
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, SIMULATOR, STORAGE
 
 MAIN_CONTROL = "main_control"

@@ -10,7 +10,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.results.answers import AnalyzerTest
 
 

@@ -1,14 +1,16 @@
-"""The node imaging: focused images, candidates and exports of what is stored."""
+"""The node imaging: focused images, candidates, which it also publishes, and exports."""
 
 from __future__ import annotations
 
 import json
 import os
-from typing import Any, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence
 
 import rospy
+from geometry_msgs.msg import Point, Pose, Quaternion, Vector3
+from std_msgs.msg import ColorRGBA, Header, String
+from visualization_msgs.msg import Marker, MarkerArray
 
-from gpr20_analysis.high.candidate_topics import CandidateTopics
 from gpr20_common.high.answers import advertise, fields_of, message_fields, message_from
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, read_parameters, run_node
@@ -34,14 +36,45 @@ from gpr20_msgs.srv import (
     MapHidden,
     MapHiddenResponse,
 )
-from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.axes import BASE_LINK
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.results.focused_image import focus_fields
+from gpr20_survey.results.answers import focus_fields
+from gpr20_survey.results.candidates import CandidateList, json_text
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.trace.utc_time import iso_text
 
 NODE = "imaging"
 NOTE_LIMIT_S = 20.0
+# Smallest shown diameter, and height of the letters [m].
+SMALLEST_M, LETTERS_M = 0.02, 0.015
+PLAIN, DOUBTFUL = ColorRGBA(0.9, 0.1, 0.1, 0.8), ColorRGBA(0.9, 0.7, 0.1, 0.5)
+
+
+def marker_array(found: CandidateList, frame: str, stamp: rospy.Time) -> MarkerArray:
+    """Return a sphere and a name for each candidate; the first marker removes all former ones."""
+    header = Header(stamp=stamp, frame_id=frame)
+    markers: List[Marker] = [Marker(header=header, action=Marker.DELETEALL)]
+    for number, one in enumerate(found.candidates):
+        size_m = [
+            max(SMALLEST_M, 2.0 * each)
+            for each in (one.x_uncertainty_m, one.y_uncertainty_m, one.depth_uncertainty_m)
+        ]
+        body = {"ns": "candidates", "type": Marker.SPHERE, "scale": Vector3(*size_m)}
+        name = {
+            "ns": "names",
+            "type": Marker.TEXT_VIEW_FACING,
+            "scale": Vector3(0.0, 0.0, LETTERS_M),
+            "text": f"{one.id} SIMULATED" if found.simulated else one.id,
+        }
+        common: Dict[str, Any] = {
+            "header": header,
+            "id": number,
+            "action": Marker.ADD,
+            "color": DOUBTFUL if one.is_doubtful else PLAIN,
+            "pose": Pose(Point(one.x_m, one.y_m, -one.depth_m), Quaternion(0.0, 0.0, 0.0, 1.0)),
+        }
+        markers += [Marker(**common, **kind) for kind in (body, name)]
+    return MarkerArray(markers)
 
 
 class ImagingNode:
@@ -50,11 +83,13 @@ class ImagingNode:
     def __init__(self, parameters: ImagingParameters, volumes: UsbVolumes) -> None:
         """Connect everything; no child process is started before the first request."""
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
-        self._candidates = CandidateTopics(BASE_LINK)
+        self._candidates = rospy.Publisher("candidates", String, latch=True, queue_size=1)
+        # As RViz and Foxglove show them.
+        self._markers = rospy.Publisher("candidate_markers", MarkerArray, latch=True, queue_size=1)
         self._sticks = volumes
         data = data_folder(parameters.data, os.environ)
         self._imaging = Imaging(
-            data, WorkerProcess(), self._publish_progress, self._candidates.publish
+            data, WorkerProcess(), self._publish_progress, self._publish_candidates
         )
         self._facts = ServiceClient("add_fact", AddFact)
         rospy.on_shutdown(self._imaging.close)
@@ -79,11 +114,8 @@ class ImagingNode:
         found = self._imaging.map_hidden(
             request.request_id, request.survey, request.permittivity, request.target
         )
-        return MapHiddenResponse(
-            success=True,
-            **message_fields(Message("the map is complete")),
-            hiding_json=hiding_json(found),
-        )
+        made = message_fields(Message("the map is complete"))
+        return MapHiddenResponse(success=True, **made, hiding_json=hiding_json(found))
 
     def _export(self, request: Any) -> ExportSurveyResponse:
         files, content = self._imaging.export(
@@ -133,6 +165,10 @@ class ImagingNode:
 
     def _publish_progress(self, request_id: str, stage: Message) -> None:
         self._progress.publish(ImagingProgress(request_id=request_id, **message_fields(stage)))
+
+    def _publish_candidates(self, found: CandidateList) -> None:
+        self._candidates.publish(json_text(found))
+        self._markers.publish(marker_array(found, BASE_LINK, rospy.Time.now()))
 
     def _health(self) -> Health:
         missing = self._imaging.missing

@@ -14,19 +14,17 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from gpr20_common.catalogue import language_from_code
 from gpr20_common.faults import ASKED_FOR, BUSY, NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_imaging import faults
-from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.faults import OTHER_COMPUTER, ImagingError
 from gpr20_imaging.low.worker_process import WorkerProcess
 from gpr20_imaging.mid.exporting import ExportRequest
 from gpr20_survey.errors import storing
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, find_survey
 from gpr20_survey.folder.survey_folder import TRACES_FOLDER
-from gpr20_survey.radar.soils import requested_permittivity
+from gpr20_survey.radar import requested_permittivity
+from gpr20_survey.results.answers import ExportPart, FocusedImage
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap, target_of
-from gpr20_survey.results.volume import ExportPart
 
 MOST_WAITING = 8
 # The last with a stick of the slowest kind.
@@ -35,8 +33,6 @@ FOCUS_LIMIT_S, LIMIT_S, EXPORT_LIMIT_S = 300.0, 1800.0, 7200.0
 MOST_KEPT = 6
 # What people add to a survey that changes no answer.
 ADDED = frozenset((Kind.FOUND, Kind.MARKER, Kind.MARKER_REMOVED, Kind.EXPORT, Kind.AUDIT, Kind.BAG))
-Progress = Callable[[str, Message], None]
-"""Called with the id of a request and what is done for it."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +65,7 @@ class Imaging:
     Args:
         data: Folder of the surveys.
         worker: Does the work.
-        progress: Called with what is done for a request.
+        progress: Called with the id of a request and what is done for it.
         found: Called with each list of candidates that is new.
     """
 
@@ -77,7 +73,7 @@ class Imaging:
         self,
         data: Path,
         worker: WorkerProcess,
-        progress: Progress,
+        progress: Callable[[str, Message], None],
         found: Callable[[CandidateList], None] = lambda _found: None,
     ) -> None:
         self._data, self._worker = data, worker
@@ -107,7 +103,7 @@ class Imaging:
             "candidates or report. Install it there with scripts/setup.sh, or copy the survey to "
             "a computer that has it.",
             computer=self.computer,
-        ).with_fault(faults.OTHER_COMPUTER)
+        ).with_fault(OTHER_COMPUTER)
 
     def focus(
         self, request_id: str, survey: str, permittivity: float, only_known: bool = False

@@ -11,8 +11,7 @@ from __future__ import annotations
 from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Tuple
 
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS, Problem, Reading, problem
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import LINEAR, ROTARY, AxisParameters, Level, Pull
+from gpr20_survey.axes import LINEAR, ROTARY, AxisId, AxisParameters, Level, Pull
 
 # Pins of the header [BOARD] that carry no signal.
 NOT_GPIO: Mapping[int, str] = {

@@ -20,7 +20,7 @@ from gpr20_common.low.yaml_file import parse_yaml
 from gpr20_common.message import verbatim
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
-from gpr20_survey.axes.axis_parameters import ROTARY, AxisParameters
+from gpr20_survey.axes import ROTARY, AxisParameters
 
 MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
 # Begins the value of what could not be found out and a person must write.

@@ -34,8 +34,8 @@ from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.folder.data_folder import IN_MEMORY, DataFolder, existing_folder, file_system_of
 from gpr20_survey.folder.signature import key_warning
-from gpr20_survey.plan.sensors import SENSORS
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.plan.robot_description import SENSORS
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
 
@@ -253,9 +253,8 @@ def _extensions(reading: Reading, use: Use) -> Iterator[Problem]:
             file = reading.folder / AXES_FILE
             yield from _missing(file, f"{axis}/controller", check_controller, own)
     if is_extension(vna.analyzer) and use.real and use.part != ROBOT:
-        from gpr20_vna_acquisition.mid.analyzer_record import has_passed
-        from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
-        from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+        from gpr20_vna_acquisition.mid.analyzers import has_passed, make_foreign_analyzer
+        from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 
         deadline = RequestDeadline(Clock())
         file = reading.folder / ANALYZER_FILE

@@ -12,12 +12,11 @@ from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.codec import mistakes, record_from
 from gpr20_common.terminal_text import printable
-from gpr20_height_sensor.mid.height_driver import HeightParameters
+from gpr20_height_sensor.height_driver import HeightParameters
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import BOARD_PINS, AxisParameters
+from gpr20_survey.axes import BOARD_PINS, AxisId, AxisParameters
 from gpr20_survey.plan.annotation import Site
-from gpr20_survey.plan.sensors import SENSORS, Sensors
+from gpr20_survey.plan.robot_description import SENSORS, Sensors
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters

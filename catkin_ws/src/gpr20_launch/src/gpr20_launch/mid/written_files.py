@@ -23,9 +23,10 @@ from gpr20_common.terminal_text import printable
 from gpr20_launch.mid.robot_check import STORAGE_FILE
 from gpr20_launch.mid.robot_files import AXES_FILE, FILES, Reading
 from gpr20_survey import faults
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisParameters
 from gpr20_survey.errors import SigningError
-from gpr20_survey.files import durable_files, ssh_keygen
+from gpr20_survey.files import durable_files
+from gpr20_survey.folder import signature
 from gpr20_survey.folder.signature import NAMESPACE
 
 HEAD = 'A key that is commented out has the default shown; remove its "#" to change it.'
@@ -91,7 +92,7 @@ def ensure_key(reading: Reading) -> List[str]:
     path = Path(named).expanduser() if named else reading.folder / KEY_FILE
     said = [f"{path} exists and stays as it is"]
     if not os.path.lexists(str(path)):
-        made = ssh_keygen.ask(("-q", "-t", "ed25519", "-N", "", "-C", name, "-f", path))
+        made = signature.ssh_keygen(("-q", "-t", "ed25519", "-N", "", "-C", name, "-f", path))
         if not made.yes:
             file, why = printable(path), made.complaint
             text = Message("the key {file} was not made", file=file, details=why)
@@ -99,8 +100,8 @@ def ensure_key(reading: Reading) -> List[str]:
         durable_files.sync_path(path)
         durable_files.sync_path(path.parent)
         said = [f"{path} created: keep it on this computer only"]
-    kind, key = ssh_keygen.use_key(path, ("-y", "-P", "")).split()[:2]
-    fingerprint = ssh_keygen.use_key(path, ("-l",)).split()[1]
+    kind, key = signature.use_key(path, ("-y", "-P", "")).split()[:2]
+    fingerprint = signature.use_key(path, ("-l",)).split()[1]
     if not named:
         _name_key(reading.folder / STORAGE_FILE, path)
         said.append(f"{STORAGE_FILE}: signing_key is {path}, from the next launch on")

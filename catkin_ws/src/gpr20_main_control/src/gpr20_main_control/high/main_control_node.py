@@ -39,18 +39,17 @@ from gpr20_main_control.mid.service import axis_move
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_main_control.mid.survey.survey_status import SurveyStatus
 from gpr20_msgs import srv
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan import annotation
 from gpr20_survey.plan.annotation import Site
-from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
-from gpr20_survey.plan.sensors import SENSORS, Sensors
+from gpr20_survey.plan.robot_description import SENSORS, SIMULATOR, NodeDescription, Sensors
 from gpr20_survey.plan.survey_parameters import (
     DEFAULT_POLARIZATIONS_DEG,
     SurveyParameters,
     SurveySettings,
 )
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.radar.soils import requested_permittivity
+from gpr20_survey.radar import requested_permittivity
 from gpr20_survey.results.answers import AnalyzerTest
 
 PUBLISHING_PERIOD_S = 0.1

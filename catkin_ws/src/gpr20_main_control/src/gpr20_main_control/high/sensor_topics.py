@@ -17,7 +17,7 @@ from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, Measured, SensorInput
-from gpr20_survey.plan.sensors import Sensor
+from gpr20_survey.plan.robot_description import Sensor
 
 # Below the robot's namespace, as the names of its nodes.
 STATUS_FOLDER = "sensors"

@@ -17,7 +17,7 @@ from gpr20_main_control.mid.devices.described_robot import NEEDED_NODES, Describ
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status
 from gpr20_msgs import msg
-from gpr20_survey.axes.axis_id import BASE_LINK
+from gpr20_survey.axes import BASE_LINK
 from gpr20_survey.plan.robot_description import SIMULATOR, NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 

@@ -33,16 +33,9 @@ from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.files.durable_files import add_line, lines_backwards, object_of
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.plan.robot_description import STORAGE
-from gpr20_survey.radar.frequency_to_delay import (
-    MAX_DELAY_S,
-    Window,
-    decibels,
-    delay_kernel,
-    unambiguous_s,
-)
+from gpr20_survey.radar import MAX_DELAY_S, Window, decibels, delay_kernel, unambiguous_s
 from gpr20_survey.results.answers import Part
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings
 from gpr20_survey.trace.utc_time import iso_text
 
 FORMAT = "gpr20-daily-check/1"

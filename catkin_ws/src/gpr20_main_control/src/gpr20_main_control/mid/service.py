@@ -20,14 +20,12 @@ from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequ
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Analyzer, Robot
 from gpr20_main_control.mid.waits import Interruption
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.faults import NOT_HOMED
 from gpr20_survey.plan.robot_description import axis_parameters
-from gpr20_survey.radar.frequency_to_delay import decibels
+from gpr20_survey.radar import decibels
 from gpr20_survey.results.answers import AnalyzerTest
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings
 
 # A stopped axis ramps down within this time [s]; one that does not is reported as moving.
 REST_LIMIT_S = 10.0

@@ -13,7 +13,7 @@ from fault_kit import raises_fault
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, SensorInput
 from gpr20_survey.faults import SENSOR_FAILED
-from gpr20_survey.plan.sensors import Sensor
+from gpr20_survey.plan.robot_description import Sensor
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import AuxValue
 

@@ -8,7 +8,7 @@ from survey_examples import AXES
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import WRONG_VNA
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import SurveyState

@@ -24,7 +24,7 @@ from gpr20_main_control.high.survey_topics import only_from
 from gpr20_main_control.mid.waits import Workers
 from gpr20_msgs.msg import AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import CommandResponse
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
 
 NO_CONTACT = Message("the axis stopped by itself").with_fault(CONTROL_SILENT)

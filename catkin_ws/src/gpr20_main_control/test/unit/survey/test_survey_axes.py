@@ -8,7 +8,7 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_main_control import faults
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.robot import AxisReading, motion_error
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO
+from gpr20_survey.axes import UNKNOWN_ZERO
 from gpr20_survey.faults import AXIS_MAY_MOVE
 from gpr20_survey.plan.survey_state import SurveyState as State
 

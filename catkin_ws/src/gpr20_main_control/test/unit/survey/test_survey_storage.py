@@ -13,7 +13,7 @@ from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
 from gpr20_main_control.mid.survey import sampling
 from gpr20_main_control.mid.survey.survey_archive import ATTEMPTS, StorageQueue
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
-from gpr20_survey.folder.soil_note import PLANNED
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.recorded_plan import refines_of
 from gpr20_survey.plan.survey_state import SurveyState as State
@@ -38,9 +38,13 @@ def test_the_metadata_say_what_was_measured_with_what_and_what_is_of_this_survey
     assert first["simulated"] is True and first["parameters"]["x_points"] == 3
     assert first["instrument"]["identity"] == bench.analyzer.identity
     assert first["axes"]["x"]["max_coord"] == 650.0
-    assert (annotation_of(first), refines_of(first), first[PLANNED]) == (OWN, COARSE, 4.5)
+    assert (annotation_of(first), refines_of(first), first[PLANNED_PERMITTIVITY]) == (
+        OWN,
+        COARSE,
+        4.5,
+    )
     assert (annotation_of(second), refines_of(second)) == (EMPTY, "")
-    assert PLANNED not in second and "refines" not in second
+    assert PLANNED_PERMITTIVITY not in second and "refines" not in second
 
 
 def test_what_a_survey_is_started_without_is_that_of_the_robot():

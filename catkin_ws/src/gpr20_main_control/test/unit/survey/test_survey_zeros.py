@@ -5,7 +5,7 @@ from __future__ import annotations
 from gpr20_analysis.read.doubts import unproven_zeros
 from gpr20_main_control import faults
 from gpr20_main_control.mid.survey.survey import Accepted
-from gpr20_survey.axes.axis_id import ZeroEpoch
+from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.faults import NOT_HOMED, OTHER_ZEROS
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState as State

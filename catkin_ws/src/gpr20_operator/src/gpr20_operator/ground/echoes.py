@@ -20,15 +20,15 @@ import numpy as np
 from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import Cells, Stop, SurveyGrid
-from gpr20_survey.radar.depth import delay_of_depth
-from gpr20_survey.radar.frequency_to_delay import (
+from gpr20_survey.radar import (
     SMALLEST_LEVEL,
     FrequencyToDelay,
     decibels,
     delay_kernel,
+    delay_of_depth,
     unambiguous_s,
 )
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import TraceBlock
 
 MAX_VOLUME_BYTES = 256 << 20
 BYTES_PER_SAMPLE = 8  # complex64

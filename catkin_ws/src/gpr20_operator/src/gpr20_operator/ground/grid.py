@@ -14,10 +14,9 @@ from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.plan.form import points_for
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import DAMAGED
-from gpr20_survey.folder.soil_note import soil_of_survey
+from gpr20_survey.folder.log_record import soil_of_survey
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
-from gpr20_survey.plan.imported import TOLERANCE, imported_grid, is_imported
-from gpr20_survey.plan.recorded_plan import recorded_plan
+from gpr20_survey.plan.recorded_plan import TOLERANCE, imported_grid, is_imported, recorded_plan
 from gpr20_survey.plan.survey_parameters import (
     RobotTravel,
     SurveyParameters,

@@ -9,7 +9,7 @@ from typing import Callable, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.words import local_time
-from gpr20_survey.plan.imported import IMPORTED
+from gpr20_survey.plan.recorded_plan import IMPORTED
 from gpr20_survey.results.answers import SurveySummary
 
 Shown = Callable[[Message], str]

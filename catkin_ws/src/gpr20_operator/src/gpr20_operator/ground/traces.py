@@ -17,8 +17,7 @@ from gpr20_operator.ground.past_surveys import PastSurveys, past_band, survey_la
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import local_time
 from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_block import TraceBlock
+from gpr20_survey.trace.trace import Trace, TraceBlock
 
 # What the storage answers at once at most.
 TRACES_PER_BLOCK = 1000

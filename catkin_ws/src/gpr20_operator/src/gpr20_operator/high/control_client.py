@@ -44,7 +44,7 @@ from gpr20_operator.robot.events import (
     StartPlan,
     TargetPosition,
 )
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.survey_parameters import (

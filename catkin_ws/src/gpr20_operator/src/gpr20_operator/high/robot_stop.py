@@ -14,7 +14,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_msgs.srv import Command
 from gpr20_operator.high.ros_events import CONTROL_SILENT, in_background, no_answer
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 
 STOP_TIMEOUT_S = 2.0
 # A STOP that was not answered is repeated: the survey would continue when the link is back.

@@ -43,13 +43,10 @@ from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.answers import SurveySummary, Volume, image_from
 from gpr20_survey.results.hiding_map import hiding_from
-from gpr20_survey.results.volume import Volume
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.trace import Trace
-from gpr20_survey.trace.trace_block import block_from
+from gpr20_survey.trace.trace import Trace, block_from
 
 IMAGING_SILENT = Message(
     "the imaging node does not answer; check that it is running on the computer of the storage"

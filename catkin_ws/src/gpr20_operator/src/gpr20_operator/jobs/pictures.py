@@ -7,9 +7,8 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage, Volume
 from gpr20_survey.results.hiding_map import HidingMap
-from gpr20_survey.results.volume import Volume
 
 NOT_KNOWN = 0.0
 """What is sent as the permittivity to use that of the stored survey."""

@@ -12,11 +12,11 @@ from gpr20_operator.ground.past_surveys import (
 )
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.words import in_line, local_time, size_text
-from gpr20_survey.plan.imported import IMPORTED
-from gpr20_survey.radar.soils import ANY_SOIL, soil_of
+from gpr20_survey.plan.markers import Found, What
+from gpr20_survey.plan.recorded_plan import IMPORTED
+from gpr20_survey.radar import ANY_SOIL, soil_of
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate, CandidateList, Flag
-from gpr20_survey.results.found import Found, What
 from gpr20_survey.results.hiding_map import Targets
 
 FROM_MARK = Message("X, Y: mm from the frame's mark")

@@ -33,8 +33,8 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     coordinate_limits_mm,
 )
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
-from gpr20_survey.trace.sweep_settings import (
+from gpr20_survey.radar import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.trace.sweep import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,

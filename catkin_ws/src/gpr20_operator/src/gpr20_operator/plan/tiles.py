@@ -22,7 +22,7 @@ from gpr20_operator.words import (
 )
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-from gpr20_survey.radar.soils import soil_of
+from gpr20_survey.radar import soil_of
 from gpr20_survey.results.answers import SurveySummary
 
 Lines = Tuple[Message, ...]

@@ -18,7 +18,7 @@ from gpr20_operator import faults
 from gpr20_operator.robot.events import Request
 from gpr20_operator.robot.snapshot import Snapshot, percent_of, progress_of
 from gpr20_operator.words import time_left
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import AXIS_MAY_MOVE, CAN_RESUME, TAKES_LONG
 from gpr20_survey.plan.survey_state import SurveyState
 

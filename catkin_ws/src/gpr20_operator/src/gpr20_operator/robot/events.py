@@ -8,7 +8,7 @@ from typing import Iterator, Mapping, Optional, Sequence
 
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Site
 from gpr20_survey.plan.robot_description import NodeDescription, RobotConfig
 from gpr20_survey.plan.survey_parameters import (

@@ -15,7 +15,7 @@ from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import Condition, condition_of, first_step, lost, urgent
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 NO_REPORT = Message("no report")

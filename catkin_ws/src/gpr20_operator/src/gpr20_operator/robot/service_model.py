@@ -15,7 +15,7 @@ from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
 from gpr20_operator.robot.events import Request, RobotDescribed
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.results.answers import AnalyzerTest, Part
 

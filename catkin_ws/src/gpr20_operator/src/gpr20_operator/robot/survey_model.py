@@ -23,7 +23,7 @@ from gpr20_operator.robot.events import (
     TargetPosition,
 )
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, Snapshot
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING
 

@@ -16,10 +16,10 @@ from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_height_sensor.high import height_node
-from gpr20_height_sensor.mid.height_driver import HeightParameters
-from gpr20_simulator.low.scaled_clock import ScaledClock
+from gpr20_height_sensor import height_node
+from gpr20_height_sensor.height_driver import HeightParameters
 from gpr20_simulator.low.shared_state import (
+    ScaledClock,
     SharedState,
     open_shared_state,
     remove_stale_states,
@@ -34,8 +34,7 @@ from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi
 from gpr20_simulator.mid.world.scene import Scene, read_scene
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.high import vna_node
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

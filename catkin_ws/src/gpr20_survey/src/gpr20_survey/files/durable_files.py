@@ -1,4 +1,4 @@
-"""Small files that are on the disk either whole or not at all, and lines that are added to one.
+"""Small files that are on the disk either whole or not at all, lines added to one, and a lock.
 
 Each function returns when what it did is durable, and raises OSError if the disk refuses.
 
@@ -11,22 +11,35 @@ from __future__ import annotations
 
 import contextlib
 import enum
+import fcntl
 import itertools
 import json
 import os
 import secrets
 import shutil
 import stat
+import time
 from pathlib import Path
 from typing import Any, Dict, Iterator, Mapping, Optional
 
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_common.message import Message
+from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
+from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.files.regular_files import (
+    TEMPORARY_PREFIX,
+    TEMPORARY_SUFFIX,
+    is_temporary,
+    read_regular,
+)
 
-# Readers take `*.json`; a file that was never finished has neither this start nor this end.
-TEMPORARY_PREFIX = "."
-TEMPORARY_SUFFIX = ".tmp"
 # What may be taken over from a folder: never the right of everyone to write.
 FILE_MODES, FOLDER_MODES = 0o664, 0o775
+# How long somebody who adds one fact waits for another who does the same.
+SHORT_WAIT_S = 5.0
+# `writer_of` holds the lock for a moment.
+_LOOK_S = 0.2
+_POLL_S = 0.01
 
 
 class Readers(enum.Enum):
@@ -69,11 +82,6 @@ def temporary_path(path: Path) -> Path:
     """Return a free name in the folder of a file; readers ignore it."""
     name = f"{TEMPORARY_PREFIX}{path.name}.{secrets.token_hex(4)}{TEMPORARY_SUFFIX}"
     return path.with_name(name)
-
-
-def is_temporary(name: str) -> bool:
-    """Return whether a name is that of a file which was never finished."""
-    return name.startswith(TEMPORARY_PREFIX) and name.endswith(TEMPORARY_SUFFIX)
 
 
 def remove_temporaries(folder: Path) -> int:
@@ -269,3 +277,61 @@ def object_of(line: bytes) -> Dict[str, Any]:
     with contextlib.suppress(ValueError):
         found = json.loads(line)
     return found if isinstance(found, dict) else {}
+
+
+@contextlib.contextmanager
+def locked(folder: Path, wait_s: float = _LOOK_S) -> Iterator[None]:
+    """Hold the lock of a survey's folder, as every writer of it does; readers need not.
+
+    It ends with the process at the latest.
+
+    Raises:
+        SurveyRefusedError: Another process holds it, also after `wait_s`.
+        OSError: The folder cannot be opened or locked.
+    """
+    descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        deadline_s = time.monotonic() + wait_s
+        while not _take(descriptor, fcntl.LOCK_EX):
+            if time.monotonic() >= deadline_s:
+                raise SurveyRefusedError(
+                    Message(
+                        "the survey in {folder} is being written by another process ({process}), "
+                        "for example by another robot with the same data folder; end the survey "
+                        "there first, or the process if it hangs",
+                        folder=printable(folder),
+                        process=_holder(descriptor),
+                    ),
+                    fault=faults.LOCKED,
+                )
+            time.sleep(_POLL_S)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def writer_of(folder: Path) -> Optional[str]:
+    """Return the number of the process that writes a survey's folder; None: nobody does."""
+    descriptor = os.open(str(folder), os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        return None if _take(descriptor, fcntl.LOCK_SH) else _holder(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _take(descriptor: int, kind: int) -> bool:
+    try:
+        fcntl.flock(descriptor, kind | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def _holder(descriptor: int) -> str:
+    """Return the number of the process that holds a lock; "?" if this system does not show it."""
+    # Lines as "1: FLOCK  ADVISORY  WRITE 4711 00:2a:52 0 EOF", with the inode after the device.
+    inode = str(os.fstat(descriptor).st_ino)
+    locks = Path("/proc/locks")
+    lines = locks.read_text(encoding="ascii").splitlines() if locks.exists() else []
+    found = [one for one in map(str.split, lines) if one[1] == "FLOCK"]
+    return next((one[4] for one in found if one[5].split(":")[-1] == inode), "?")

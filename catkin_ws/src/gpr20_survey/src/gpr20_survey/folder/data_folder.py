@@ -24,7 +24,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ProcessingError, SurveyRefusedError, storing
 from gpr20_survey.files.durable_files import Readers, ensure_folders, replace_file, write_new_file
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import read_regular
 
 MARKER_FILE = ".gpr20_data.json"
 FORMAT = "gpr20-data/1"

@@ -17,6 +17,8 @@ from gpr20_survey.folder.survey_metadata import (
 )
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.markers import MARKERS
+from gpr20_survey.radar import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.trace import utc_time
 
 NO_RECORD = ""
 """What the first record has instead of the checksum of the record before it."""
@@ -180,3 +182,38 @@ def log_values(values: Mapping[str, Any], kind: Kind) -> List[Dict[str, Any]]:
     entries = [one for one in log if isinstance(one, dict)] if isinstance(log, list) else []
     found = [one.get("values") for one in entries if one.get("kind") == kind.value]
     return [one for one in found if isinstance(one, dict)]
+
+
+PLANNED_PERMITTIVITY = "permittivity"
+"""Key of the description; only in a survey whose plan names the permittivity."""
+SOIL_FORMAT = "gpr20-soil/1"
+OF_PLAN, ENTERED = "of the plan", "entered later"
+"""Where the permittivity of a survey is from."""
+
+
+class KnownSoil(NamedTuple):
+    """What a survey knows of its ground."""
+
+    permittivity: float
+    source: str
+
+
+def soil_values(permittivity: Optional[float], time_us: int) -> Dict[str, Any]:
+    """Return the values of the record at a moment [us since 1970]; None: not known after all."""
+    return {"format": SOIL_FORMAT, "permittivity": permittivity, "time": utc_time.iso_text(time_us)}
+
+
+def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
+    """Return what a survey knows of its ground: the last decision in its log, or else its plan.
+
+    Of its records the decisions are enough. None: it is not known, or not known after all.
+    """
+    found, source = description.get(PLANNED_PERMITTIVITY), OF_PLAN
+    for values in log_values(description, Kind.DECISION):
+        if values.get("format") == SOIL_FORMAT:
+            found, source = values.get("permittivity"), ENTERED
+    if isinstance(found, bool) or not isinstance(found, (int, float)):
+        return None
+    # Written so that NaN is refused too.
+    is_ground = MIN_PERMITTIVITY <= found <= LARGEST_PERMITTIVITY
+    return KnownSoil(float(found), source) if is_ground else None

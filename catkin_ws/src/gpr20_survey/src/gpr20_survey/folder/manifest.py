@@ -17,12 +17,11 @@ from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError
-from gpr20_survey.files import durable_files, file_sums
-from gpr20_survey.files.file_sums import FileSum
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files import durable_files, regular_files
+from gpr20_survey.files.regular_files import FileSum, read_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogHead, LogRecord, is_number
-from gpr20_survey.results.found import PHOTOS
+from gpr20_survey.plan.markers import PHOTOS
 
 MANIFEST_FILE = "manifest.json"
 SIGNATURE_FILE = f"{MANIFEST_FILE}.sig"
@@ -173,7 +172,7 @@ def write_manifest(
 
 def _sum_of(folder: Path, name: str) -> Optional[FileSum]:
     is_data = is_content(name) or name == survey_folder.SURVEY_FILE
-    return (file_sums.sum_of_file if is_data else file_sums.sum_if_readable)(folder / name)
+    return (regular_files.sum_of_file if is_data else regular_files.sum_if_readable)(folder / name)
 
 
 def trace_name(file_name: str) -> str:
@@ -186,7 +185,7 @@ def file_names(folder: Path) -> Iterator[str]:
 
     The log names the photographs, each with its checksum.
     """
-    for name in file_sums.regular_files(folder):
+    for name in regular_files.regular_files(folder):
         if name not in NOT_LISTED and not name.startswith(f"{PHOTOS}/"):
             yield name
 

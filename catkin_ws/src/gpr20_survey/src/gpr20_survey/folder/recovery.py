@@ -11,7 +11,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import ManifestDamagedError, SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
+from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked
 from gpr20_survey.folder import manifest, survey_folder
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, description_of
 from gpr20_survey.folder.manifest import Manifest

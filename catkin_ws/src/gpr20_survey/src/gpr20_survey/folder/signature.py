@@ -10,16 +10,24 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
 from pathlib import Path
-from typing import Optional, Tuple
+from typing import NamedTuple, Optional, Sequence, Tuple, Union
 
-from gpr20_common.message import Message
+from gpr20_common.errors import os_reason
+from gpr20_common.message import Message, verbatim
 from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
 from gpr20_survey.errors import ProcessingError, SigningError, storing
-from gpr20_survey.files import durable_files, ssh_keygen
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files import durable_files
+from gpr20_survey.files.regular_files import check_regular, read_regular
 from gpr20_survey.folder.manifest import MANIFEST_FILE, SIGNATURE_FILE
 
+PROGRAM = "ssh-keygen"
+TIMEOUT_S = 20.0
+"""It hashes 500 MB in about a second, and a person waits for an annotation."""
+_NO = 255
+"""Its status if the answer is no: a signature that does not fit, a name that is not there."""
 NAMESPACE = "gpr20-survey"
 """What the signature is for: one by the same key for another purpose does not count."""
 # ssh-keygen accepts more: with this not even a space can change unseen.
@@ -27,6 +35,83 @@ _FORM = re.compile(
     rb"-----BEGIN SSH SIGNATURE-----\n[A-Za-z0-9+/=\n]{1,16384}-----END SSH SIGNATURE-----\n"
 )
 _FINGERPRINT = re.compile(r"SHA256:[A-Za-z0-9+/]{43}")
+
+
+class Answer(NamedTuple):
+    """What ssh-keygen answered: whether it did so, or found that it is so; and its words."""
+
+    yes: bool
+    output: str
+    complaint: str
+
+
+def ssh_keygen(arguments: Sequence[Union[str, Path]], content: bytes = b"") -> Answer:
+    """Run ssh-keygen on a content; it can ask nobody for anything.
+
+    Raises:
+        SigningError: It is not installed, too old, did not end in time or failed itself.
+    """
+    # Without an agent, and without a program or a terminal on which to ask for a passphrase.
+    environment = {"LC_ALL": "C", "SSH_ASKPASS_REQUIRE": "never"}
+    environment["PATH"] = os.environ.get("PATH", os.defpath)
+    try:
+        done = subprocess.run(
+            [PROGRAM, *map(str, arguments)],
+            input=content,
+            capture_output=True,
+            env=environment,
+            start_new_session=True,
+            timeout=TIMEOUT_S,
+            check=False,
+        )
+    except subprocess.TimeoutExpired as error:
+        raise SigningError(
+            Message("{program} did not end within {time_s:g} s", program=PROGRAM, time_s=TIMEOUT_S)
+        ) from error
+    except OSError as error:
+        raise _cannot_run(os_reason(error)) from error
+    complaint = done.stderr.decode("utf-8", "backslashreplace").strip()
+    if done.returncode not in (0, _NO):
+        raise _cannot_run(Message("OpenSSH 8.2 or later is needed", details=complaint))
+    if "No user exists" in complaint:  # of this process, as in a container
+        raise _cannot_run(verbatim(complaint))
+    return Answer(done.returncode == 0, done.stdout.decode("utf-8", "backslashreplace"), complaint)
+
+
+def use_key(path: Path, arguments: Sequence[str], content: bytes = b"") -> str:
+    """Return what ssh-keygen says with a private key.
+
+    Raises:
+        SigningError: The key cannot be used.
+    """
+    try:
+        check_regular(path, follow_link=True)  # it would wait for a pipe
+        answer = ssh_keygen((*arguments, "-f", path), content)
+        if answer.yes:
+            return answer.output
+        reason = Message(
+            "it must be a private key without a passphrase, which only its owner may read (chmod "
+            "600), and {public} beside it must not be of another key",
+            public=f"{path.name}.pub",
+            details=answer.complaint,
+        )
+    except OSError as error:
+        reason = os_reason(error)
+    raise SigningError(
+        Message(
+            "the signing key {file} cannot be used: {reason}", file=printable(path), reason=reason
+        ).reporting_only(faults.NOT_SIGNED)
+    )
+
+
+def _cannot_run(reason: Message) -> SigningError:
+    return SigningError(
+        Message(
+            "{program} of the package openssh-client cannot be run: {reason}",
+            program=PROGRAM,
+            reason=reason,
+        )
+    )
 
 
 class Signer:
@@ -62,14 +147,14 @@ class Signer:
         What somebody else has changed must not be signed with the next change.
         """
         try:
-            own = _FINGERPRINT.findall(ssh_keygen.use_key(self._key, ("-l",)))
+            own = _FINGERPRINT.findall(use_key(self._key, ("-l",)))
             return signed_manifest(folder)[1] in own
         except (OSError, SigningError):
             return False  # a file is missing; or the key cannot be used, which `sign` says
 
     def _signature_of(self, content: bytes) -> bytes:
         sign = ("-Y", "sign", "-n", NAMESPACE)
-        return ssh_keygen.use_key(self._key, sign, content).encode("ascii")
+        return use_key(self._key, sign, content).encode("ascii")
 
 
 def signed_manifest(folder: Path) -> Tuple[bytes, str]:
@@ -82,7 +167,7 @@ def signed_manifest(folder: Path) -> Tuple[bytes, str]:
     signature = folder / SIGNATURE_FILE
     is_sound = _FORM.fullmatch(read_regular(signature, follow_link=False)) is not None
     content = read_regular(folder / MANIFEST_FILE, follow_link=False)
-    fits = ssh_keygen.ask(("-Y", "check-novalidate", "-n", NAMESPACE, "-s", signature), content)
+    fits = ssh_keygen(("-Y", "check-novalidate", "-n", NAMESPACE, "-s", signature), content)
     found = _FINGERPRINT.search(fits.output) if is_sound and fits.yes else None
     return content, "" if found is None else found.group()
 

@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.results.found import PHOTOS
+from gpr20_survey.plan.markers import PHOTOS
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 

@@ -18,7 +18,7 @@ from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import open_regular
 from gpr20_survey.folder import survey_metadata
 from gpr20_survey.folder.log_record import NOTES, Kind, LogHead, LogRecord, add_to, record_of_line
 from gpr20_survey.folder.manifest import Manifest

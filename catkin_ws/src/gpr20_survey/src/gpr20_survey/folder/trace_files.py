@@ -1,24 +1,74 @@
-"""The JSON files of a survey's traces, read and checked."""
+"""The JSON files of a survey's traces: their content, and all of a folder, read and checked."""
 
 from __future__ import annotations
 
+import hashlib
+import json
+import re
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from gpr20_common.errors import os_reason
+from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_of_json
 from gpr20_survey import faults
 from gpr20_survey.errors import ForeignTraceError, TraceRefusedError
-from gpr20_survey.files.file_sums import FileSum, sum_of
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import FileSum, open_regular, sum_of
 from gpr20_survey.folder import survey_folder
-from gpr20_survey.trace import trace_json
-from gpr20_survey.trace.trace import Trace
+from gpr20_survey.trace.trace import TRACE_FIELDS, Trace, check_format
+from gpr20_survey.trace.trace_form import as_json, json_record, of_json
 
+# The last entry: SHA-256 of the bytes before the comma in front of it.
+_SEAL = ', "sha256": "%s"}\n'
+_SEAL_BYTES = len(_SEAL % "") + 64
+_FORMAT = re.compile(rb'\{"format": "([ -~]*?)"')
+_Record = json_record("Trace", TRACE_FIELDS)
 MAX_FILE_BYTES = 1 << 20  # 4001 points need a third of it
 Shown = Callable[[List[Path]], Iterator[Path]]
 OnTrace = Callable[[Trace], None]
+
+
+def encode(trace: Trace) -> bytes:
+    """Return the content of a trace's file.
+
+    Numbers are written with as many digits as bring the same float64 back; equal traces
+    give equal bytes. It ends with a checksum of what is before it.
+    """
+    values = as_json(TRACE_FIELDS, trace.values())
+    return sealed(json.dumps(values, allow_nan=False).encode("ascii"))
+
+
+def sealed(text: bytes) -> bytes:
+    """Return the text of a JSON object with its checksum as the last entry."""
+    covered = text[:-1]
+    return covered + _seal(covered)
+
+
+def decode(content: bytes) -> Trace:
+    """Return the trace of a file's content, checked.
+
+    Raises:
+        TraceRefusedError: It is not the whole content of a trace's file.
+    """
+    covered = content[:-_SEAL_BYTES]
+    if content[len(covered) :] != _seal(covered):
+        raise TraceRefusedError(
+            Message("the file does not end with the checksum of its content"),
+            fault=faults.DAMAGED,
+        )
+    # Before all else: another version may have other entries.
+    found = _FORMAT.match(covered)
+    check_format(found[1].decode("ascii") if found else "")
+    try:
+        return Trace.of_values(of_json(TRACE_FIELDS, record_of_json(_Record, covered + b"}", "")))
+    except Gpr20Error as error:
+        # It was right when it was stored.
+        raise TraceRefusedError(error.message, fault=faults.DAMAGED) from error
+
+
+def _seal(covered: bytes) -> bytes:
+    return (_SEAL % hashlib.sha256(covered).hexdigest()).encode("ascii")
 
 
 class TraceFile(NamedTuple):
@@ -60,7 +110,7 @@ def read_trace(path: Path, survey_id: Optional[str] = None) -> Trace:
         TraceRefusedError: It is not.
         OSError: The file cannot be read.
     """
-    return _checked(trace_json.decode(_content(path)), path, survey_id)
+    return _checked(decode(_content(path)), path, survey_id)
 
 
 def _checked(trace: Trace, path: Path, survey_id: Optional[str]) -> Trace:
@@ -89,7 +139,7 @@ def read_all(
     for path in shown(sorted(folder.glob("*.json"))):
         try:
             content = _content(path)
-            trace = _checked(trace_json.decode(content), path, survey_id)
+            trace = _checked(decode(content), path, survey_id)
             index, sample = trace.index, trace.sample_id
             if index in found.files:
                 other = found.files[index].name

@@ -8,8 +8,7 @@ from decimal import Decimal
 from itertools import takewhile
 from typing import Callable, List, Sequence, Tuple
 
-from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.axes.axis_parameters import AxisParameters, Ramp
+from gpr20_survey.axes import AxisId, AxisParameters, Ramp
 from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import (
     RobotTravel,
@@ -17,7 +16,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveySettings,
     Travel,
 )
-from gpr20_survey.trace.sweep_settings import SweepSettings, sweep_duration_s
+from gpr20_survey.trace.sweep import SweepSettings, sweep_duration_s
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,7 @@ from gpr20_common.terminal_text import printable, say
 from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import sum_of_file
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import TEMPORARY_PREFIX, open_regular, sum_of_file
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import Fact, add_to_survey
@@ -131,7 +130,7 @@ def make_bag(folder: Path) -> None:
             raise SurveyRefusedError(reason, fault=faults.LOCKED) from error
         recorded = _state_of(os.fstat(stream.fileno()))
         # What a maker that was killed has left.
-        for torn in folder.glob(f"{durable_files.TEMPORARY_PREFIX}{BAG_FILE}.*"):
+        for torn in folder.glob(f"{TEMPORARY_PREFIX}{BAG_FILE}.*"):
             torn.unlink()
         try:
             write_bag(mcap.messages(), temporary)

@@ -23,7 +23,7 @@ from mcap.records import Message as McapMessage
 from mcap.stream_reader import breakup_chunk
 
 from gpr20_common.message import Message
-from gpr20_survey.files.regular_file import open_regular
+from gpr20_survey.files.regular_files import open_regular
 from gpr20_survey.recording.mcap_writer import MAGIC, RecordedMessage
 
 # More than any record of the storage: a message and a chunk together have less than a third.

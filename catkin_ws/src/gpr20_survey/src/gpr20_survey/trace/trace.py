@@ -6,16 +6,17 @@ import hashlib
 import math
 import re
 from dataclasses import dataclass
-from typing import Any, Dict, Mapping, Tuple
+from typing import Any, Dict, Mapping, Sequence, Tuple
+
+import numpy as np
 
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
-from gpr20_survey.axes.axis_id import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
+from gpr20_survey.axes import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
 from gpr20_survey.trace import trace_form as forms
-from gpr20_survey.trace.sweep import SETTINGS, SWEEP_FIELDS, Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import SETTINGS, SWEEP_FIELDS, AnalyzerSettings, Sweep
 
 MAX_AUX_VALUES = 32
 MAX_UNIT_CHARACTERS = 32
@@ -25,6 +26,8 @@ AUX_NAME = re.compile(r"[a-z][a-z0-9_]{0,63}")
 _SENSOR_NAMED = Message("1 to 64 of a-z, 0-9 and _, the first a letter")
 _SENSOR_NAME = forms.Rule(AUX_NAME.fullmatch, _SENSOR_NAMED, CONFIGURATION)
 AUX_UNIT = forms.printable(MAX_UNIT_CHARACTERS, CONFIGURATION)
+SAMPLE = np.dtype("<c8")
+POSITION = ("x_coord_mm", "y_coord_mm", "z_coord_deg")
 
 
 @dataclass(frozen=True)
@@ -187,3 +190,66 @@ TRACE_FIELDS = (
 )
 """The table of a trace's fields, in the order of Trace.msg."""
 _PACKED = [(one.attribute, one.form.pack) for one in TRACE_FIELDS]
+
+
+@dataclass(frozen=True, eq=False)
+class TraceBlock:
+    """Traces of one survey that have the same frequencies.
+
+    Attributes:
+        survey_id: UUID of the survey.
+        frequency_hz: Frequencies [Hz, float64, shape (points,)], ascending; empty without traces.
+        indices: Places in the plan [int64, shape (traces,)].
+        positions: Each row x [mm], y [mm], z [deg] [float64, shape (traces, 3)].
+        heights_m: Above the ground [m, float64, shape (traces,)]; NaN if not measured.
+        s21: S21, linear [complex64, shape (traces, points)].
+    """
+
+    survey_id: str
+    frequency_hz: np.ndarray
+    indices: np.ndarray
+    positions: np.ndarray
+    heights_m: np.ndarray
+    s21: np.ndarray
+
+    @classmethod
+    def of(cls, survey_id: str, traces: Sequence[Trace]) -> TraceBlock:
+        """Return the block of traces that have the same frequencies."""
+        frequency_hz = traces[0].frequency_hz if traces else np.zeros(0)
+        s21 = np.empty((len(traces), len(frequency_hz)), SAMPLE)
+        for row, trace in zip(s21, traces):
+            row.real, row.imag = trace.s21_real, trace.s21_imag
+        places = [[getattr(one, name) for name in POSITION] for one in traces]
+        return cls(
+            survey_id,
+            frequency_hz,
+            np.array([one.index for one in traces], np.int64),
+            np.array(places, np.float64).reshape(-1, 3),
+            np.array([one.antennae_height_m for one in traces], np.float64),
+            s21,
+        )
+
+
+def block_fields(block: TraceBlock) -> Dict[str, Any]:
+    return {
+        "survey_id": block.survey_id,
+        "frequency_hz": block.frequency_hz.tolist(),
+        "indices": block.indices.tolist(),
+        **dict(zip(POSITION, block.positions.T.tolist())),
+        "antennae_height_m": block.heights_m.tolist(),
+        "s21": block.s21.tobytes(),
+    }
+
+
+def block_from(message: Any) -> TraceBlock:
+    """Return the block of an answer of `read_traces`."""
+    count, points = len(message.indices), len(message.frequency_hz)
+    positions = [getattr(message, name) for name in POSITION]
+    return TraceBlock(
+        message.survey_id,
+        np.array(message.frequency_hz, np.float64),
+        np.array(message.indices, np.int64),
+        np.array(positions, np.float64).T,
+        np.array(message.antennae_height_m, np.float64),
+        np.frombuffer(message.s21, SAMPLE).reshape(count, points),
+    )

@@ -9,7 +9,7 @@ from typing import Iterable
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
-from gpr20_survey.axes.axis_id import ANTENNA_LINK
+from gpr20_survey.axes import ANTENNA_LINK
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.trace import trace_form as forms
 from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue, Trace

@@ -14,9 +14,9 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.words import entered_number, number_from_text
-from gpr20_survey.radar.soils import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
+from gpr20_survey.plan.markers import MAX_DEPTH_MM, What
+from gpr20_survey.radar import LARGEST_PERMITTIVITY, MIN_PERMITTIVITY, Soils
 from gpr20_survey.results.candidates import Candidate
-from gpr20_survey.results.found import MAX_DEPTH_MM, What
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
 from gpr20_user_interface.pages.result_sheets import LONGEST_NAME, ResultSheet
 from gpr20_user_interface.touch.hold import HoldButton

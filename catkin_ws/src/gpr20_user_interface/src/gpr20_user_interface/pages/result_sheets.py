@@ -13,9 +13,9 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_operator.jobs.result import ALL_DATA, CANCELLING, REPORT, SurveyResult
 from gpr20_operator.robot.condition import first_step
+from gpr20_survey.results.answers import ExportPart, Volume
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS, Targets
-from gpr20_survey.results.volume import ExportPart, Volume
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.overlay import Overlay

@@ -10,7 +10,7 @@ from PyQt5.QtCore import Qt, pyqtSignal
 from PyQt5.QtWidgets import QSlider, QVBoxLayout, QWidget
 from pyqtgraph.parametertree import Parameter, ParameterTree
 
-from gpr20_survey.radar.soils import MAX_PERMITTIVITY, MIN_PERMITTIVITY
+from gpr20_survey.radar import MAX_PERMITTIVITY, MIN_PERMITTIVITY
 
 SLIDER_STEPS = 400
 KEY_STEP = 0.1

@@ -21,7 +21,7 @@ from gpr20_common.high.node import run_node
 from gpr20_common.high.raw_message import connection_header, ros_time
 from gpr20_common.message import Message
 from gpr20_msgs.msg import Coordinates
-from gpr20_survey.axes.axis_id import BASE_LINK, MAP
+from gpr20_survey.axes import BASE_LINK, MAP
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.survey_topics import METADATA_TOPIC, TRACE_TOPIC
 from gpr20_survey.trace import trace_message

@@ -8,8 +8,8 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import numpy as np
 
-from gpr20_survey.plan.imported import measured_area
-from gpr20_survey.radar.frequency_to_delay import FrequencyToDelay, decibels, unambiguous_s
+from gpr20_survey.plan.recorded_plan import measured_area
+from gpr20_survey.radar import FrequencyToDelay, decibels, unambiguous_s
 from gpr20_survey.trace.trace import Trace
 from gpr20_visualization.mid.robot_model import MM_PER_M
 

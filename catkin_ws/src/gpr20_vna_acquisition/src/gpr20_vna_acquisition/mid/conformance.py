@@ -16,20 +16,17 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep, SweepSettings
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaError, old_data
-from gpr20_vna_acquisition.mid.analyzer_record import Result, Status
-from gpr20_vna_acquisition.mid.analyzers import Analyzer, make_analyzer
-from gpr20_vna_acquisition.mid.exchanges import Transport
+from gpr20_vna_acquisition.mid.analyzers import Analyzer, Result, Status, make_analyzer
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
     DATA_QUERY,
     STATUS_QUERY,
     SWEEP_COMPLETE_BIT,
     TRIGGER,
 )
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import has_old_points, refuse_impossible
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
 

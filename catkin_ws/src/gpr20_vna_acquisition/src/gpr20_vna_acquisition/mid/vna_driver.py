@@ -12,8 +12,7 @@ import numpy as np
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.faults import CAN_RESUME
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaError,
@@ -25,7 +24,7 @@ from gpr20_vna_acquisition.errors import (
     old_data,
 )
 from gpr20_vna_acquisition.mid.analyzers import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     calibration_refusal,
     calibration_remarks,

@@ -12,7 +12,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, storing
 from gpr20_survey.faults import NONE_OPEN, STOPPED
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.folder_lock import locked
+from gpr20_survey.files.durable_files import locked
 from gpr20_survey.folder import manifest, survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import Change, add_to_survey, find_survey

@@ -14,8 +14,14 @@ from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.recovery import Change, Fact
 from gpr20_survey.folder.survey_metadata import MAX_BYTES, MAX_REPORT_BYTES, parse_object
 from gpr20_survey.plan.annotation import ANNOTATION, Annotation, annotation_of
-from gpr20_survey.plan.markers import MAX_MARKERS, REQUEST_KEYS, Marker, markers_of
-from gpr20_survey.results.found import FORMAT, found_of
+from gpr20_survey.plan.markers import (
+    FOUND_FORMAT,
+    MAX_MARKERS,
+    REQUEST_KEYS,
+    Marker,
+    found_of,
+    markers_of,
+)
 from gpr20_survey.trace import utc_time
 
 OF_MARKERS = (Kind.MARKER, Kind.MARKER_REMOVED)
@@ -75,7 +81,7 @@ def _check_note(kind: Kind, values: Dict[str, Any]) -> None:
         )
     utc_time.parse_iso(time)
     # Readers leave out other formats.
-    if kind is Kind.FOUND and values.get("format") == FORMAT and found_of(values).photo:
+    if kind is Kind.FOUND and values.get("format") == FOUND_FORMAT and found_of(values).photo:
         raise InvalidValueError(
             Message("photo must be empty; gpr20 annotate --photo stores one with its record")
         )

@@ -12,7 +12,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import CLOCK_WRONG, NO_PLAN
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.regular_files import is_temporary, read_regular
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import LOG, UNCONFIRMED, LogRecord
 from gpr20_survey.folder.manifest import CONTENT
@@ -119,7 +119,7 @@ def empty_folder(folder: Path, plan: LogRecord) -> None:
         OSError: The disk refused.
     """
     traces = folder / survey_folder.TRACES_FOLDER
-    names = {one.name for one in folder.iterdir() if not durable_files.is_temporary(one.name)}
+    names = {one.name for one in folder.iterdir() if not is_temporary(one.name)}
     is_filled = traces.exists() and any(traces.iterdir())
     # The disk may have refused after the log, which comes last, had its name.
     logs = [folder / name for name in names.intersection(survey_folder.LOG_FILES)]

@@ -9,20 +9,20 @@ from typing import Any, ContextManager, Dict, List, Mapping, Sequence, Set, Tupl
 from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.files import durable_files
-from gpr20_survey.files.file_sums import FileSum, sum_of_file
-from gpr20_survey.folder import manifest, survey_folder, survey_metadata
+from gpr20_survey.files.regular_files import FileSum, sum_of_file
+from gpr20_survey.folder import manifest, survey_folder, survey_metadata, trace_files
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import Change
 from gpr20_survey.folder.survey_log import SurveyLog
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace import trace_json, utc_time
+from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.new_survey import metadata_of
 from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import read_again
@@ -126,7 +126,7 @@ class OpenSurvey:
         self._check_own(trace)
         self._keep_collected_small()
         path = self._traces / survey_folder.trace_file_name(trace)
-        content = trace_json.encode(trace)
+        content = trace_files.encode(trace)
         failure = Message(
             "{trace} could not be written", trace=trace.label, details=printable(path)
         )

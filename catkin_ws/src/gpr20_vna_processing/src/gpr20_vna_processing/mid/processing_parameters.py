@@ -15,7 +15,7 @@ from gpr20_common.mid.codec import bounded
 from gpr20_survey.files.durable_files import Readers
 from gpr20_survey.folder.data_folder import DataFolderUse
 from gpr20_survey.folder.signature import Signer
-from gpr20_survey.plan.sensors import TOPIC
+from gpr20_survey.plan.robot_description import TOPIC
 
 BYTES_PER_MB = 1_000_000
 POSITIVE = (1e-6, 1e9)

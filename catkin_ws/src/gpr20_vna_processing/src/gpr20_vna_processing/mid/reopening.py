@@ -20,15 +20,14 @@ from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError, storing
 from gpr20_survey.faults import COMPLETE, DAMAGED, LOG_LOST, OTHER_VERSION
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder import manifest, survey_folder
+from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import RecoveredSurvey, open_log, recover, repairs_of
 from gpr20_survey.folder.signature import Signer, is_signed
 from gpr20_survey.folder.trace_files import TraceFile
-from gpr20_survey.plan.imported import is_imported
-from gpr20_survey.plan.recorded_plan import PlanFit
+from gpr20_survey.plan.recorded_plan import PlanFit, is_imported
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.trace import trace_json, trace_message, utc_time
+from gpr20_survey.trace import trace_message, utc_time
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_processing.mid.open_survey import OpenSurvey
 from gpr20_vna_processing.mid.processing_records import Storage
@@ -186,7 +185,7 @@ class Reopening:
             self._set_aside(path, reason)
         lost = self._stored.truth.keys() - self._stored.files.files.keys()
         for trace in self._stored.mcap.traces(lost) if lost else ():
-            content = trace_json.encode(trace)
+            content = trace_files.encode(trace)
             file = TraceFile.of(trace, content)
             durable_files.write_new_file(self._traces / file.name, content)
             self._stored.files.files[trace.index] = file

@@ -9,14 +9,14 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import ForeignTraceError, StorageFailedError, TraceRefusedError
 from gpr20_survey.faults import LOCKED
-from gpr20_survey.files import file_sums
+from gpr20_survey.files import regular_files
 from gpr20_survey.folder import manifest, survey_folder, trace_files
 from gpr20_survey.folder.manifest import Manifest
 from gpr20_survey.folder.trace_files import TraceFile
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import recorded_log
-from gpr20_survey.trace import trace_json, trace_message
+from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace
 
 
@@ -155,7 +155,7 @@ class StoredTraces:
             _differs(name)
             for name in sorted(names)
             if not name.startswith((manifest.trace_name(""), f"{survey_folder.DAMAGED_FOLDER}/"))
-            and not binding.matches(name, file_sums.sum_if_readable(self._folder / name))
+            and not binding.matches(name, regular_files.sum_if_readable(self._folder / name))
         ]
 
     def _decide(self) -> None:
@@ -176,7 +176,7 @@ class StoredTraces:
         self.truth.update({index: self.mcap.prints[index] for index in lost})
         # The manifest may have others than those that the MCAP alone holds.
         for trace in self.mcap.traces(lost) if lost and self._sealed is not None else ():
-            file = TraceFile.of(trace, trace_json.encode(trace))
+            file = TraceFile.of(trace, trace_files.encode(trace))
             if self._is_refuted(file):
                 del self.truth[trace.index]
                 self._contradict(file.name, _differs(file.name))

@@ -50,7 +50,7 @@ from gpr20_survey.folder.recovery import add_to_survey, open_log, read_descripti
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
-from gpr20_survey.trace import trace_json, trace_message
+from gpr20_survey.trace import trace_message
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 VIEW, SEAL = "survey.json", "manifest.json"
@@ -148,7 +148,7 @@ def other_trace(folder, _older):
     """Put another trace in the place of one, with a right checksum."""
     path = trace_file(folder, 2)
     trace = trace_files.read_trace(path, SURVEY)
-    path.write_bytes(trace_json.encode(replace(trace, antennae_height_m=0.7)))
+    path.write_bytes(trace_files.encode(replace(trace, antennae_height_m=0.7)))
 
 
 def foreign_manifest(folder, _older):
@@ -166,7 +166,7 @@ def later_manifest(whole):
 
 def later_trace(whole):
     covered = whole[: whole.rindex(b', "sha256"')] + b"}"
-    return trace_json.sealed(covered.replace(b"gpr20-trace/1", b"gpr20-trace/2"))
+    return trace_files.sealed(covered.replace(b"gpr20-trace/1", b"gpr20-trace/2"))
 
 
 def later_mcap(make):

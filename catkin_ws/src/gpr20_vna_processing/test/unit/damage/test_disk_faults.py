@@ -13,7 +13,8 @@ from storage_kit import Kit, with_bag
 from trace_examples import SURVEY, make_trace, read_json
 
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files.durable_files import Readers, is_temporary
+from gpr20_survey.files.durable_files import Readers
+from gpr20_survey.files.regular_files import is_temporary
 from gpr20_survey.folder.recovery import add_to_survey
 from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 

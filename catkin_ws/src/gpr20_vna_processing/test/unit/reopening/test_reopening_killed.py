@@ -25,7 +25,7 @@ from trace_examples import METADATA, SURVEY
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files import regular_file
+from gpr20_survey.files import regular_files
 from gpr20_survey.folder import survey_log
 from gpr20_survey.folder.recovery import add_to_survey
 
@@ -184,7 +184,7 @@ def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path
     def refuse(*_arguments, **_options):
         raise OSError(errno.EIO, "Input/output error")
 
-    for module in (survey_log, regular_file):
+    for module in (survey_log, regular_files):
         monkeypatch.setattr(module, "open_regular", refuse)
     with pytest.raises(StorageFailedError):
         Kit(tmp_path / "second").open(metadata_json=METADATA)

@@ -19,9 +19,8 @@ from gpr20_common.errors import os_reason
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.files.durable_files import replace_file
-from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
-from gpr20_survey.files.regular_file import read_regular
+from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked, replace_file
+from gpr20_survey.files.regular_files import read_regular
 from gpr20_web.calls import ROLES, Role
 from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low.web_folder import ensure_secret_folder

@@ -23,16 +23,14 @@ from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
-from gpr20_survey.files.file_sums import PIECE_BYTES, add_folder, regular_files
-from gpr20_survey.files.folder_lock import writer_of
+from gpr20_survey.files.durable_files import writer_of
+from gpr20_survey.files.regular_files import PIECE_BYTES, add_folder, regular_files
 from gpr20_survey.folder import survey_folder
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import Marker
-from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.results.found import What
-from gpr20_survey.results.volume import ExportPart
+from gpr20_survey.plan.markers import Marker, What
+from gpr20_survey.results.answers import ExportPart, SurveySummary
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError

@@ -24,10 +24,10 @@ from gpr20_survey.plan.robot_description import (
     STORAGE_NAME,
     NodeDescription,
     RobotConfig,
+    Sensor,
     is_simulated_identity,
     robot_config,
 )
-from gpr20_survey.plan.sensors import Sensor
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.trace import AuxValue
 

@@ -19,8 +19,7 @@ from gpr20_main_control.mid.devices.robot import (
     zeros_of,
 )
 from gpr20_main_control.mid.waits import POLL_S, Interruption, Workers, result_of
-from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters, ZeroEpoch
 from gpr20_survey.faults import AXIS_MAY_MOVE, NOT_HOMED, ZERO_UNKNOWN
 from gpr20_survey.plan.survey_points import axis_move_duration_s
 

@@ -17,12 +17,11 @@ from gpr20_main_control.mid.devices.described_robot import AuxSensors, Described
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status
 from gpr20_main_control.mid.waits import Workers
-from gpr20_survey.axes.axis_id import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
+from gpr20_survey.axes import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # The driver takes sweeps when it sets up the analyzer, to learn how long one takes; it ends that by

@@ -20,13 +20,11 @@ from gpr20_main_control.mid.survey.sampling import AnalyzerState
 from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.survey.survey_status import Status
 from gpr20_main_control.mid.waits import Check
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.soil_note import PLANNED
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, Kind
 from gpr20_survey.folder.survey_metadata import message_record
 from gpr20_survey.plan.annotation import ANNOTATION
 from gpr20_survey.plan.recorded_plan import REFINES
-from gpr20_survey.plan.robot_description import STORAGE_NAME
-from gpr20_survey.plan.sensors import SENSORS
+from gpr20_survey.plan.robot_description import SENSORS, STORAGE_NAME
 from gpr20_survey.plan.survey_points import SurveyPoint, needed_bytes
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import iso_text
@@ -280,7 +278,7 @@ def survey_record(
         "settings": plain(plan.settings),
         ANNOTATION: plan.annotation.values(),
         **({REFINES: plan.refines} if plan.refines else {}),
-        **({PLANNED: plan.permittivity} if plan.permittivity is not None else {}),
+        **({PLANNED_PERMITTIVITY: plan.permittivity} if plan.permittivity is not None else {}),
         **robot,
     }
     size = needed_bytes(plan.total_points, plan.parameters.frequency_points, plan.duration_s)

@@ -11,7 +11,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control import faults
 from gpr20_main_control.errors import RequestRefusedError
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisParameters
 from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.recorded_plan import recorded_settings
@@ -19,7 +19,7 @@ from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, planned_times, survey_points
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 # What is stored of a survey before it begins.

@@ -15,8 +15,7 @@ from gpr20_main_control.errors import DeviceError, OtherAnalyzerError, SurveyErr
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.measured_again import KnownPoint
 from gpr20_main_control.mid.survey.survey_status import Coverage
-from gpr20_survey.axes.axis_id import AxisId, ZeroEpoch, Zeros
-from gpr20_survey.axes.axis_parameters import AxisParameters
+from gpr20_survey.axes import AxisId, AxisParameters, ZeroEpoch, Zeros
 from gpr20_survey.faults import CLOCK_WRONG, OTHER_ZEROS
 from gpr20_survey.folder.survey_metadata import FAULT_CODE, message_record
 from gpr20_survey.plan.recorded_plan import UNPROVEN, ZEROS, Proof, UsedZeros

@@ -26,7 +26,7 @@ from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
 from gpr20_main_control.mid.survey.survey_archive import CAPACITY
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.waits import Check
-from gpr20_survey.axes.axis_id import AxisId
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_points import SurveyPoint

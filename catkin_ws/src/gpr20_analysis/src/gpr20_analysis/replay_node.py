@@ -11,7 +11,7 @@ import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
-from gpr20_analysis import faults
+from gpr20_analysis import errors
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read.replay import Playback, ReplayedSurvey
 from gpr20_common.errors import NodeGoneError, NodeSilentError
@@ -24,11 +24,7 @@ from gpr20_common.message import Message
 from gpr20_msgs.msg import Replay
 from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import (
-    METADATA_TOPIC,
-    REPLAY_TOPIC,
-    TRACE_TOPIC,
-)
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TOPIC, TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 
 QUEUE_LENGTH = 1000
@@ -66,7 +62,7 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
                 "replay.launch",
                 address=rosgraph.get_master_uri(),
             ),
-            fault=faults.NO_ROS,
+            fault=errors.NO_ROS,
         )
     published, _subscribed, _services = rosgraph.Master(CALLER).getSystemState()
     publishers_of = dict(published)
@@ -84,7 +80,7 @@ def refuse_beside_others(topics: Iterable[str], own_name: str = "") -> None:
                     "(roslaunch gpr20 replay.launch ns:=replay2 survey:=...)",
                     details=f"{topic} is published by {', '.join(others)}",
                 ),
-                fault=faults.ROBOT_RUNS,
+                fault=errors.ROBOT_RUNS,
             )
 
 

@@ -1,1 +1,0 @@
-"""The axes of the positioner: their names, parameters and speed."""

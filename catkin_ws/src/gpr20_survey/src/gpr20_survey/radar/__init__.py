@@ -1,1 +1,0 @@
-"""The physics that window, visualization and analysis share; the simulator has its own."""
