@@ -22,7 +22,6 @@ from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Scene
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.faults import LOCKED
-from gpr20_vna_acquisition.high import check_analyzer
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 from gpr20_vna_acquisition.mid.analyzer_record import (
     FILE,
@@ -34,6 +33,10 @@ from gpr20_vna_acquisition.mid.analyzer_record import (
 )
 from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
+
+pytest.importorskip("rosgraph")
+
+from gpr20_vna_acquisition.high import check_analyzer
 
 QUICK = Extent(21, (1e4,), sweeps=3, watched_s=0.05, limit_s=60.0)
 
