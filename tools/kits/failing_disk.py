@@ -188,7 +188,7 @@ class FailingDisk:
             is_lost = draw.random() < failure.lost_share
             if number in self._names or (number in paths and paths[number].is_dir()):
                 durable = self._names.get(number, {})
-                target.mkdir()
+                target.mkdir(parents=True)
                 for name, inner in sorted(
                     (durable if is_lost else _names_in(paths[number])).items()
                 ):

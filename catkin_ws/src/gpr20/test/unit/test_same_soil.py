@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import re
+import sys
 from contextlib import closing
 from dataclasses import asdict
 from types import SimpleNamespace
@@ -241,7 +242,8 @@ SAID = {
     "analysis.settings_changed": "from trace 40 on another VNA measured: B",
     "analysis.clock": "times may be wrong: the clock was set back by 60 s",
 }
-EXPORTS = ("netcdf", "csv", "ros2")
+# To ROS 2 only newer versions of rosbags convert.
+EXPORTS = ("netcdf", "csv", "ros2")[: 3 if sys.version_info >= (3, 10) else 2]
 
 
 def doubt(processing):

@@ -16,7 +16,6 @@ from wait_kit import wait_until
 
 from gpr20_common import faults
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.high.answers import message_from
 from gpr20_common.message import Message
 
 pytest.importorskip("rospy")
@@ -26,7 +25,7 @@ import rospy
 from rosgraph.network import encode_ros_handshake_header
 
 from gpr20_common.high import service_client
-from gpr20_common.high.answers import advertise
+from gpr20_common.high.answers import advertise, message_from
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_msgs.srv import (

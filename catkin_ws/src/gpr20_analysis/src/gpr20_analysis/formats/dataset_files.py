@@ -16,6 +16,7 @@ import threading
 from pathlib import Path
 from typing import Any, Dict, Tuple, Union
 
+import h5netcdf
 import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
@@ -40,7 +41,7 @@ NETCDF = ".nc"
 REAL, IMAGINARY = "_real", "_imag"
 PART_OF = "complex_part_of"
 OVERHEAD_BYTES = 1 << 20
-CHECKED = {"driver_kwds": {"libver": ("v108", "v108")}}
+CHECKED = ("v108", "v108")
 """The oldest structure of HDF5 files that has checksums."""
 OF_FILE = ("Conventions", "title", "history")
 """Attributes that a file has and a Dataset has not."""
@@ -83,7 +84,8 @@ def write_dataset(data: xr.Dataset, path: Union[str, Path]) -> None:
     # xarray casts the times of missing samples by way of NaN, which numpy warns of.
     with np.errstate(invalid="ignore"), atomic_output(path, stored.nbytes + OVERHEAD_BYTES) as own:
         # to_netcdf imports distributed, where it is installed, to ask for a cluster's locks.
-        store = H5NetCDFStore.open(str(own), mode="w", lock=threading.Lock(), **CHECKED)
+        file = h5netcdf.File(str(own), "w", libver=CHECKED)
+        store = H5NetCDFStore(file, mode="w", lock=threading.Lock())
         try:
             stored.dump_to_store(store, encoding=_encoding(stored))
         finally:

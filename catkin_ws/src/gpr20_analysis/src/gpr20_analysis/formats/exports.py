@@ -21,7 +21,6 @@ from gpr20_analysis.errors import (
     MissingLibraryError,
     UnreadableFileError,
     check_ending,
-    library_missing,
 )
 from gpr20_analysis.formats.dataset_files import NETCDF, write_dataset, write_plain_csv
 from gpr20_analysis.read.doubts import recording_doubts
@@ -163,7 +162,9 @@ def _convert(bag: Path, folder: Path) -> None:
         **{f"{word}_{what}": () for word in ("exclude", "include") for what in WHAT},
     }
     if set(options) - inspect.signature(convert).parameters.keys():
-        raise MissingLibraryError(library_missing("rosbags 0.10 or later"))
+        raise MissingLibraryError(
+            Message("this needs rosbags 0.10 and thus Python 3.10; export on another computer")
+        )
     try:
         convert([bag], folder, **options)
     except ConverterError as error:

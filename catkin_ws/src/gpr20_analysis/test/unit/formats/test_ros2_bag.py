@@ -2,6 +2,7 @@
 
 import shutil
 import struct
+import sys
 from itertools import zip_longest
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from gpr20_analysis.commands.main import main
 from gpr20_analysis.sample import sample_survey
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 
+pytestmark = pytest.mark.skipif(sys.version_info < (3, 10), reason="rosbags 0.10 needs Python 3.10")
 SAMPLE = sample_survey()
 DRAWS = draws(6)
 
