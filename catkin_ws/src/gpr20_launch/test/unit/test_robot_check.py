@@ -13,8 +13,7 @@ from robot_check_examples import PROFILES, VNA, checked, write
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
-from gpr20_common.message import verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import received_message, verbatim
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import robot_check
 from gpr20_launch.mid.robot_files import FILES, Before, WithRobot

@@ -17,8 +17,7 @@ from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
 from gpr20_analysis.sentences import sentences_of
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import received_message, verbatim
 from gpr20_common.terminal_text import is_shown
 
 ALL = len(POINTS)

@@ -11,8 +11,7 @@ import rospy
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import INTERNAL
 from gpr20_common.low.thread_fault import log_fault
-from gpr20_common.message import Message
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message, received_message
 from gpr20_msgs.msg import Fault
 
 Record = TypeVar("Record")

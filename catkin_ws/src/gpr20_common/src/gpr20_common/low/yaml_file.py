@@ -9,8 +9,8 @@ from typing import Any, Dict, Mapping, Union
 import yaml
 
 from gpr20_common import faults
-from gpr20_common.errors import UNREADABLE, Gpr20Error
-from gpr20_common.message import Message
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import UNREADABLE, Message
 
 # A scene or a profile has some kilobytes; what is far larger is something else.
 MAX_BYTES = 1 << 20

@@ -11,7 +11,7 @@ from sensor_msgs.msg import Range
 from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.diagnostics import FAULT
 from gpr20_common.low.clock import Clock
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import received_message
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import CurrentCoordinate, RobotConfiguration

@@ -10,9 +10,8 @@ from typing import Iterable, Iterator, List, Optional
 import gpr20_common
 from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
 from gpr20_common.low.yaml_file import data_folder
-from gpr20_common.message import Message
+from gpr20_common.message import Message, received_message
 from gpr20_common.mid.node_facts import NodeSoftware, software_difference
-from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
 from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding, Level
