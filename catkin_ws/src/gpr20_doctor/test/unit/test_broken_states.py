@@ -201,9 +201,8 @@ def robot(**changes):
     return lambda one: setattr(one, "robot", replace(one.robot, **changes))
 
 
-def silent(state):
-    nodes = stale("height_sensor").nodes
-    return robot(nodes=nodes, evidence=Evidence(nodes={"height_sensor": state}))
+def silent(state, name="height_sensor"):
+    return robot(nodes=stale(name).nodes, evidence=Evidence(nodes={name: state}))
 
 
 def variable(name, value):
@@ -238,14 +237,18 @@ NOT_RUNNING, LOST = "master robot.not_running", "master robot.master_lost"
 ADDRESS, FIREWALL = "addresses network.address", "firewall network.firewall"
 STATES = {
     # Nodes.
-    "a part of the robot hangs": State(
-        "height_sensor robot.part_lost", "Wait one minute", silent(NodeState.HANGS)
+    "an axis hangs": State(
+        *("y_axis/axis_driver robot.part_lost", "Keep your hands clear"),
+        silent(NodeState.HANGS, "y_axis/axis_driver"),
+    ),
+    "a part of the robot hangs that moves nothing": State(
+        "height_sensor robot.part_silent", "Wait one minute", silent(NodeState.HANGS)
     ),
     "a part of the robot has ended": State(
         "missing robot.not_running", "systemctl restart gpr20", silent(NodeState.GONE)
     ),
     "the watchdog was stopped": State(
-        *("launch robot.part_lost", "kill -CONT 22"),
+        *("launch robot.part_silent", "kill -CONT 22"),
         *(lambda one: one.change(22, " S ", " T "), lambda one: one.change(22, " T ", " S ")),
     ),
     "the watchdog has ended": State(
@@ -253,10 +256,10 @@ STATES = {
         lambda one: one.write("proc/22/cmdline", ""),
     ),
     "the visualization was stopped": State(
-        "launch robot.part_lost", "kill -CONT 23", lambda one: one.change(23, " S ", " T ")
+        "launch robot.part_silent", "kill -CONT 23", lambda one: one.change(23, " S ", " T ")
     ),
     "roslaunch was stopped": State(
-        "launch robot.part_lost", "kill -CONT 20", lambda one: one.change(20, " S ", " T ")
+        "launch robot.part_silent", "kill -CONT 20", lambda one: one.change(20, " S ", " T ")
     ),
     "roslaunch has ended": State(
         "launch robot.internal_error", "kill 21 22 23", lambda one: one.write("proc/20/cmdline", "")

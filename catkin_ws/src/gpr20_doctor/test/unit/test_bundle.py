@@ -10,9 +10,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import report
 
-from gpr20_common.faults import DISK_FULL
+from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_doctor.mid import bundle
+from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine import Machine
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -26,6 +27,7 @@ Traceback (most recent call last):
   File "/opt/{SECRET}/gpr20_web/low/logins.py", line 12, in send
     connect("{SECRET}")
 ConnectionError: {SERVICE}
+[rosout][WARN] 2026-11-30 12:11:52,000: store_data refused: the disk is full ({SECRET})
 [robot/web-7] process has died [pid 12, exit code -9, cmd web --password {SECRET}].
 """
 
@@ -40,8 +42,10 @@ def machine(tmp_path):
         "robot/axes.yaml": f"x: {{dir_pin: 13, type: LIN, controller_options: [{SECRET}]}}\n",
         "robot/web.yaml": f"port: 8080\nfolder: /srv/{SECRET}\n",
         "robot/height.yaml": "a: [\n",
+        "robot/wiring.yaml": f"unchecked: [pins, '{SECRET}', directions]\n",
         "robot/signing_key": SECRET,
         "logs/run/web.log": LOG,
+        "logs/run/quiet.log": LOG.splitlines()[0],
         f"data/{SURVEY}/log.jsonl": fault,
         f"data/{SURVEY}/traces/000001.json": "a trace",
     }
@@ -57,10 +61,11 @@ def machine(tmp_path):
     return Machine.here(environment, tmp_path, tmp_path / "robot")
 
 
-def written(tmp_path, machine, robot):
+def written(tmp_path, machine, robot, *more):
     """Return the parts of a bundle by their names, without the index, and what is missing."""
     with mock.patch("os.nice"):  # a process cannot take its niceness back
-        bundle.write_bundle(tmp_path / "help.zip", findings(robot, None), robot, machine)
+        found = (*findings(robot, None), *more)
+        bundle.write_bundle(tmp_path / "help.zip", found, robot, machine)
     with zipfile.ZipFile(tmp_path / "help.zip") as archive:
         parts = {name: archive.read(name).decode() for name in archive.namelist()}
     return parts, json.loads(parts.pop("index.json"))
@@ -73,6 +78,10 @@ SAYS = Message(
 )
 
 
+PLACE = Message("{place}: {reason}", place=f"/{SECRET}/axes.yaml: x/dir_pin is 28", reason=SECRET)
+WRONG = Finding.of("config_files", PLACE, CONFIGURATION)
+
+
 def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, machine):
     robot = report(
         "vna_processing",
@@ -83,7 +92,7 @@ def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, mac
         stored="12",
         address="192.0.2.7",
     )
-    parts, index = written(tmp_path, machine, robot)
+    parts, index = written(tmp_path, machine, robot, WRONG)
     for words in (
         "hunt",
         "er2",
@@ -99,13 +108,19 @@ def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, mac
     (said,) = [one for one in json.loads(parts["diagnostics.json"]) if one["level"] == "ERROR"]
     assert said["name"] == "vna_processing" and said["numbers"] == {"stored": "12"}
     assert said["code"] == "disk.full" and "the disk is full" in said["said"]
+    assert json.loads(parts["findings.json"])[-1]["places"] == ["axes.yaml", "x/dir_pin is 28"]
+    assert json.loads(parts["configuration/wiring.yaml"]) == {"unchecked": ["pins", "directions"]}
     assert json.loads(parts["configuration/axes.yaml"]) == {"x": {"dir_pin": 13, "type": "LIN"}}
     assert json.loads(parts["configuration/web.yaml"]) == {"port": 8080}
     assert '"kind":"pause"' in parts["survey.txt"] and '"code":"disk.full"' in parts["survey.txt"]
-    assert parts["logs/000.txt"].splitlines() == [
+    # Nothing went wrong in the other one.
+    (log,) = [text for name, text in parts.items() if name.startswith("logs/")]
+    assert log.splitlines() == [
         "[rosout][ERROR] 2026-11-30 12:11:51,000",
         'gpr20_web/low/logins.py", line 12, in send',
         "ConnectionError",
+        "[rosout][WARN] 2026-11-30 12:11:52,000",
+        "the disk is full",
         "[robot/web-7] process has died [pid 12, exit code -9",
     ]
     # One that cannot be read; what is not there has the defaults.

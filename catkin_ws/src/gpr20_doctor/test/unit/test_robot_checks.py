@@ -85,6 +85,7 @@ CASES = [
     (facts(configuration_problem=FAILED), Level.FAULT, "No survey can", None),
     (facts(configured=False), Level.UNKNOWN, "configuration is not known", None),
     (facts(simulated=True, analyzer=None), Level.UNKNOWN, "has not been read", None),
+    (facts(surveying=True, analyzer=None), Level.UNKNOWN, "VNA was not tested", None),
     (report(HEIGHT, ERROR, "out"), Level.FAULT, "Height sensor: out", common_faults.INTERNAL),
     (report(X_AXIS, WARN, UNHOMED), Level.NOTE, "X axis: lost", None),
     (report(X_AXIS, WARN, PAUSED), Level.WARNING, "X axis: paused", None),
@@ -119,6 +120,12 @@ def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
     assert (one.level is Level.FAULT) == (status is CalibrationStatus.NONE)
     assert fault in (None, NOT_CALIBRATED, NOT_CALIBRATED.as_warning())
     assert bool(one.remedy) == (fault is not None)
+
+
+def test_a_calibration_that_was_read_before_is_not_called_good():
+    heard = replace(report(VNA, calibration="HIGH"), analyzer=None)
+    levels = {one.check: one.level for one in findings(heard, None)}
+    assert (levels["vna"], levels["calibration"]) == (Level.UNKNOWN, Level.NOTE)
 
 
 @each_case("host, code", [("robot", "robot.other_launch"), ("laptop", "robot.versions_differ")])
@@ -185,7 +192,7 @@ def test_findings_are_printed_with_their_remedies():
         "FAULT       sin bus (ENOENT)",
         "            -> switch it on",
         "GOOD        pins",
-        "1 faults, 0 warnings, 0 unknown, 0 notes, 1 good",
+        "faults: 1, warnings: 0, unknown: 0, notes: 0, good: 1",
     ]
     record = json.loads(as_json(found, Catalogue()))
     assert record["status"] == BAD

@@ -20,7 +20,6 @@ from gpr20_doctor.low.processes import FAILURES, in_time
 from gpr20_doctor.mid import (
     computer_checks,
     network_checks,
-    process_checks,
     robot_checks,
     software_checks,
 )
@@ -48,9 +47,9 @@ CHECKS: Mapping[str, Check] = {
     "config_files": software_checks.check_configuration,
     "edited": software_checks.check_edited,
     "packages": software_checks.check_packages,
-    "launch": process_checks.check_launch,
-    "watchdog": process_checks.check_watchdog,
-    "memory": process_checks.check_memory,
+    "launch": software_checks.check_launch,
+    "watchdog": software_checks.check_watchdog,
+    "memory": computer_checks.check_memory,
     "addresses": network_checks.check_addresses,
     "firewall": network_checks.check_firewall,
     "hardware": computer_checks.check_hardware,
@@ -114,7 +113,7 @@ def summary(found: Tuple[Finding, ...]) -> Message:
     """Return how many findings have each level."""
     levels = [one.level for one in found]
     return Message(
-        "{faults} faults, {warnings} warnings, {unknown} unknown, {notes} notes, {good} good",
+        "faults: {faults}, warnings: {warnings}, unknown: {unknown}, notes: {notes}, good: {good}",
         faults=levels.count(Level.FAULT),
         warnings=levels.count(Level.WARNING),
         unknown=levels.count(Level.UNKNOWN),

@@ -6,6 +6,7 @@ it and list it in CHECKS.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Callable, Iterable, Iterator, Optional, Tuple
 
 from gpr20_common.faults import (
@@ -22,8 +23,15 @@ from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine
-from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, node_title
+from gpr20_doctor.mid.node_health import (
+    MAIN_CONTROL,
+    HealthLevel,
+    NodeHealth,
+    axis_node,
+    node_title,
+)
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
+from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.sweep_settings import CalibrationStatus
@@ -37,6 +45,12 @@ OFFSET_LIMIT_S = 1.0
 SILENT = (NodeState.HANGS, NodeState.GONE)
 WAIT = Message("Wait until all parts of the robot have started.")
 MAKE_SURE = Message("Make sure that the VNA is calibrated.")
+TEST_IT = Message(
+    "When no survey runs or is paused, run gpr20 doctor without --quick, or press CHECK ALL on "
+    "ROBOT."
+)
+# What may still move something when it hangs.
+MOVERS = (MAIN_CONTROL, *map(axis_node, AxisId))
 
 
 def check_configuration(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
@@ -75,7 +89,7 @@ def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> F
     name = node_title(node.name)
     if state is NodeState.HANGS:
         text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        return Finding.of(node.name, text, PART_LOST)
+        return Finding.of(node.name, text, PART_LOST if node.name in MOVERS else PART_SILENT)
     if node.level is HealthLevel.OK:
         return Finding.of(node.name, name)
     if node.level is HealthLevel.STALE:
@@ -101,8 +115,14 @@ def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
         yield Finding.of("vna", text, VNA_SILENT)
     elif test is not None:
         yield _calibration(test.calibration)
-    elif node is not None:
-        yield _calibration(node.values.get("calibration", ""))
+    elif not facts.unheard:
+        untested = Message("The VNA was not tested: whether it measures now is not known.")
+        yield Finding("vna", Level.UNKNOWN, untested, TEST_IT)
+        if node is not None:
+            last = _calibration(node.values.get("calibration", ""))
+            text = Message("When it was last read: {state}", state=last.text)
+            # What was good then may not be now.
+            yield last if last.level > Level.OK else replace(last, level=Level.NOTE, text=text)
 
 
 def _calibration(name: str) -> Finding:

@@ -1,4 +1,4 @@
-"""Checks of the configuration and of the software, on this computer and in the robot's parts."""
+"""Checks of the configuration and the software: what is installed, what runs, what it runs with."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ from pathlib import Path
 from typing import Iterable, Iterator, List, Optional
 
 import gpr20_common
-from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
+from gpr20_common.faults import (
+    CONFIGURATION,
+    INTERNAL,
+    NOT_SET_UP,
+    OTHER_LAUNCH,
+    PART_SILENT,
+    VERSIONS_DIFFER,
+)
 from gpr20_common.low.yaml_file import data_folder
-from gpr20_common.message import Message, received_message
+from gpr20_common.message import Message, received_message, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware, software_difference
 from gpr20_common.terminal_text import printable
-from gpr20_doctor.low.processes import answer_of
+from gpr20_doctor.low.processes import HALTED, Process, answer_of
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import SERVICE, Machine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
@@ -28,6 +35,9 @@ UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
 # robot works without window and page.
 NEEDED = ("lz4", "mcap", "polib", "pydantic", "rosbags", "vxi11", "zstandard")
 MODULES = (*NEEDED, "tornado")
+# Nodes whose hang the checks of reports find; a hung one must not simply be continued.
+OWN_REPORT = frozenset(name.rpartition("/")[2] for name in EXPECTED_NODES)
+WITH_WATCHDOG = Message("Start the robot again, with watchdog_s:=10 or without that argument.")
 
 
 def check_configuration(machine: Machine) -> Iterator[Finding]:
@@ -77,6 +87,54 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
     )
     advice = machine.restart(Message("Outside a survey, start the robot again."))
     yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
+
+
+def check_launch(machine: Machine) -> Iterator[Finding]:
+    """Find parts of the robot that nobody would start again."""
+    nodes = machine.processes.nodes_of(machine.master)
+    left = [one for one in nodes if one.master and machine.processes.is_left_over(one)]
+    launches = machine.processes.launches_of(machine.master)
+    if left:
+        text = Message(
+            "The launch of {count} parts of the robot on this computer has ended. They run on, "
+            "and nothing starts one of them again if it ends.",
+            count=len(left),
+        )
+        advice = Message(
+            "Run: kill {numbers}. A survey that runs is stopped and can be resumed. Then start the "
+            "robot again.",
+            numbers=_numbers(left),
+        )
+        yield Finding.of("launch", text, INTERNAL, mild=True, advice=machine.restart(advice))
+    others = [one for one in nodes if one.node not in OWN_REPORT]
+    halted = [one for one in (*launches, *others) if one.state in HALTED]
+    if halted:
+        names = tuple(node_title(one.node) if one.node else verbatim("roslaunch") for one in halted)
+        text = Message("Stopped on this computer, and does nothing: {parts}", parts=names)
+        advice = Message(
+            "Run: kill -CONT {numbers}. If it is found again, start the robot again.",
+            numbers=_numbers(halted),
+        )
+        yield Finding.of("launch", text, PART_SILENT, advice=advice)
+    if launches and not left + halted:
+        yield Finding.of("launch", Message("Launch of the robot on this computer"))
+
+
+def check_watchdog(machine: Machine) -> Iterator[Finding]:
+    """Judge whether each launch has what would end its parts that hang; it may be stopped."""
+    known = machine.processes
+    nodes = [one for one in known.nodes_of(machine.master) if not known.is_left_over(one)]
+    launches = {one.argument("configuration:=") for one in nodes} - {""}
+    watched = {one.argument("--launch=") for one in nodes}
+    if launches - watched:
+        text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
+        yield Finding.of("watchdog", text, INTERNAL, True, machine.restart(WITH_WATCHDOG))
+    elif launches:
+        yield Finding.of("watchdog", Message("Watchdog"))
+
+
+def _numbers(some: List[Process]) -> str:
+    return " ".join(map(str, sorted(one.number for one in some)))
 
 
 def missing_modules(wanted: Iterable[str]) -> List[str]:

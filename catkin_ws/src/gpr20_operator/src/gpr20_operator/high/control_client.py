@@ -22,7 +22,7 @@ from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_doctor.high.node_reports import axis_report, descriptions, height_m, node_healths
+from gpr20_doctor.high.graph import axis_report, descriptions, height_m, node_healths
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs import msg, srv
 from gpr20_operator.high.robot_stop import RobotStop
