@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bundle",
         type=Path,
-        metavar="FILE.zip",
+        metavar="FILE.json",
         help="also write one file for remote help: findings, versions, settings, errors",
     )
 

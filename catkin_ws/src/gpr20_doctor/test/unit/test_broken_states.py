@@ -27,14 +27,14 @@ from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low import masters, processes
-from gpr20_doctor.low.masters import NodeState, state_of
+from gpr20_doctor.low.masters import state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid import findings as all_findings
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import examine, findings
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_checks import evidence_of
-from gpr20_doctor.mid.robot_facts import Evidence, unheard
+from gpr20_doctor.mid.robot_facts import unheard
 
 pytestmark = pytest.mark.needs("mounts")
 
@@ -201,8 +201,8 @@ def robot(**changes):
     return lambda one: setattr(one, "robot", replace(one.robot, **changes))
 
 
-def silent(state, name="height_sensor"):
-    return robot(nodes=stale(name).nodes, evidence=Evidence(nodes={name: state}))
+def silent(name):
+    return robot(nodes=stale(name).nodes)
 
 
 def variable(name, value):
@@ -237,15 +237,12 @@ NOT_RUNNING, LOST = "master robot.not_running", "master robot.master_lost"
 ADDRESS, FIREWALL = "addresses network.address", "firewall network.firewall"
 STATES = {
     # Nodes.
-    "an axis hangs": State(
+    "an axis hangs or has ended": State(
         *("y_axis/axis_driver robot.part_lost", "Keep your hands clear"),
-        silent(NodeState.HANGS, "y_axis/axis_driver"),
+        silent("y_axis/axis_driver"),
     ),
-    "a part of the robot hangs that moves nothing": State(
-        "height_sensor robot.part_silent", "Wait one minute", silent(NodeState.HANGS)
-    ),
-    "a part of the robot has ended": State(
-        "missing robot.not_running", "systemctl restart gpr20", silent(NodeState.GONE)
+    "a part hangs or has ended that moves nothing": State(
+        "imaging robot.part_silent", "Wait one minute", silent("imaging")
     ),
     "the watchdog was stopped": State(
         *("launch robot.part_silent", "kill -CONT 22"),

@@ -28,7 +28,7 @@ from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_doctor.high import doctor, graph
 from gpr20_doctor.low import masters
-from gpr20_doctor.low.masters import MasterState, NodeState
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
@@ -44,21 +44,15 @@ class Server(SimpleXMLRPCServer):
     def __init__(self):
         super().__init__(("127.0.0.1", 0), logRequests=False)
         self.uri = f"http://127.0.0.1:{self.server_address[1]}"
-        self.nodes = {"node": self.uri}
         state = [[], [["/topic", ["/node"]]], [[name, ["/node"]] for name in ROBOT]]
         known = {
             "getPid": lambda *_caller: (1, "", os.getpid()),
             "getSystemState": lambda _caller: (1, "", state),
-            "lookupNode": self._look_up,
         }
         for name, method in known.items():
             self.register_function(method, name)
         self._thread = threading.Thread(target=self.serve_forever, args=(0.01,))
         self._thread.start()
-
-    def _look_up(self, _caller, name):
-        uri = self.nodes.get(name.rpartition("/")[2])
-        return (1, "", uri) if uri else (-1, "unknown node", 0)
 
     def close(self):
         self.shutdown()
@@ -118,15 +112,9 @@ def run(monkeypatch, capsys):
     return run
 
 
-def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
-    master, hanging, monkeypatch
-):
+def test_a_master_names_its_robots_and_a_silent_one_has_none(master, hanging, monkeypatch):
     assert masters.robots_at(master.uri) == ("/field",)
-    master.nodes.update(hangs=hanging)
-    found = masters.node_states(master.uri, ["/a/node", "/a/never"])
-    assert tuple(found.values()) == (NodeState.ANSWERS, NodeState.GONE)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 0.2)
-    assert masters.node_states(master.uri, ["/a/hangs"]) == {"/a/hangs": NodeState.HANGS}
     for silent in (closed_uri(), hanging):
         assert masters.robots_at(silent) == ()
 

@@ -150,10 +150,7 @@ TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
         (Machine(TWO), "roslaunch gpr20 robot.launch, server.launch"),
         (Machine(service="gpr20"), f"Run: {RESTART}gpr20."),
         (Machine(TWO, service="gpr20"), f"on both computers: {RESTART}gpr20"),
-        (
-            Machine({"GPR20_ROLE": ""}, service="gpr20"),
-            "GPR20_ROLE into /etc/gpr20/robot.conf",
-        ),
+        (Machine({"GPR20_ROLE": ""}, service="gpr20"), "GPR20_ROLE into /etc/gpr20/robot.conf"),
     ],
 )
 def test_an_advice_names_what_is_installed_here(here, command):

@@ -18,7 +18,7 @@ from gpr20_common.high.diagnostics import FAULT
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import received_message
-from gpr20_doctor.low.masters import MasterState, node_states
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.node_health import HealthLevel, HealthTracker, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport, Evidence, RobotFacts, unheard
 from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
@@ -135,13 +135,9 @@ class Graph:
             self._clock.wait_s(never, POLL_S)
 
     def facts(self) -> RobotFacts:
-        """Return what is known now; silent nodes are asked whether they are there."""
-        silent = self.silent()
-        states = node_states(self._master, [f"{self._prefix}{one}" for one in silent])
+        """Return what is known now."""
         with self._lock:
-            nodes = dict(zip(silent, states.values()))
-            evidence = replace(self._known.evidence, nodes=nodes)
-            return replace(self._known, nodes=self._health.report().nodes, evidence=evidence)
+            return replace(self._known, nodes=self._health.report().nodes)
 
     def silent(self) -> List[str]:
         """Return the names of the nodes that should have reported and have not."""

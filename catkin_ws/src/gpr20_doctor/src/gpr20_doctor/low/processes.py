@@ -6,6 +6,7 @@ import contextlib
 import os
 import subprocess
 import threading
+from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -219,23 +220,19 @@ def in_time(work: Callable[[], Found], limit_s: float) -> Found:
         TimeoutError: It took longer.
         OSError, ValueError, LookupError: The work raised it.
     """
-    found: List[Found] = []
-    failed: List[Exception] = []
+    found: Future[Found] = Future()
 
     def run() -> None:
         try:
-            found.append(work())
+            found.set_result(work())
         except FAILURES as error:
-            failed.append(error)
+            found.set_exception(error)
 
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    thread.join(limit_s)
-    if failed:
-        raise failed[0]
-    if not found:
+    # Nobody waits for it at the end of the program.
+    threading.Thread(target=run, daemon=True).start()
+    if not wait([found], limit_s).done:
         raise TimeoutError(f"no answer within {limit_s:g} s")
-    return found[0]
+    return found.result()
 
 
 def _fields(path: Path) -> List[str]:

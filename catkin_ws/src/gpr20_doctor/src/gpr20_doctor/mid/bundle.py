@@ -1,4 +1,4 @@
-"""One ZIP file with what somebody far away needs to help.
+"""One JSON file with what somebody far away needs to help.
 
 Nothing enters it but what this module lists: sentences of the software with their numbers, values
 of named keys, and words of logs in known forms. A secret has no place among them, however it is
@@ -12,7 +12,6 @@ import json
 import os
 import platform
 import re
-import zipfile
 from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List, Mapping, Tuple
@@ -27,21 +26,12 @@ from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.folder.survey_folder import LOG_FILE
 
-README = """GPR-20: bundle for remote help
-
-findings.json     what the doctor found, the worst first; of the configuration file, key, number
-diagnostics.json  what each part of the robot reported
-versions.json     software, Python, system and model of this computer
-configuration/    numbers and choices of the robot's configuration
-survey.txt        what happened in the last survey, and when; no traces
-logs/             errors: time, program, sentence without values, place in the software
-index.json        every part, and each that could not be collected
-
-Only what is known to hold no secret is in it: no names of people, no positions, no addresses, no
-passwords, nothing that somebody wrote.
-"""
+ABOUT = (
+    "GPR-20: file for remote help. Only what is known to hold no secret is in it: no names of "
+    "people, no positions, no addresses, no passwords, nothing that somebody wrote. `missing` "
+    "names what could not be collected."
+)
 FILES = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "web", "wiring")
-CONFIGURATION = tuple(f"{name}.yaml" for name in FILES)
 # Of these files: the axes, and what is a number or one of a few words.
 KEYS = frozenset(
     re.findall(
@@ -106,19 +96,18 @@ def write_bundle(
         OSError: The file exists, or cannot be written; nothing of it is left.
     """
     os.nice(NICENESS)
+    parts: Dict[str, Any] = {"about": ABOUT}
     missing: Dict[str, str] = {}
-    with path.open("xb") as file:
+    for name, content in _parts(found, robot, machine):
         try:
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-                for name, content in _parts(found, robot, machine):
-                    try:
-                        text = content()
-                        if text:
-                            archive.writestr(name, text)
-                    except FAILURES as error:
-                        missing[name] = type(error).__name__
-                index = {"parts": archive.namelist(), "missing": missing}
-                archive.writestr("index.json", json.dumps(index, indent=2))
+            text = content()
+            if text:  # a log without an error says nothing
+                parts[name] = text
+        except FAILURES as error:
+            missing[name] = type(error).__name__
+    with path.open("x", encoding="utf-8") as file:
+        try:
+            json.dump({**parts, "missing": missing}, file, indent=1)
             file.flush()
             os.fsync(file.fileno())
         except BaseException:
@@ -129,20 +118,19 @@ def write_bundle(
 
 def _parts(
     found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
-) -> Iterator[Tuple[str, Callable[[], str]]]:
-    yield "README.txt", lambda: README
+) -> Iterator[Tuple[str, Callable[[], Any]]]:
     nothing: Mapping[str, str] = {}
     findings = [(one.check, one.level.name, one.text, nothing) for one in found]
     nodes = [(one.name, one.level.name, one.message, one.values) for one in robot.nodes]
-    yield "findings.json", lambda: _json([_said(*one) for one in findings])
-    yield "diagnostics.json", lambda: _json([_said(*one) for one in nodes])
-    yield "versions.json", lambda: _json(_versions(robot, machine.root))
-    yield "survey.txt", lambda: _survey(machine)
+    yield "findings", lambda: [_said(*one) for one in findings]
+    yield "diagnostics", lambda: [_said(*one) for one in nodes]
+    yield "versions", lambda: _versions(robot, machine.root)
+    yield "survey", lambda: _survey(machine)
     # A file that is not there has the defaults.
-    for name in filter(lambda name: (machine.config / name).exists(), CONFIGURATION):
-        yield f"configuration/{name}", partial(_configuration, machine.config / name)
+    for path in filter(Path.exists, (machine.config / f"{name}.yaml" for name in FILES)):
+        yield path.name, partial(_configuration, path)
     for number, path in enumerate(_newest(machine.log, "**/*.log")[:LOG_FILES]):
-        yield f"logs/{number:03}.txt", partial(_errors, path)
+        yield f"log {number}", partial(_errors, path)
 
 
 def _said(name: str, level: str, message: Message, values: Mapping[str, str]) -> Dict[str, Any]:
@@ -173,7 +161,7 @@ def _beginnings() -> Mapping[str, str]:
     return {begin: one for begin, one in known.items() if len(begin) >= BEGINNING}
 
 
-def _errors(path: Path) -> str:
+def _errors(path: Path) -> List[str]:
     """Return of each error at the end of a log what `LOG_WORDS` finds, and its template."""
     found = []
     for line in _end(path).splitlines():
@@ -181,11 +169,11 @@ def _errors(path: Path) -> str:
         pieces = line[:LONGEST].split(": ") if words else ()
         begins = (one[:end] for one in pieces for end in range(len(one), BEGINNING - 1, -1))
         found += [*words, *(_beginnings()[one] for one in begins if one in _beginnings())]
-    return "\n".join(found)
+    return found
 
 
-def _configuration(path: Path) -> str:
-    return _json(listed(read_yaml(path)))
+def _configuration(path: Path) -> Any:
+    return listed(read_yaml(path))
 
 
 def listed(value: Any) -> Any:
@@ -209,11 +197,11 @@ def _versions(robot: RobotFacts, root: Path) -> Dict[str, Any]:
     }
 
 
-def _survey(machine: Machine) -> str:
+def _survey(machine: Machine) -> List[str]:
     logs = [] if machine.data is None else _newest(machine.data, f"*/{LOG_FILE}")
     if not logs:
         raise FileNotFoundError("no survey")
-    return "\n".join(one.group() for one in FACT_WORDS.finditer(_end(logs[0])))
+    return [one.group() for one in FACT_WORDS.finditer(_end(logs[0]))]
 
 
 def _newest(folder: Path, pattern: str) -> List[Path]:
@@ -226,7 +214,3 @@ def _end(path: Path) -> str:
     with path.open("rb") as stream:
         stream.seek(max(0, os.fstat(stream.fileno()).st_size - PART_BYTES))
         return stream.read(PART_BYTES).decode(errors="replace")
-
-
-def _json(value: Any) -> str:
-    return json.dumps(value, indent=2)

@@ -79,20 +79,18 @@ def _list(check: Check, machine: Machine) -> List[Finding]:
     return list(check(machine))
 
 
-def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
+def findings(robot: RobotFacts, machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
     """Return the results of all checks, the worst first.
 
     Args:
-        robot: What the nodes report; None: not asked for.
+        robot: What the nodes report.
         machine: What was found about this computer; None: not asked for.
     """
+    here = Machine() if machine is None else machine.machine
     found: List[Finding] = [] if machine is None else [*machine.found]
-    if robot is not None:
-        here = Machine() if machine is None else machine.machine
-        for check in robot_checks.CHECKS:
-            found.extend(check(robot, here))
-        installed = None if machine is None else machine.software
-        found.extend(software_checks.check_versions(robot, installed, here))
+    for check in robot_checks.CHECKS:
+        found.extend(check(robot, here))
+    found.extend(software_checks.check_versions(robot, machine))
     has_space = any(one.check == SPACE and one.level is Level.OK for one in found)
     for number, one in enumerate(found):
         # The storage repeats its last failure until it stores again.

@@ -18,11 +18,11 @@ from gpr20_common.faults import (
 )
 from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.message import Message, received_message, verbatim
-from gpr20_common.mid.node_facts import NodeSoftware, software_difference
+from gpr20_common.mid.node_facts import software_difference
 from gpr20_common.terminal_text import printable
 from gpr20_doctor.low.processes import HALTED, Process, answer_of
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine import SERVICE, Machine
+from gpr20_doctor.mid.machine import SERVICE, Machine, MachineReport
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
 from gpr20_doctor.mid.robot_facts import RobotFacts
 
@@ -155,32 +155,24 @@ def check_packages(machine: Machine) -> Iterator[Finding]:
     yield Finding.of("packages", text, NOT_SET_UP, advice=advice)
 
 
-def check_versions(
-    facts: RobotFacts, installed: Optional[NodeSoftware], machine: Machine
-) -> Iterator[Finding]:
-    """Compare the software of the nodes, and what is installed here.
-
-    Args:
-        facts: What the nodes say.
-        installed: On this computer; None: not looked for.
-        machine: This computer.
-    """
+def check_versions(facts: RobotFacts, here: Optional[MachineReport]) -> Iterator[Finding]:
+    """Compare the software of the nodes, and what is installed here, if that was looked for."""
     if not facts.control_alive:
         return
     software = {name: one for name, one in facts.software.items() if one.version}
     # The node of the images does not describe itself.
     silent = [one for one in EXPECTED_NODES if one not in (IMAGING, *software)]
-    if installed is not None:
-        software["installed here"] = installed
+    if here is not None:
+        software["installed here"] = here.software
     difference = software_difference(software)
     if difference is not None:
         text = Message("Versions: {difference}", difference=difference)
         hosts = {one.host: one.name for one in software.values()}
         fault, advice = VERSIONS_DIFFER.as_warning(), None
-        if any(one.name != hosts[one.host] for one in software.values()):
+        if here is not None and any(one.name != hosts[one.host] for one in software.values()):
             # It was updated under a robot that runs on.
             again = Message("Start all parts of the robot again, from one installation.")
-            fault, advice = OTHER_LAUNCH.as_warning(), machine.restart(again)
+            fault, advice = OTHER_LAUNCH.as_warning(), here.machine.restart(again)
         yield Finding.of("versions", text.reporting_only(fault), fault, advice=advice)
     elif silent:
         text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, silent)))
