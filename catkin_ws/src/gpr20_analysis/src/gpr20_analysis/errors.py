@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Iterable
 
 from gpr20_analysis import faults
@@ -68,6 +68,11 @@ def library_missing(library: str, extra: str = "", package: str = "gpr20_analysi
         extra: The extra that brings it; empty: the package itself.
         package: The package.
     """
+    # A checkout has its own environment, and pip knows none of its packages by name.
+    setups = [one / "scripts/setup.sh" for one in Path(__file__).resolve().parents]
+    setup = next(filter(Path.is_file, setups), None)
+    if setup is not None and not extra:
+        return Message("{library} is not installed; run: {command}", library=library, command=setup)
     package = f"{package}[{extra}]" if extra else package
     return Message(
         "{library} is not installed; install it with: pip install '{package}'",

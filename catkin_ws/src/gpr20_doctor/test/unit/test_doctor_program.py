@@ -138,7 +138,9 @@ def test_a_master_that_starts_later_is_waited_for_if_that_was_asked_for(
     assert ("--ns field" in found["master"]["remedy"]) is waited_for
 
 
-def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path, monkeypatch):
+def test_a_bundle_over_a_file_a_wrong_option_and_a_folder_of_no_user_are_refused(
+    run, tmp_path, monkeypatch
+):
     def write(file, *_all):
         with file.open("x") as stream:
             stream.write("zip")
@@ -148,6 +150,8 @@ def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path,
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 2
     assert (tmp_path / "a.zip").read_text() == "zip"
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 3
+    status, _found, said = run(closed_uri(), "--wait", "-1")
+    assert status == 3 and "allowed: 0 or more seconds" in said
     monkeypatch.setenv("GPR20_CONFIG", "~no_such_user/robot")
     status, found, said = run(closed_uri(), "--quick")
     assert (status, found) == (3, {})

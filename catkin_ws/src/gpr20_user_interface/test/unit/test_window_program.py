@@ -127,3 +127,12 @@ def test_the_language_of_a_parameter_comes_before_the_one_that_was_used_last(mon
     with pytest.raises(InvalidValueError) as caught:
         user_interface._language(Language.SPANISH)
     assert "'fr'" in str(caught.value)
+
+
+def test_only_true_and_false_say_whether_the_window_covers_the_screen(monkeypatch):
+    given = {}
+    monkeypatch.setattr(user_interface.rospy, "get_param", given.get)
+    assert user_interface._covers_screen() is False
+    given["~full_screen"] = "maybe"
+    with pytest.raises(InvalidValueError, match="full_screen is 'maybe'"):
+        user_interface._covers_screen()
