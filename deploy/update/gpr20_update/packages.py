@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Dict, Iterator, List
 from urllib.parse import quote
 
-from gpr20_update.low.system import (
+from gpr20_update.system import (
     Ended,
     Paths,
     UpdateError,

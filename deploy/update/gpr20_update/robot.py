@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 from typing import Collection, Dict, List, Optional, Sequence
 
-from gpr20_update.low.system import Paths, UpdateError, run
+from gpr20_update.system import Paths, UpdateError, run
 
 USER = "gpr20"
 HOME = "/var/lib/gpr20"
