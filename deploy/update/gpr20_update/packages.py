@@ -38,11 +38,7 @@ _KEEP = ("--force-confdef", "--force-confold")
 
 
 class Packages:
-    """The package of this computer.
-
-    Args:
-        paths: Of this computer.
-    """
+    """The package of this computer."""
 
     def __init__(self, paths: Paths) -> None:
         self._paths = paths

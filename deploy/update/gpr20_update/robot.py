@@ -33,11 +33,7 @@ _NAMESPACE = re.compile(r"^GPR20_LAUNCH_ARGUMENTS=.*\bns:=([\w/]+)", re.MULTILIN
 
 
 class Robot:
-    """The robot's software on this computer.
-
-    Args:
-        paths: Of this computer.
-    """
+    """The robot's software on this computer."""
 
     def __init__(self, paths: Paths) -> None:
         self._paths = paths
