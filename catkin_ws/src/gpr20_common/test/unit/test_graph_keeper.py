@@ -228,7 +228,7 @@ def test_who_closes_a_connection_is_no_stranger(port):
 
 def test_strangers_are_said_when_several_come_and_not_too_often(monkeypatch):
     said, doorman = [], _Doorman(SimpleNamespace(inbound_handler=None))
-    monkeypatch.setattr(graph_keeper.LOGGER, "warning", lambda text, **_more: said.append(text))
+    monkeypatch.setattr(graph_keeper, "log_remark", lambda remark: said.append(str(remark)))
     rare = [SAY_PERIOD_S * number for number in range(5)]
     for now_s in (*rare, *(rare[-1] + 1 + number for number in range(9))):
         monkeypatch.setattr(graph_keeper, "time", SimpleNamespace(monotonic=lambda: now_s))  # noqa: B023
