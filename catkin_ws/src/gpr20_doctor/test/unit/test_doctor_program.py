@@ -11,14 +11,12 @@ import re
 import socket
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from types import SimpleNamespace
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
-from robot_kit import free_port
+from robot_kit import RpcServer, free_port
 
 pytest.importorskip("rospy")
 
@@ -38,28 +36,6 @@ from gpr20_survey.plan.survey_state import SurveyState
 ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey", "/b/restart_survey")
 
 
-class Server(SimpleXMLRPCServer):
-    """A master with the services of a robot, and its nodes."""
-
-    def __init__(self):
-        super().__init__(("127.0.0.1", 0), logRequests=False)
-        self.uri = f"http://127.0.0.1:{self.server_address[1]}"
-        state = [[], [["/topic", ["/node"]]], [[name, ["/node"]] for name in ROBOT]]
-        known = {
-            "getPid": lambda *_caller: (1, "", os.getpid()),
-            "getSystemState": lambda _caller: (1, "", state),
-        }
-        for name, method in known.items():
-            self.register_function(method, name)
-        self._thread = threading.Thread(target=self.serve_forever, args=(0.01,))
-        self._thread.start()
-
-    def close(self):
-        self.shutdown()
-        self._thread.join()
-        self.server_close()
-
-
 def closed_uri():
     return f"http://127.0.0.1:{free_port()}"
 
@@ -73,7 +49,13 @@ def hanging():
 
 @pytest.fixture
 def master():
-    with contextlib.closing(Server()) as server:
+    """A master with the services of robots."""
+    state = [[], [["/topic", ["/node"]]], [[name, ["/node"]] for name in ROBOT]]
+    known = {
+        "getPid": lambda *_caller: (1, "", os.getpid()),
+        "getSystemState": lambda _caller: (1, "", state),
+    }
+    with contextlib.closing(RpcServer(**known)) as server:
         yield server
 
 

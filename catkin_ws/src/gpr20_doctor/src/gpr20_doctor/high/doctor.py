@@ -76,7 +76,7 @@ def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     if given.bundle is not None:
         missing = write_bundle(given.bundle, found, robot, machine)
         written = Message(
-            "{file} is written. {count} parts could not be collected: index.json in it says why.",
+            "{file} is written. Not collected: {count}; `missing` in it says what and why.",
             file=given.bundle,
             count=len(missing),
         )
