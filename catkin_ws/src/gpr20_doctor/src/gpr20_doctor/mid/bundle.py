@@ -136,7 +136,7 @@ def _parts(
 def _said(name: str, level: str, message: Message, values: Mapping[str, str]) -> Dict[str, Any]:
     """Return what was said, by the templates of the software and with numbers and keys alone."""
     inside = [item for sentence in message.nested() for item in sentence.values.items()]
-    numbers = {key: one for key, one in inside if isinstance(one, (int, float))}
+    numbers: Dict[str, Any] = {key: one for key, one in inside if isinstance(one, (int, float))}
     numbers.update({key: one for key, one in values.items() if NUMBER.fullmatch(one)})
     about_files = [one for _key, one in inside if isinstance(one, str) and ".yaml" in one]
     return {
