@@ -48,7 +48,8 @@ KEYS = frozenset(
     height_s on_height_failure return_limit_s repeat_limit_db reference_interval_s drift_limit_db
     drift_limit_deg analyzer_limit_s height_limit_s storage_limit_s
     data_disk disk_reserve_mb message_queue_mb timeout_s long_timeout_s commit_period_s
-    false_alarms_per_m2 port session_hours unchecked accepted_calibrations""",
+    false_alarms_per_m2 port session_hours unchecked accepted_calibrations
+    readable_by""",
     )
 )
 # Of a sentence about the configuration: a file, a key and its number.

@@ -164,17 +164,16 @@ def check_power(machine: Machine) -> Iterator[Finding]:
     if not machine.is_pi:
         return
     bits = int(answer_of(FIRMWARE).split("=")[-1], 16)
+    text, fault = Message("Supply voltage of the Raspberry Pi"), faults.VOLTAGE_LOW
     if bits & LOW_NOW:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
-        yield Finding.of("power", text, faults.VOLTAGE_LOW)
     elif bits & (SLOW_NOW | LOW_BEFORE):
         text = Message(
             "The supply voltage of the Raspberry Pi was too low since its start, or it was "
             "slowed down."
         )
-        yield Finding.of("power", text, faults.VOLTAGE_LOW, mild=True)
-    else:
-        yield Finding.of("power", Message("Supply voltage of the Raspberry Pi"))
+        fault = fault.as_warning()
+    yield Finding.of("power", text, fault if bits & (LOW_NOW | SLOW_NOW | LOW_BEFORE) else None)
 
 
 def check_date(machine: Machine) -> Iterator[Finding]:
