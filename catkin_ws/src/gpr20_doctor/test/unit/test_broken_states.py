@@ -449,3 +449,13 @@ def test_what_a_check_cannot_see_is_unknown_and_never_good():
         for check in ("memory", "power", "config_files", "firewall"):
             assert levels[check] is Level.UNKNOWN, check
         assert all(one.remedy for one in report.found if one.level is not Level.OK)
+
+
+def test_a_check_that_hangs_is_unknown_and_the_others_are_made():
+    never = threading.Event()
+    checks = {"disk": lambda _machine: [never.wait(60.0)], "memory": all_findings.CHECKS["memory"]}
+    with mock.patch.multiple(all_findings, LIMIT_S=0.3, CHECKS=checks):
+        first, second = examine(Machine()).found
+    never.set()
+    assert (first.check, first.level) == ("disk", Level.UNKNOWN) and first.remedy
+    assert second.check == "memory"
