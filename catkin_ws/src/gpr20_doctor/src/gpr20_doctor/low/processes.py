@@ -18,9 +18,8 @@ from gpr20_doctor.low.masters import is_here
 DEFAULT_MASTER = "http://localhost:11311"
 LAUNCHES = ("roslaunch", "roscore", "rostest")
 PROC = Path("/proc")
-# States of a process that does nothing: stopped, traced, ended; and of a thread that uses the
-# processor, waits for it, or waits for a disk.
-HALTED, WORKING = frozenset("TtZX"), frozenset("RD")
+# States of a process that does nothing: stopped, traced, ended.
+HALTED = frozenset("TtZX")
 # Of the words after the name, which is in brackets and may hold blanks.
 STATE, PARENT, START = 0, 1, 19
 # Of a program that has nothing to do but to say what it knows, on a busy computer.
@@ -80,16 +79,6 @@ class Process:
     def node(self) -> str:
         """The name that roslaunch gave it, without its namespace; empty: it is no node."""
         return self.argument("__name:=")
-
-    @property
-    def full_name(self) -> str:
-        """The name of a node with its namespace."""
-        return f"/{self.variable('ROS_NAMESPACE').strip('/')}/{self.node}".replace("//", "/")
-
-    def may_be_node(self, name: str) -> bool:
-        """Whether it can be the node with this full name; rosrun starts a program of that name."""
-        base = name.rpartition("/")[2]
-        return self.node == base or any(Path(one).name.endswith(base) for one in self.words[:2])
 
     @property
     def master(self) -> str:
@@ -178,12 +167,6 @@ def process_of(number: int, proc: Path = PROC) -> Optional[Process]:
         return None
     words = _words(folder / "cmdline")
     return Process(number, int(fields[PARENT]), words, fields[STATE], int(fields[START]), folder)
-
-
-def is_working(number: int) -> bool:
-    """Return whether a thread of the process runs, waits for a processor, or for a disk."""
-    tasks = (PROC / str(number)).glob("task/*/stat")
-    return any(WORKING.intersection(_fields(one)[:1]) for one in tasks)
 
 
 def answer_of(
