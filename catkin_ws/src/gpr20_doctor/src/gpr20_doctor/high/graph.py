@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import threading
 from dataclasses import replace
@@ -11,7 +10,6 @@ from typing import Any, Dict, List, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from sensor_msgs.msg import Range
 
 from gpr20_common.high.answers import message_from, record_of
 from gpr20_common.high.diagnostics import FAULT
@@ -20,10 +18,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import received_message
 from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.node_health import HealthLevel, HealthTracker, NodeHealth
-from gpr20_doctor.mid.robot_facts import AxisReport, Evidence, RobotFacts, unheard
-from gpr20_msgs.msg import ControlStatus, CurrentCoordinate, RobotConfiguration
+from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
+from gpr20_msgs.msg import ControlStatus, RobotConfiguration
 from gpr20_msgs.srv import TestAnalyzer
-from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import VNA_SILENT
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
@@ -68,17 +65,6 @@ def descriptions(message: RobotConfiguration) -> Dict[str, NodeDescription]:
         except ValueError:
             continue  # the main control reports it as a problem of the configuration
     return found
-
-
-def axis_report(axis: AxisId, message: CurrentCoordinate) -> AxisReport:
-    """Convert `current_coord` of an axis."""
-    return AxisReport(axis, message.coordinate, message.homed, message.moving, message.owner)
-
-
-def height_m(message: Range) -> float:
-    """Convert `measured_height` [m]; a value outside the sensor's range is none (REP 117)."""
-    within = message.min_range <= message.range <= message.max_range
-    return float(message.range) if within else math.nan
 
 
 def analyzer_test_of(answer: Any) -> AnalyzerTest:

@@ -21,7 +21,6 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import Machine
-from gpr20_doctor.mid.node_health import axis_node
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.data_folder import existing_folder, file_system_of
@@ -118,8 +117,7 @@ def check_hardware(machine: Machine) -> Iterator[Finding]:
 
 def _has_pins(machine: Machine, axis: AxisId) -> bool:
     """Return whether an axis is moved by pins, and not by another controller."""
-    node = machine.nodes.get(axis_node(axis))
-    own = machine.configured("axes.yaml", axis.value) if node is None else node.configuration
+    own = machine.configured("axes.yaml", axis.value)
     return not (isinstance(own, Mapping) and own.get("controller"))
 
 

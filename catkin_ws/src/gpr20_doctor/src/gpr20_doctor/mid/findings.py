@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optio
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
 from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low.processes import FAILURES, in_time
 from gpr20_doctor.mid import (
@@ -29,7 +29,6 @@ from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.plan.robot_description import STORAGE
 
 SPACE = "data_disk"
-BETWEEN = "; "
 LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
@@ -123,7 +122,10 @@ def summary(found: Tuple[Finding, ...]) -> Message:
 def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
     """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
     for one in found:
-        level, details = catalogue.text(one.level.title), BETWEEN.join(one.text.all_details)
+        level, details = (
+            catalogue.text(one.level.title),
+            BETWEEN_SENTENCES.join(one.text.all_details),
+        )
         text = catalogue.text(one.text) + (f" ({details})" if details else "")
         yield f"{level:{LEVEL_WIDTH}}{text}"
         if one.remedy is not None:
@@ -141,7 +143,7 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
                 "fault_code": one.text.fault_code,
                 "level": one.level.name,
                 "text": catalogue.text(one.text),
-                "details": BETWEEN.join(one.text.all_details),
+                "details": BETWEEN_SENTENCES.join(one.text.all_details),
                 "remedy": "" if one.remedy is None else catalogue.text(one.remedy),
             }
             for one in found
