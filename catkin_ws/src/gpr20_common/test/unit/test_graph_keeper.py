@@ -9,11 +9,11 @@ import pytest
 
 pytest.importorskip("rospy")
 
+from robot_kit import RpcServer
 from rosgraph.network import encode_ros_handshake_header
 from rosgraph.xmlrpc import SilenceableXMLRPCRequestHandler as Handler
 from rosgraph.xmlrpc import ThreadingXMLRPCServer, XmlRpcHandler, XmlRpcNode
 from rospy.impl.tcpros_base import TCPServer
-from test_links import Server
 
 from gpr20_common.high import graph_keeper
 from gpr20_common.high.graph_keeper import (
@@ -35,10 +35,10 @@ class Graph:
 
     def __init__(self):
         self.process, self.known, self.parameters, self.told = 7, 1, PARAMETERS, []
-        self.node = Server(publisherUpdate=lambda _caller, *new: self._tell(*new))
-        self.publisher = Server(getPid=lambda _caller: (1, "", 17))
+        self.node = RpcServer(publisherUpdate=lambda _caller, *new: self._tell(*new))
+        self.publisher = RpcServer(getPid=lambda _caller: (1, "", 17))
         self.publishers = [self.publisher.uri]
-        self.master = Server(
+        self.master = RpcServer(
             getPid=lambda _caller: (1, "", self.process),
             lookupNode=lambda _caller, _node: (self.known, "", "http://me"),
             getParam=lambda _caller, _name: (1, "", self.parameters),
