@@ -453,7 +453,11 @@ def test_what_a_check_cannot_see_is_unknown_and_never_good():
 
 def test_a_check_that_hangs_is_unknown_and_the_others_are_made():
     never = threading.Event()
-    checks = {"disk": lambda _machine: [never.wait(60.0)], "memory": all_findings.CHECKS["memory"]}
+
+    def hangs(_machine):
+        yield never.wait(60.0)
+
+    checks = {"disk": hangs, "memory": all_findings.CHECKS["memory"]}
     with mock.patch.multiple(all_findings, LIMIT_S=0.3, CHECKS=checks):
         first, second = examine(Machine()).found
     never.set()

@@ -38,7 +38,8 @@ SPACE_AGAIN = Message(
 )
 
 
-Check = Callable[[Machine], Iterable[Finding]]
+# A generator: it begins when its findings are asked for, with a limit.
+Check = Callable[[Machine], Iterator[Finding]]
 # A check that takes longer hangs, such as on a disk; that of the configuration has its own limit.
 LIMIT_S, LONG_LIMIT_S = 6.0, 70.0
 # Each with the name of its findings.
@@ -64,7 +65,7 @@ def examine(machine: Machine) -> MachineReport:
     for name, check in CHECKS.items():
         limit_s = LONG_LIMIT_S if check is software_checks.check_configuration else LIMIT_S
         try:
-            found.extend(in_time(partial(_list, check, machine), limit_s))
+            found.extend(in_time(partial(list, check(machine)), limit_s))
         except FAILURES as error:
             reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
             text = Message(
@@ -72,10 +73,6 @@ def examine(machine: Machine) -> MachineReport:
             )
             found.append(Finding(name, Level.UNKNOWN, text, BY_HAND))
     return MachineReport(tuple(found), own_software(), machine)
-
-
-def _list(check: Check, machine: Machine) -> List[Finding]:
-    return list(check(machine))
 
 
 def findings(robot: RobotFacts, machine: Optional[MachineReport]) -> Tuple[Finding, ...]:

@@ -58,8 +58,7 @@ def check_configuration(machine: Machine) -> Iterator[Finding]:
     for one in records:
         # Each problem has its own fault; one without has that of a value.
         text = Message("Configuration: {reason}", reason=received_message(UNREADABLE, one))
-        known = text if text.cause is not None else text.with_fault(CONFIGURATION)
-        yield Finding.of_fault("config_files", known)
+        yield Finding.of("config_files", text, CONFIGURATION if text.cause is None else None)
     if not records:
         values = {"folder": printable(folder), "robot": robot}
         text = Message("Configuration in {folder}, for robot:={robot}", **values)
