@@ -42,7 +42,7 @@ def fault_log() -> Iterator[List[str]]:
     """What is logged of faults in threads; nothing of what a rospy of an earlier test logs."""
     texts: List[str] = []
     handler = logging.Handler()
-    handler.addFilter(lambda record: hasattr(record, "failed_part"))
+    handler.addFilter(lambda record: hasattr(record, "said") and bool(record.said.fault))
     handler.emit = lambda record: texts.append(record.getMessage())  # type: ignore[method-assign]
     logger = logging.getLogger("rosout")
     logger.addHandler(handler)

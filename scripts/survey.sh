@@ -14,6 +14,16 @@ case " $* " in
     *" -h "* | *" --help "*) exec rosrun gpr20_user_interface run_survey --help ;;
 esac
 
+# Around both targets of the scene, 40 mm from stop to stop.
+area=(--x-start-mm 90 --x-stop-mm 330 --x-points 7 --y-start-mm 80 --y-stop-mm 320 --y-points 7)
+# A survey that exists has its own.
+case " $* " in *" --resume"*) area=() ;; esac
+# A mistake is refused before a robot is started for it.
+python -c 'import sys
+from gpr20_common.catalogue import Catalogue
+from gpr20_user_interface.terminal.survey_arguments import parse_arguments
+parse_arguments(sys.argv[1:], Catalogue())' "${area[@]}" "$@"
+
 data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"
 time_scale="${GPR20_TIME_SCALE:-50}"
 scene="$GPR20_WORKSPACE/src/gpr20_simulator/scenes/two_targets.yaml"
@@ -35,10 +45,6 @@ shut_down() {
 }
 trap shut_down EXIT
 
-# Around both targets of the scene, 40 mm from stop to stop.
-area=(--x-start-mm 90 --x-stop-mm 330 --x-points 7 --y-start-mm 80 --y-stop-mm 320 --y-points 7)
-# A survey that exists has its own.
-case " $* " in *" --resume"*) area=() ;; esac
 status=0 survey=
 # The first start is slow on a small or busy machine: nothing is compiled yet.
 rosrun gpr20_user_interface run_survey --wait 120 "${area[@]}" "$@" || status=$?

@@ -17,7 +17,7 @@ import pytest
 
 from gpr20_doctor import add_arguments
 from gpr20_survey.plan.survey_state import RUNNING
-from gpr20_update.mid import robot
+from gpr20_update import robot
 
 pytestmark = pytest.mark.needs("packages")
 

@@ -42,10 +42,9 @@ esac
 esac
 """,
 }
-MAIN = """import os, signal, subprocess, sys
-sys.path.insert(0, PROGRAM)
-from gpr20_update.high.command import main
-from gpr20_update.mid import packages
+MAIN = """import os, runpy, signal, subprocess
+main = runpy.run_path(PROGRAM)["main"]
+from gpr20_update import packages
 
 events, last, begun = 0, int(os.environ.get("KILL_AT", "0")), False
 

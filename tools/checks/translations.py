@@ -22,7 +22,7 @@ ROOT = Path(__file__).resolve().parents[2]
 COMPLETE = FOLDER / "es.po"
 FUNCTIONS = ("Message", "tr")
 # They pass on a template that was written elsewhere.
-PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "sent_message", "catalogue"))
+PASS_ON = tuple(f"gpr20_common/{name}.py" for name in ("message", "catalogue"))
 
 
 def module_files() -> Dict[str, Path]:

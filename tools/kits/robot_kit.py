@@ -1,5 +1,7 @@
 """The simulated robot under a ROS master of its own: start it, find and kill its processes, end it.
 
+Beside it, what stands in for one of its nodes.
+
 For the scripts and benchmarks that launch a whole robot; needs the ROS environment.
 """
 
@@ -12,10 +14,12 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import uuid
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, Optional
+from typing import Any, Callable, Dict, Iterator, List, Optional
+from xmlrpc.server import SimpleXMLRPCServer
 
 import psutil
 
@@ -46,6 +50,31 @@ END_LIMIT_S = 60.0
 KILLED_LIMIT_S = 0.1
 PORTS_GIVEN = Path("/proc/sys/net/ipv4/ip_local_port_range")
 OWN_PORTS, PORTS_OF_PROCESS = 8000, 20
+
+
+class RpcServer:
+    """An XML-RPC server in a thread, as a node or the master has one; `running` halts it."""
+
+    def __init__(self, **methods: Callable[..., Any]) -> None:
+        self.server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+        self.uri = f"http://127.0.0.1:{self.server.server_address[1]}/"
+        self.running = threading.Event()
+        self.running.set()
+        for name, method in methods.items():
+            self.server.register_function(self._when_running(method), name)
+        threading.Thread(target=self.server.serve_forever, args=(0.01,), daemon=True).start()
+
+    def close(self) -> None:
+        self.running.set()
+        self.server.shutdown()
+        self.server.server_close()
+
+    def _when_running(self, method: Callable[..., Any]) -> Callable[..., Any]:
+        def answer(*arguments: Any) -> Any:
+            self.running.wait()
+            return method(*arguments)
+
+        return answer
 
 
 def free_port() -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Iterable
 
 from gpr20_common.errors import Gpr20Error
@@ -181,6 +181,11 @@ def library_missing(library: str, extra: str = "", package: str = "gpr20_analysi
         extra: The extra that brings it; empty: the package itself.
         package: The package.
     """
+    # A checkout has its own environment, and pip knows none of its packages by name.
+    setups = [one / "scripts/setup.sh" for one in Path(__file__).resolve().parents]
+    setup = next(filter(Path.is_file, setups), None)
+    if setup is not None and not extra:
+        return Message("{library} is not installed; run: {command}", library=library, command=setup)
     package = f"{package}[{extra}]" if extra else package
     return Message(
         "{library} is not installed; install it with: pip install '{package}'",

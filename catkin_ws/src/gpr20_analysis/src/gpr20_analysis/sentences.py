@@ -15,8 +15,7 @@ from gpr20_analysis.errors import library_missing
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import ASKED_FOR, DISK_REFUSES, NOT_ALLOWED
-from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import BETWEEN_SENTENCES, Message, in_a_row, received_message
 from gpr20_survey.faults import NOT_SIGNED
 
 # The command line needs this module before it knows which libraries a command needs.

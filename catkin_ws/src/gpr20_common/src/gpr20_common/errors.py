@@ -8,9 +8,6 @@ from typing import ClassVar, Optional
 from gpr20_common import faults
 from gpr20_common.message import Fault, Message, verbatim
 
-# What reading something that anybody may have written can raise.
-UNREADABLE = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
-
 
 class Gpr20Error(Exception):
     """Something was refused or failed; the message says what, why and what to do.

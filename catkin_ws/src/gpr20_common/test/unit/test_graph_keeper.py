@@ -9,11 +9,11 @@ import pytest
 
 pytest.importorskip("rospy")
 
+from robot_kit import RpcServer
 from rosgraph.network import encode_ros_handshake_header
 from rosgraph.xmlrpc import SilenceableXMLRPCRequestHandler as Handler
 from rosgraph.xmlrpc import ThreadingXMLRPCServer, XmlRpcHandler, XmlRpcNode
 from rospy.impl.tcpros_base import TCPServer
-from test_links import Server
 
 from gpr20_common.high import graph_keeper
 from gpr20_common.high.graph_keeper import (
@@ -35,10 +35,10 @@ class Graph:
 
     def __init__(self):
         self.process, self.known, self.parameters, self.told = 7, 1, PARAMETERS, []
-        self.node = Server(publisherUpdate=lambda _caller, *new: self._tell(*new))
-        self.publisher = Server(getPid=lambda _caller: (1, "", 17))
+        self.node = RpcServer(publisherUpdate=lambda _caller, *new: self._tell(*new))
+        self.publisher = RpcServer(getPid=lambda _caller: (1, "", 17))
         self.publishers = [self.publisher.uri]
-        self.master = Server(
+        self.master = RpcServer(
             getPid=lambda _caller: (1, "", self.process),
             lookupNode=lambda _caller, _node: (self.known, "", "http://me"),
             getParam=lambda _caller, _name: (1, "", self.parameters),
@@ -228,7 +228,7 @@ def test_who_closes_a_connection_is_no_stranger(port):
 
 def test_strangers_are_said_when_several_come_and_not_too_often(monkeypatch):
     said, doorman = [], _Doorman(SimpleNamespace(inbound_handler=None))
-    monkeypatch.setattr(graph_keeper.LOGGER, "warning", lambda text, **_more: said.append(text))
+    monkeypatch.setattr(graph_keeper, "log_remark", lambda remark: said.append(str(remark)))
     rare = [SAY_PERIOD_S * number for number in range(5)]
     for now_s in (*rare, *(rare[-1] + 1 + number for number in range(9))):
         monkeypatch.setattr(graph_keeper, "time", SimpleNamespace(monotonic=lambda: now_s))  # noqa: B023

@@ -2,11 +2,12 @@
 
 import socket
 import threading
-from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
+from xmlrpc.server import SimpleXMLRPCRequestHandler
 
 import pytest
 from case_kit import each_case
 from fault_kit import raises_fault
+from robot_kit import RpcServer
 
 from gpr20_common import faults
 from gpr20_common.errors import NodeGoneError, NodeSilentError
@@ -16,27 +17,12 @@ from gpr20_common.low.links import NodeProbe
 LIMIT_S, SHORT_S = 100.0, 2.0
 
 
-class Server:
-    """An XML-RPC server in a thread, as a node or the master has one."""
-
-    def __init__(self, **methods):
-        self.server = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
-        for name, method in methods.items():
-            self.server.register_function(method, name)
-        self.uri = f"http://127.0.0.1:{self.server.server_address[1]}/"
-        threading.Thread(target=self.server.serve_forever, args=(0.01,), daemon=True).start()
-
-    def close(self):
-        self.server.shutdown()
-        self.server.server_close()
-
-
 class Graph:
     """A master that knows nodes."""
 
     def __init__(self):
         self.uris = {}
-        self.master = Server(lookupNode=self._look_up)
+        self.master = RpcServer(lookupNode=self._look_up)
         self.lookups = 0
 
     def _look_up(self, _caller, name):
@@ -45,7 +31,7 @@ class Graph:
         return (1, "", uri) if uri else (-1, f"unknown node [{name}]", "")
 
     def add(self, answer):
-        node = Server(getPid=lambda _caller: answer)
+        node = RpcServer(getPid=lambda _caller: answer)
         self.uris["/x"] = node.uri
         return node
 

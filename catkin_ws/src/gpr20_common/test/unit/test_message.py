@@ -14,15 +14,17 @@ from gpr20_common.catalogue import Catalogue, Language, read_catalogue
 from gpr20_common.errors import Gpr20Error, InvalidValueError, NodeGoneError
 from gpr20_common.message import (
     CODE_FORMAT,
+    MAX_CHARACTERS,
     MOTORS_OFF,
+    UNKNOWN_CODE,
     Fault,
     Message,
     Severity,
     in_a_row,
     numeral,
+    received_message,
     verbatim,
 )
-from gpr20_common.sent_message import MAX_CHARACTERS, UNKNOWN_CODE, received_message
 
 pytest.importorskip("gpr20_msgs.msg")
 

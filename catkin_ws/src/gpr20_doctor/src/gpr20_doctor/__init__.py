@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import os
 from pathlib import Path
 
@@ -15,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quick", action="store_true", help="without the test of the VNA")
     parser.add_argument(
         "--wait",
-        type=float,
+        type=_seconds,
         default=DEFAULT_WAIT_S,
         metavar="S",
         help="wait at most this long until every part of the robot has reported [s]; default "
@@ -27,6 +28,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--bundle",
         type=Path,
-        metavar="FILE.zip",
+        metavar="FILE.json",
         help="also write one file for remote help: findings, versions, settings, errors",
     )
+
+
+def _seconds(text: str) -> float:
+    if not 0.0 <= float(text) < math.inf:
+        raise argparse.ArgumentTypeError(f"{text} is no time; allowed: 0 or more seconds")
+    return float(text)

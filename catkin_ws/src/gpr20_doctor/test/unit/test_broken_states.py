@@ -27,14 +27,14 @@ from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low import masters, processes
-from gpr20_doctor.low.masters import NodeState, state_of
+from gpr20_doctor.low.masters import state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid import findings as all_findings
 from gpr20_doctor.mid.finding import Level
 from gpr20_doctor.mid.findings import examine, findings
 from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_checks import evidence_of
-from gpr20_doctor.mid.robot_facts import Evidence, unheard
+from gpr20_doctor.mid.robot_facts import unheard
 
 pytestmark = pytest.mark.needs("mounts")
 
@@ -201,9 +201,8 @@ def robot(**changes):
     return lambda one: setattr(one, "robot", replace(one.robot, **changes))
 
 
-def silent(state):
-    nodes = stale("height_sensor").nodes
-    return robot(nodes=nodes, evidence=Evidence(nodes={"height_sensor": state}))
+def silent(name):
+    return robot(nodes=stale(name).nodes)
 
 
 def variable(name, value):
@@ -238,14 +237,15 @@ NOT_RUNNING, LOST = "master robot.not_running", "master robot.master_lost"
 ADDRESS, FIREWALL = "addresses network.address", "firewall network.firewall"
 STATES = {
     # Nodes.
-    "a part of the robot hangs": State(
-        "height_sensor robot.part_lost", "Wait one minute", silent(NodeState.HANGS)
+    "an axis hangs or has ended": State(
+        *("y_axis/axis_driver robot.part_lost", "Keep your hands clear"),
+        silent("y_axis/axis_driver"),
     ),
-    "a part of the robot has ended": State(
-        "missing robot.not_running", "systemctl restart gpr20", silent(NodeState.GONE)
+    "a part hangs or has ended that moves nothing": State(
+        "imaging robot.part_silent", "Wait one minute", silent("imaging")
     ),
     "the watchdog was stopped": State(
-        *("launch robot.part_lost", "kill -CONT 22"),
+        *("launch robot.part_silent", "kill -CONT 22"),
         *(lambda one: one.change(22, " S ", " T "), lambda one: one.change(22, " T ", " S ")),
     ),
     "the watchdog has ended": State(
@@ -253,10 +253,10 @@ STATES = {
         lambda one: one.write("proc/22/cmdline", ""),
     ),
     "the visualization was stopped": State(
-        "launch robot.part_lost", "kill -CONT 23", lambda one: one.change(23, " S ", " T ")
+        "launch robot.part_silent", "kill -CONT 23", lambda one: one.change(23, " S ", " T ")
     ),
     "roslaunch was stopped": State(
-        "launch robot.part_lost", "kill -CONT 20", lambda one: one.change(20, " S ", " T ")
+        "launch robot.part_silent", "kill -CONT 20", lambda one: one.change(20, " S ", " T ")
     ),
     "roslaunch has ended": State(
         "launch robot.internal_error", "kill 21 22 23", lambda one: one.write("proc/20/cmdline", "")
@@ -449,3 +449,17 @@ def test_what_a_check_cannot_see_is_unknown_and_never_good():
         for check in ("memory", "power", "config_files", "firewall"):
             assert levels[check] is Level.UNKNOWN, check
         assert all(one.remedy for one in report.found if one.level is not Level.OK)
+
+
+def test_a_check_that_hangs_is_unknown_and_the_others_are_made():
+    never = threading.Event()
+
+    def hangs(_machine):
+        yield never.wait(60.0)
+
+    checks = {"disk": hangs, "memory": all_findings.CHECKS["memory"]}
+    with mock.patch.multiple(all_findings, LIMIT_S=0.3, CHECKS=checks):
+        first, second = examine(Machine()).found
+    never.set()
+    assert (first.check, first.level) == ("disk", Level.UNKNOWN) and first.remedy
+    assert second.check == "memory"

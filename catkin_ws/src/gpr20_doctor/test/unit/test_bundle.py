@@ -2,7 +2,6 @@
 
 import json
 import os
-import zipfile
 from unittest import mock
 
 import pytest
@@ -10,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from test_robot_checks import report
 
-from gpr20_common.faults import DISK_FULL
+from gpr20_common.faults import CONFIGURATION, DISK_FULL
 from gpr20_common.message import Message
 from gpr20_doctor.mid import bundle
+from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine import Machine
 from gpr20_survey.folder.log_record import Kind, LogRecord
@@ -26,6 +26,7 @@ Traceback (most recent call last):
   File "/opt/{SECRET}/gpr20_web/low/logins.py", line 12, in send
     connect("{SECRET}")
 ConnectionError: {SERVICE}
+[rosout][WARN] 2026-11-30 12:11:52,000: store_data refused: the disk is full ({SECRET})
 [robot/web-7] process has died [pid 12, exit code -9, cmd web --password {SECRET}].
 """
 
@@ -40,8 +41,10 @@ def machine(tmp_path):
         "robot/axes.yaml": f"x: {{dir_pin: 13, type: LIN, controller_options: [{SECRET}]}}\n",
         "robot/web.yaml": f"port: 8080\nfolder: /srv/{SECRET}\n",
         "robot/height.yaml": "a: [\n",
+        "robot/wiring.yaml": f"unchecked: [pins, '{SECRET}', directions]\n",
         "robot/signing_key": SECRET,
         "logs/run/web.log": LOG,
+        "logs/run/quiet.log": LOG.splitlines()[0],
         f"data/{SURVEY}/log.jsonl": fault,
         f"data/{SURVEY}/traces/000001.json": "a trace",
     }
@@ -57,13 +60,12 @@ def machine(tmp_path):
     return Machine.here(environment, tmp_path, tmp_path / "robot")
 
 
-def written(tmp_path, machine, robot):
-    """Return the parts of a bundle by their names, without the index, and what is missing."""
+def written(tmp_path, machine, robot, *more):
+    """Return the parts of a bundle, by their names."""
     with mock.patch("os.nice"):  # a process cannot take its niceness back
-        bundle.write_bundle(tmp_path / "help.zip", findings(robot, None), robot, machine)
-    with zipfile.ZipFile(tmp_path / "help.zip") as archive:
-        parts = {name: archive.read(name).decode() for name in archive.namelist()}
-    return parts, json.loads(parts.pop("index.json"))
+        found = (*findings(robot, None), *more)
+        bundle.write_bundle(tmp_path / "help.json", found, robot, machine)
+    return json.loads((tmp_path / "help.json").read_text())
 
 
 SAYS = Message(
@@ -71,6 +73,10 @@ SAYS = Message(
     name=Message(SECRET),
     state=Message("the disk is full", details=SECRET).with_fault(DISK_FULL),
 )
+
+
+PLACE = Message("{place}: {reason}", place=f"/{SECRET}/axes.yaml: x/dir_pin is 28", reason=SECRET)
+WRONG = Finding.of("config_files", PLACE, CONFIGURATION)
 
 
 def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, machine):
@@ -83,36 +89,31 @@ def test_it_holds_what_helps_and_no_secret_however_that_is_written(tmp_path, mac
         stored="12",
         address="192.0.2.7",
     )
-    parts, index = written(tmp_path, machine, robot)
-    for words in (
-        "hunt",
-        "er2",
-        "h9ter",
-        "ntfy",
-        "mines",
-        "Kim",
-        "a trace",
-        "192.0",
-        str(tmp_path),
-    ):
-        assert not [name for name, text in parts.items() if words in text], words
-    (said,) = [one for one in json.loads(parts["diagnostics.json"]) if one["level"] == "ERROR"]
+    parts = written(tmp_path, machine, robot, WRONG)
+    whole = (tmp_path / "help.json").read_text()
+    for words in ("hunt", "er2", "h9ter", "ntfy", "mines-", "Kim", "a trace", "192.0"):
+        assert words not in whole, words
+    assert str(tmp_path) not in whole
+    (said,) = [one for one in parts["diagnostics"] if one["level"] == "ERROR"]
     assert said["name"] == "vna_processing" and said["numbers"] == {"stored": "12"}
     assert said["code"] == "disk.full" and "the disk is full" in said["said"]
-    assert json.loads(parts["configuration/axes.yaml"]) == {"x": {"dir_pin": 13, "type": "LIN"}}
-    assert json.loads(parts["configuration/web.yaml"]) == {"port": 8080}
-    assert '"kind":"pause"' in parts["survey.txt"] and '"code":"disk.full"' in parts["survey.txt"]
-    assert parts["logs/000.txt"].splitlines() == [
+    assert parts["findings"][-1]["places"] == ["axes.yaml", "x/dir_pin is 28"]
+    assert parts["wiring.yaml"] == {"unchecked": ["pins", "directions"]}
+    assert parts["axes.yaml"] == {"x": {"dir_pin": 13, "type": "LIN"}}
+    assert parts["web.yaml"] == {"port": 8080}
+    assert '"kind":"pause"' in parts["survey"] and '"code":"disk.full"' in parts["survey"]
+    # Nothing went wrong in the other one.
+    (log,) = [text for name, text in parts.items() if name.startswith("log ")]
+    assert log == [
         "[rosout][ERROR] 2026-11-30 12:11:51,000",
         'gpr20_web/low/logins.py", line 12, in send',
         "ConnectionError",
+        "[rosout][WARN] 2026-11-30 12:11:52,000",
+        "the disk is full",
         "[robot/web-7] process has died [pid 12, exit code -9",
     ]
     # One that cannot be read; what is not there has the defaults.
-    assert list(index["missing"]) == ["configuration/height.yaml"]
-    for line in parts["README.txt"].splitlines()[2:8]:
-        name = line.split()[0].strip(",")
-        assert any(one.startswith(name) for one in parts), name
+    assert list(parts["missing"]) == ["height.yaml"]
 
 
 NAMES = st.sampled_from([*sorted(bundle.KEYS), "password", SECRET])
@@ -135,18 +136,18 @@ def test_logs_have_a_limit_and_the_newest_are_taken(tmp_path, machine):
         path = tmp_path / f"logs/node-{number}.log"
         path.write_text(f"[a{number}][ERROR] 2026-11-30 12:11:50,361: x\n")
         os.utime(str(path), (2e9 + number,) * 2)
-    parts, _index = written(tmp_path, machine, report("web"))
-    logs = [name for name in parts if name.startswith("logs/")]
+    parts = written(tmp_path, machine, report("web"))
+    logs = [text for name, text in parts.items() if name.startswith("log ")]
     assert len(logs) == bundle.LOG_FILES
-    assert "[a104]" in parts["logs/000.txt"] and not any("[a4]" in one for one in parts.values())
+    assert "[a104]" in logs[0][0] and not any("[a4]" in str(one) for one in logs)
 
 
 def test_a_bundle_that_cannot_be_written_leaves_nothing_and_replaces_nothing(tmp_path, machine):
     refuse = mock.Mock(side_effect=MemoryError)
     with mock.patch.object(bundle, "_versions", refuse), pytest.raises(MemoryError):
         written(tmp_path, machine, report("web"))
-    assert not (tmp_path / "help.zip").exists()
-    (tmp_path / "help.zip").write_text("mine")
+    assert not (tmp_path / "help.json").exists()
+    (tmp_path / "help.json").write_text("mine")
     with pytest.raises(FileExistsError):
         written(tmp_path, machine, report("web"))
-    assert (tmp_path / "help.zip").read_text() == "mine"
+    assert (tmp_path / "help.json").read_text() == "mine"

@@ -11,14 +11,12 @@ import re
 import socket
 import subprocess
 import sys
-import threading
 from pathlib import Path
 from types import SimpleNamespace
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
-from robot_kit import free_port
+from robot_kit import RpcServer, free_port
 
 pytest.importorskip("rospy")
 
@@ -26,9 +24,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_doctor.high import doctor, graph, node_reports
+from gpr20_doctor.high import doctor, graph
 from gpr20_doctor.low import masters
-from gpr20_doctor.low.masters import MasterState, NodeState
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
@@ -36,34 +34,6 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey.plan.survey_state import SurveyState
 
 ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey", "/b/restart_survey")
-
-
-class Server(SimpleXMLRPCServer):
-    """A master with the services of a robot, and its nodes."""
-
-    def __init__(self):
-        super().__init__(("127.0.0.1", 0), logRequests=False)
-        self.uri = f"http://127.0.0.1:{self.server_address[1]}"
-        self.nodes = {"node": self.uri}
-        state = [[], [["/topic", ["/node"]]], [[name, ["/node"]] for name in ROBOT]]
-        known = {
-            "getPid": lambda *_caller: (1, "", os.getpid()),
-            "getSystemState": lambda _caller: (1, "", state),
-            "lookupNode": self._look_up,
-        }
-        for name, method in known.items():
-            self.register_function(method, name)
-        self._thread = threading.Thread(target=self.serve_forever, args=(0.01,))
-        self._thread.start()
-
-    def _look_up(self, _caller, name):
-        uri = self.nodes.get(name.rpartition("/")[2])
-        return (1, "", uri) if uri else (-1, "unknown node", 0)
-
-    def close(self):
-        self.shutdown()
-        self._thread.join()
-        self.server_close()
 
 
 def closed_uri():
@@ -79,7 +49,13 @@ def hanging():
 
 @pytest.fixture
 def master():
-    with contextlib.closing(Server()) as server:
+    """A master with the services of robots."""
+    state = [[], [["/topic", ["/node"]]], [[name, ["/node"]] for name in ROBOT]]
+    known = {
+        "getPid": lambda *_caller: (1, "", os.getpid()),
+        "getSystemState": lambda _caller: (1, "", state),
+    }
+    with contextlib.closing(RpcServer(**known)) as server:
         yield server
 
 
@@ -90,7 +66,7 @@ def computer(tmp_path, monkeypatch):
     for name in ("init_node", "Subscriber", "signal_shutdown"):
         monkeypatch.setattr(graph.rospy, name, lambda *_all, **_more: None)
     moment = SimpleNamespace(time_of_day_us=lambda: 1_000_000_000)
-    monkeypatch.setattr(node_reports, "Clock", lambda: moment)
+    monkeypatch.setattr(graph, "Clock", lambda: moment)
     monkeypatch.setattr(graph, "ServiceClient", Services())
     monkeypatch.setattr(doctor, "ROOT", tmp_path)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 30.0)
@@ -118,15 +94,9 @@ def run(monkeypatch, capsys):
     return run
 
 
-def test_a_master_names_its_robots_and_its_nodes_and_a_silent_one_has_none(
-    master, hanging, monkeypatch
-):
+def test_a_master_names_its_robots_and_a_silent_one_has_none(master, hanging, monkeypatch):
     assert masters.robots_at(master.uri) == ("/field",)
-    master.nodes.update(hangs=hanging)
-    found = masters.node_states(master.uri, ["/a/node", "/a/never"])
-    assert tuple(found.values()) == (NodeState.ANSWERS, NodeState.GONE)
     monkeypatch.setattr(masters, "ANSWER_LIMIT_S", 0.2)
-    assert masters.node_states(master.uri, ["/a/hangs"]) == {"/a/hangs": NodeState.HANGS}
     for silent in (closed_uri(), hanging):
         assert masters.robots_at(silent) == ()
 
@@ -150,7 +120,9 @@ def test_a_master_that_starts_later_is_waited_for_if_that_was_asked_for(
     assert ("--ns field" in found["master"]["remedy"]) is waited_for
 
 
-def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path, monkeypatch):
+def test_a_bundle_over_a_file_a_wrong_option_and_a_folder_of_no_user_are_refused(
+    run, tmp_path, monkeypatch
+):
     def write(file, *_all):
         with file.open("x") as stream:
             stream.write("zip")
@@ -160,6 +132,8 @@ def test_a_bundle_over_a_file_and_a_folder_of_no_user_are_refused(run, tmp_path,
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 2
     assert (tmp_path / "a.zip").read_text() == "zip"
     assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 3
+    status, _found, said = run(closed_uri(), "--wait", "-1")
+    assert status == 3 and "allowed: 0 or more seconds" in said
     monkeypatch.setenv("GPR20_CONFIG", "~no_such_user/robot")
     status, found, said = run(closed_uri(), "--quick")
     assert (status, found) == (3, {})
@@ -230,7 +204,7 @@ def test_what_is_published_is_judged_and_the_vna_is_tested_but_never_beside_a_su
     assert found["clocks"]["fault_code"] == "clock.wrong"
     assert found["versions"]["fault_code"] == "robot.versions_differ"
     assert services.called == called
-    assert ("vna" in found) is bool(called)
+    assert found["vna"]["level"] == ("FAULT" if called else "UNKNOWN")
 
 
 def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monkeypatch):
@@ -252,7 +226,7 @@ def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
     # Anybody can publish there.
     given = (0, 7, 3, b"\x01", 255)
     status = [DiagnosticStatus(name=f"/part_{one}", level=one) for one in given]
-    found = node_reports.node_healths(DiagnosticArray(status=status), "/")
+    found = graph.node_healths(DiagnosticArray(status=status), "/")
     ok, warn, error, stale = HealthLevel
     assert [one.level for one in found] == [ok, error, stale, warn, error]
 

@@ -85,6 +85,7 @@ CASES = [
     (facts(configuration_problem=FAILED), Level.FAULT, "No survey can", None),
     (facts(configured=False), Level.UNKNOWN, "configuration is not known", None),
     (facts(simulated=True, analyzer=None), Level.UNKNOWN, "has not been read", None),
+    (facts(surveying=True, analyzer=None), Level.UNKNOWN, "VNA was not tested", None),
     (report(HEIGHT, ERROR, "out"), Level.FAULT, "Height sensor: out", common_faults.INTERNAL),
     (report(X_AXIS, WARN, UNHOMED), Level.NOTE, "X axis: lost", None),
     (report(X_AXIS, WARN, PAUSED), Level.WARNING, "X axis: paused", None),
@@ -121,6 +122,12 @@ def test_a_calibration_has_level_code_and_remedy_of_its_fault(status):
     assert bool(one.remedy) == (fault is not None)
 
 
+def test_a_calibration_that_was_read_before_is_not_called_good():
+    heard = replace(report(VNA, calibration="HIGH"), analyzer=None)
+    levels = {one.check: one.level for one in findings(heard, None)}
+    assert (levels["vna"], levels["calibration"]) == (Level.UNKNOWN, Level.NOTE)
+
+
 @each_case("host, code", [("robot", "robot.other_launch"), ("laptop", "robot.versions_differ")])
 def test_another_software_than_the_one_installed_here_is_found(host, code):
     updated = replace(SAME, revision="new", host=host)
@@ -143,10 +150,7 @@ TWO = {"GPR20_ROBOT": "10.20.0.1", "GPR20_SERVER": "10.20.0.2"}
         (Machine(TWO), "roslaunch gpr20 robot.launch, server.launch"),
         (Machine(service="gpr20"), f"Run: {RESTART}gpr20."),
         (Machine(TWO, service="gpr20"), f"on both computers: {RESTART}gpr20"),
-        (
-            Machine({"GPR20_ROLE": ""}, service="gpr20"),
-            "GPR20_ROLE into /etc/gpr20/robot.conf",
-        ),
+        (Machine({"GPR20_ROLE": ""}, service="gpr20"), "GPR20_ROLE into /etc/gpr20/robot.conf"),
     ],
 )
 def test_an_advice_names_what_is_installed_here(here, command):
@@ -185,7 +189,7 @@ def test_findings_are_printed_with_their_remedies():
         "FAULT       sin bus (ENOENT)",
         "            -> switch it on",
         "GOOD        pins",
-        "1 faults, 0 warnings, 0 unknown, 0 notes, 1 good",
+        "faults: 1, warnings: 0, unknown: 0, notes: 0, good: 1",
     ]
     record = json.loads(as_json(found, Catalogue()))
     assert record["status"] == BAD

@@ -46,12 +46,6 @@ def test_each_part_starts_its_own_nodes():
     assert nodes("robot") - nodes("robot", real=True) == {"simulator"}
 
 
-def test_the_default_configuration_is_read_from_the_home_folder(home):
-    (home / ".gpr20" / "robot").mkdir(parents=True)
-    (home / ".gpr20" / "robot" / "survey.yaml").write_text("settle_s: 2.5")
-    assert sections()["survey"] == {"settle_s": 2.5}
-
-
 def test_the_simulated_robot_has_its_own_devices_whatever_the_real_ones_are(home):
     config = home / "robot"
     config.mkdir()

@@ -64,7 +64,7 @@ FORMS = {
 def test_every_form_of_a_launch_file_means_the_same(tmp_path, form):
     axes, robot = imported(launch(tmp_path, FORMS[form]))
     wanted = {axis: {**AXES[axis], "invert_direction": True} for axis in "xyz"}
-    del wanted["z"]["sensor_pin"]
+    wanted["z"]["sensor_pin"] = None
     # The original's axis node sets its direction pin to `not direction`, and z has no endstop.
     assert axes == wanted and not robot.values and not robot.unread
 
@@ -96,7 +96,18 @@ def test_minus_one_or_nothing_means_no_endstop(tmp_path):
     for pin in (-1, None):
         text = yaml.safe_dump({"X_Axis": {**X, "sensor_pin": pin}, "z_axis": Z})
         axes, _robot = imported(launch(tmp_path, f"<rosparam>{text}</rosparam>"))
-        assert axes["x"]["sensor_pin"] is None and "sensor_pin" not in axes["z"]
+        assert axes["x"]["sensor_pin"] is None and axes["z"]["sensor_pin"] is None
+
+
+def test_what_another_robot_has_otherwise_passes_the_check(tmp_path):
+    fast = WHOLE.replace('"min_step" value="0.0015"', '"min_step" value="0.0004"', 1)
+    height = node(params({"channel": 3, "rate": 5}), name="gpr20_height_sensor")
+    axes, robot = imported(launch(tmp_path, fast + height))
+    assert yaml.safe_load(robot.texts["height.yaml"]) == {"channel": 3}
+    assert list(robot.values) == ["/gpr20_height_sensor/rate"]
+    assert axes["x"]["late_limit_s"] < 0.0004 and "late_limit_s" not in axes["y"]
+    write(tmp_path / "robot", robot.texts)
+    assert {one.key for one in checked(tmp_path / "robot", part="robot")} == {"unchecked"}
 
 
 X_NODE = node(params({key: X[key] for key in NAMES if key != "dir_pin"}) + "{}", "x")
@@ -163,7 +174,7 @@ def test_a_part_that_may_replace_values_refuses_the_launch_until_a_person_has_lo
         ("<launch>", "not a launch file"),
         ('<!DOCTYPE x [<!ENTITY a "b">]><launch>&a;</launch>', "not a launch file"),
         (f"<launch>{params({'dir_pin': 3})}</launch>", "no parameter of an axis"),
-        ("<launch>" + " " * (1 << 20) + "</launch>", "too long"),
+        ("<launch>" + " " * (1 << 20) + "</launch>", "larger than"),
     ],
 )
 def test_what_is_no_launch_file_of_the_robot_is_refused(tmp_path, text, shown):

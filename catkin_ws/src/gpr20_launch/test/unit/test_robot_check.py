@@ -13,8 +13,7 @@ from robot_check_examples import PROFILES, VNA, checked, write
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
-from gpr20_common.message import verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import received_message, verbatim
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import robot_check
 from gpr20_launch.mid.robot_files import FILES, Before, WithRobot
@@ -58,7 +57,7 @@ MISTAKES = [
         *("axes", "x: {step_size: 0.1, min_step: 0.00005, late_limit_s: 0.00003}"),
         *("x/min_step", "1000 mm/s"),
     ),
-    ("axes", "x: {min_step: 0.0002}", "x/min_step", "late_limit_s has its default"),
+    ("axes", "x: {min_step: 0.0002}", "x/min_step", "x: late_limit_s|has its default"),
     ("axes", "x: {type: ROT}", "x/type", "LIN"),
     # Typing errors.
     ("axes", "x: {step_size: 0,01}", "x/step_size", "a point, not a comma"),
@@ -328,12 +327,13 @@ def test_the_data_folder_of_the_launch_counts_and_only_where_surveys_are_stored(
     assert [one.refuses for one in checked(tmp_path / "robot", data="/proc/surveys")] == [True]
 
 
-def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path):
+def test_what_cannot_be_read_is_not_taken_for_the_defaults(tmp_path, run):
     (tmp_path / "file").write_text("")
     (one,) = checked(tmp_path / "file", part="robot")
     assert one.message.fault_code == CONFIGURATION.code and one.refuses
+    assert run("robot_config", "check", tmp_path / "none")[0] == 1
     (one,) = checked(tmp_path / "none", part="robot")
-    assert one.message.fault_code == CONFIGURATION.code and not one.refuses
+    assert one.message.fault_code == CONFIGURATION.code and one.refuses
     # A robot that needs no values of its own needs no folder.
     assert checked(tmp_path / "home/.gpr20/robot", part="robot") == ()
 

@@ -17,18 +17,6 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.trace.sweep import CalibrationStatus
-from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
-
-# Another analyzer than the usual one.
-OTHER_VNA = """\
-analyzer: other_package:Vna
-analyzer_options: {port: 1}
-address: GPIB0::16::INSTR
-maker: Agilent
-model: N5222A
-accepted_calibrations: [5]
-"""
 
 
 def read(folder, **texts):
@@ -64,17 +52,6 @@ def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):
     for axis, values in yaml.safe_load(AXES.read_text()).items():
         assert {key: sections[f"{axis}_axis"][key] for key in values} == values
     assert not [one for one in checked(tmp_path, part="robot") if one.refuses]
-
-
-def test_keys_of_one_file_override_only_themselves(tmp_path):
-    sections = read(tmp_path, axes="x: {max_coord: 600}\ny:\n", analyzer=OTHER_VNA)
-    assert sections["x_axis"]["max_coord"] == 600
-    assert sections["x_axis"]["step_pin"] == 15
-    assert sections["survey"] == sections["time_limits"] == {}
-    parameters = record_from(VnaParameters, sections["vna_acquisition"], "vna_acquisition")
-    assert parameters.analyzer == "other_package:Vna"
-    assert parameters.analyzer_options == {"port": 1}
-    assert parameters.accepted_calibrations == (CalibrationStatus.NOT_REPORTED,)
 
 
 def test_a_file_of_another_name_is_refused_and_what_editors_leave_is_not_read(tmp_path):

@@ -13,7 +13,7 @@ import pytest
 from case_kit import each_case
 from wait_kit import wait_until
 
-from gpr20_doctor.low.processes import Process, is_working, process_of
+from gpr20_doctor.low.processes import Process, process_of
 from gpr20_launch.low import launched_nodes
 from gpr20_launch.low.launched_nodes import LaunchedNodes
 
@@ -39,12 +39,12 @@ def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
 
 
 def test_a_node_is_recognized_by_its_command_line():
+    may_be = pytest.importorskip("gpr20_launch.high.check_launch").may_be
     launched = Process(8, 1, ("python3", "/lib/simulated_axis_driver", "__name:=axis"))
     alone = Process(9, 1, ("python3", "/lib/gpr20_vna_processing/vna_processing"))
-    assert launched.may_be_node("/x_axis/axis")
-    assert not launched.may_be_node("/y_axis/other")
-    assert alone.may_be_node("/robot1/vna_processing")
-    assert not Process(1, 0, ("/sbin/init",)).may_be_node("/vna_processing")
+    assert may_be(launched, "/x_axis/axis") and not may_be(launched, "/y_axis/other")
+    assert may_be(alone, "/robot1/vna_processing")
+    assert not may_be(Process(1, 0, ("/sbin/init",)), "/vna_processing")
 
 
 def test_a_launch_without_a_module_is_refused_with_what_installs_it(tmp_path, monkeypatch, run):
@@ -125,7 +125,7 @@ def test_a_process_that_waits_or_is_halted_does_not_work(start, program, number,
     process = start(program=program)
     if number is not None:
         process.send_signal(number)
-    wait_until(lambda: is_working(process.pid) is working)
+    wait_until(lambda: nodes().is_working(process.pid) is working)
 
 
 def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypatch):
@@ -136,7 +136,7 @@ def test_a_process_that_has_ended_does_nothing_and_can_be_killed(start, monkeypa
     assert found.started_s == pytest.approx(created_s, abs=2.0)
     process.kill()
     process.wait()
-    assert process_of(process.pid) is None and not is_working(process.pid)
+    assert process_of(process.pid) is None and not nodes().is_working(process.pid)
     # It ended after it was looked at.
     monkeypatch.setattr(launched_nodes, "process_of", lambda _number: found)
     others.kill(process.pid, "/storage")

@@ -3,12 +3,11 @@
 import contextlib
 import os
 import socket
-import threading
 from unittest import mock
-from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 from case_kit import each_case
+from robot_kit import RpcServer
 
 from gpr20_common.low.links import limited_server
 from gpr20_doctor.low.masters import is_here
@@ -122,42 +121,17 @@ ANSWER_LIMIT_S = 2.0
 NAME = "/storage"
 
 
-class Server(SimpleXMLRPCServer):
-    """Answers in a thread of its own until it hangs."""
-
-    def __init__(self, **methods):
-        super().__init__(("127.0.0.1", 0), logRequests=False)
-        self.running = threading.Event()
-        self.running.set()
-        for name, method in methods.items():
-            self.register_function(self._when_running(method), name)
-        self.uri = f"http://127.0.0.1:{self.server_address[1]}/"
-        self.thread = threading.Thread(target=self.serve_forever, kwargs={"poll_interval": 0.01})
-        self.thread.start()
-
-    def _when_running(self, method):
-        def answer(*arguments):
-            self.running.wait()
-            return method(*arguments)
-
-        return answer
-
-    def close(self):
-        self.running.set()
-        self.shutdown()
-        self.thread.join()
-        self.server_close()
-
-
 @pytest.fixture
 def node():
-    with contextlib.closing(Server(getPid=lambda _caller: (1, "", os.getpid()))) as server:
+    with contextlib.closing(RpcServer(getPid=lambda _caller: (1, "", os.getpid()))) as server:
         yield server
 
 
 @pytest.fixture
 def master(node):
-    with contextlib.closing(Server(lookupNode=lambda _caller, _name: (1, "", node.uri))) as server:
+    with contextlib.closing(
+        RpcServer(lookupNode=lambda _caller, _name: (1, "", node.uri))
+    ) as server:
         yield server
 
 

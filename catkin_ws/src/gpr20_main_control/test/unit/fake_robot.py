@@ -12,9 +12,8 @@ import numpy as np
 from survey_examples import AXES, PARAMETERS
 
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import Message, received_message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
-from gpr20_common.sent_message import received_message
 from gpr20_main_control.errors import DeviceError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness

@@ -1,5 +1,6 @@
 """Between the graph and the window, without a graph: messages, STOP, and joining a master."""
 
+import math
 import threading
 from types import SimpleNamespace
 
@@ -10,16 +11,18 @@ pytest.importorskip("rospy")
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
+from sensor_msgs.msg import Range
 from topics_kit import LIMIT_S, taken
 
 from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
 from gpr20_common.high.answers import fault_of
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_msgs.msg import SurveyCoverage, SurveySummary
+from gpr20_doctor.mid.robot_facts import AxisReport
+from gpr20_msgs.msg import CurrentCoordinate, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.high import robot_stop, ros_events, storage_client
+from gpr20_operator.high import control_client, robot_stop, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
@@ -80,6 +83,15 @@ def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_sto
     client.start_survey(StartPlan(default_parameters()))
     assert events.get(timeout=LIMIT_S).success
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
+
+
+def test_what_axes_and_height_sensor_report_is_passed_on_as_it_is(client):
+    for axis, homed, moving in zip(AxisId, (True, False, True), (False, True, True)):
+        said = CurrentCoordinate(coordinate=1.5, homed=homed, moving=moving, owner="/o")
+        assert client._measured(axis, said) == AxisReport(axis, 1.5, homed, moving, "/o")
+    for range_m, within in ((0.1, True), (0.8, True), (0.81, False), (math.nan, False)):
+        height = control_client._height(Range(min_range=0.1, max_range=0.8, range=range_m))
+        assert math.isfinite(height.height_m) is within
 
 
 def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):

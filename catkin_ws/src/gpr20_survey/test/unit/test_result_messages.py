@@ -17,7 +17,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.high.answers import fields_of, record_of
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import analyzer_test_of
+from gpr20_doctor.high.graph import analyzer_test_of
 from gpr20_main_control.high.main_control_node import analyzer_test_fields
 from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse

@@ -117,13 +117,14 @@ def test_it_ends_without_a_master_or_as_a_replay_in_the_namespace_of_a_robot(run
     assert run()[0] == 1
 
 
-def test_the_language_of_a_parameter_comes_before_the_one_that_was_used_last(monkeypatch):
+def test_a_parameter_comes_before_what_was_used_last_and_must_be_allowed(monkeypatch):
     parameters = {}
     monkeypatch.setattr(user_interface.rospy, "get_param", parameters.get)
     assert user_interface._language(Language.SPANISH) is Language.SPANISH
     parameters["~language"] = "en"
     assert user_interface._language(Language.SPANISH) is Language.ENGLISH
-    parameters["~language"] = "fr"
-    with pytest.raises(InvalidValueError) as caught:
+    parameters.update({"~language": "fr", "~full_screen": "maybe"})
+    with pytest.raises(InvalidValueError, match="'fr'"):
         user_interface._language(Language.SPANISH)
-    assert "'fr'" in str(caught.value)
+    with pytest.raises(InvalidValueError, match="full_screen is 'maybe'"):
+        user_interface._covers_screen()

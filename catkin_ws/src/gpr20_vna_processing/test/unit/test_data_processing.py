@@ -10,8 +10,7 @@ from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace, read_json
 from wait_kit import wait_until
 
-from gpr20_common.message import Fault, Message, in_a_row, verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Fault, Message, in_a_row, received_message, verbatim
 from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.recovery import recover

@@ -19,9 +19,8 @@ from gpr20_analysis.read.survey_attributes import known_settings
 from gpr20_analysis.read.traces import Sample
 from gpr20_analysis.sentences import carried_doubts, first_of
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, received_message
 from gpr20_common.mid.codec import record_from
-from gpr20_common.sent_message import received_message
 from gpr20_survey.axes import Zeros
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.folder.log_record import UNCONFIRMED, Kind, log_values

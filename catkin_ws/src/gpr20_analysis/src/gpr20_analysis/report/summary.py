@@ -23,8 +23,7 @@ from gpr20_analysis.read.survey_attributes import (
     SITE,
     position_text,
 )
-from gpr20_common.message import Message, numeral, verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message, numeral, received_message, verbatim
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.recorded_plan import REFINES

@@ -15,10 +15,10 @@ from gpr20_analysis import errors
 from gpr20_analysis.commands import survey_commands
 from gpr20_analysis.commands.command import SUMMARIES
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.errors import library_missing
 from gpr20_analysis.sentences import sentences_of
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_common.message import verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import received_message, verbatim
 from gpr20_common.terminal_text import is_shown
 
 ALL = len(POINTS)
@@ -69,6 +69,8 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(
     monkeypatch.setitem(sys.modules, "matplotlib.figure", None)
     assert main(["plot", "coverage", str(finished), "-o", str(tmp_path / "c.png")]) == 3
     assert "pip install 'gpr20_analysis[plots]'" in capsys.readouterr().err
+    # What the package itself needs, setup.sh installs in a checkout.
+    assert "/scripts/setup.sh" in str(library_missing("mcap"))
 
 
 def test_a_fault_of_the_program_is_told_in_one_line(finished, capsys, monkeypatch):

@@ -23,10 +23,11 @@ from gpr20_axis_driver.motion import AxisHardware
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, OVERLOADED
 from gpr20_common.high import diagnostics
-from gpr20_common.high.answers import advertise, internal_error, message_fields
+from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.node import publish_description, read_parameters, run_node
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.high.raw_message import connection_header, ros_time
+from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message
 from gpr20_msgs.msg import AxisAction, AxisGoal, AxisResult, CurrentCoordinate
 from gpr20_msgs.srv import AxisLease as AxisLeaseService
@@ -97,8 +98,8 @@ class AxisNode:
             self._last_error = error.message
             rospy.logwarn("move refused or failed: %s", error)
             self._finish(self._server.set_aborted, False, error.message)
-        except Exception as error:
-            self._last_error = internal_error("axis", error)
+        except Exception:
+            self._last_error = log_fault("axis")
             self._finish(self._server.set_aborted, False, self._last_error)
         else:
             self._last_error = None

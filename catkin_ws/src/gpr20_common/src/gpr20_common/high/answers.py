@@ -9,10 +9,8 @@ from typing import Any, Callable, Dict, Optional, Type, TypeVar
 import rospy
 
 from gpr20_common.errors import Gpr20Error
-from gpr20_common.faults import INTERNAL
 from gpr20_common.low.thread_fault import log_fault
-from gpr20_common.message import Message
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message, received_message
 from gpr20_msgs.msg import Fault
 
 Record = TypeVar("Record")
@@ -82,19 +80,9 @@ def advertise(name: str, service_class: Any, handler: Callable[[Any], Any]) -> r
             if message != logged:
                 logged = message
                 rospy.logwarn("%s refused: %s", name, message)
-        except Exception as error:
+        except Exception:
             # Who waits for a step of a survey cannot do anything with a dropped call.
-            message = internal_error(name, error)
+            message = log_fault(name)
         return service_class._response_class(success=False, **message_fields(message))
 
     return rospy.Service(name, service_class, answer)
-
-
-def internal_error(name: str, error: Exception) -> Message:
-    """Log the exception that is being handled, a fault in our own code; return what to answer."""
-    log_fault(name)
-    return Message(
-        "internal error in {service}; see the log",
-        service=name,
-        details=f"{type(error).__name__}: {error}",
-    ).with_fault(INTERNAL)

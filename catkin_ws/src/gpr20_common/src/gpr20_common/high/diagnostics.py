@@ -5,14 +5,13 @@ from __future__ import annotations
 import logging
 import math
 import time
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import diagnostic_updater
 import rospy
 
-from gpr20_common.faults import INTERNAL
 from gpr20_common.high.periodic import Periodic
-from gpr20_common.low.thread_fault import LOGGER, PART, REMARK, faults_logged
+from gpr20_common.low.thread_fault import LOGGER, SAID, faults_logged
 from gpr20_common.message import Message, verbatim
 
 OK, WARN, ERROR = 0, 1, 2
@@ -27,20 +26,21 @@ PERIOD_S = 1.0
 FAULT_S = 60.0
 
 
-class _LastLogged(logging.Handler):
-    """Remembers for a while what was logged last under an attribute; None: nothing."""
+class _LastSaid(logging.Handler):
+    """Remembers for a while the last fault that was logged, and the last remark."""
 
-    def __init__(self, attribute: str) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._attribute, self._logged, self._logged_s = attribute, None, -math.inf
+        self._said: Dict[bool, Tuple[Message, float]] = {}
 
     def emit(self, record: logging.LogRecord) -> None:
-        if hasattr(record, self._attribute):
-            self._logged, self._logged_s = getattr(record, self._attribute), time.monotonic()
+        said = getattr(record, SAID, None)
+        if said is not None:
+            self._said[bool(said.fault)] = said, time.monotonic()
 
-    @property
-    def now(self) -> Any:
-        return self._logged if time.monotonic() - self._logged_s < FAULT_S else None
+    def last(self, is_fault: bool) -> Optional[Message]:
+        said, said_s = self._said.get(is_fault, (None, -math.inf))
+        return said if time.monotonic() - said_s < FAULT_S else None
 
 
 class Diagnostics:
@@ -48,27 +48,25 @@ class Diagnostics:
 
     def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
         self._health = health
-        self._failed, self._remark = _LastLogged(PART), _LastLogged(REMARK)
-        LOGGER.addHandler(self._failed)
-        LOGGER.addHandler(self._remark)
+        self._said = _LastSaid()
+        LOGGER.addHandler(self._said)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
         # It may be why the node ends.
-        rospy.on_shutdown(lambda: self._failed.now and self._updater.force_update())
+        rospy.on_shutdown(lambda: self._said.last(is_fault=True) and self._updater.force_update())
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
         found: Health = (ERROR, verbatim(""), {})
         with faults_logged("diagnostics"):
             found = self._health()
         level, message, values = found
-        remark, failed_part = self._remark.now, self._failed.now
+        remark, fault = self._said.last(is_fault=False), self._said.last(is_fault=True)
         if remark is not None and level == OK:
             level, message = WARN, remark
-        if failed_part is not None:
-            failed = Message("internal error in {service}; see the log", service=failed_part)
-            level, message = ERROR, failed.with_fault(INTERNAL)
+        if fault is not None:
+            level, message = ERROR, fault
         status.summary(level, str(message))
         status.add(FAULT, message.to_json())
         for name, value in values.items():

@@ -27,7 +27,7 @@ from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.links import NO_ANSWER, answers, end_when_broken, limited_server, value_of
-from gpr20_common.low.thread_fault import LOGGER, REMARK
+from gpr20_common.low.thread_fault import log_remark
 from gpr20_common.message import Message
 
 # The code of an answer that reports no failure.
@@ -101,7 +101,7 @@ class GraphKeeper:
                 return
             self._fill(me, uri)
             said = Message("the ROS master was restarted; this part is known to it again")
-            LOGGER.warning(str(said), extra={REMARK: said})
+            log_remark(said)
         self._filled = number
         if self._checks % REMEMBER_EVERY == 0:
             self._parameters.update(_leaves(value_of(self._master.getParam(me, "/"))))
@@ -198,7 +198,7 @@ class _Doorman:
                 count=len(self._noted_s),
                 address="{}:{}".format(*address),
             )
-            LOGGER.warning(str(said), extra={REMARK: said})
+            log_remark(said)
             self._said_s = now_s
 
     def _serve(self, first: socket.socket, address: Tuple[str, int]) -> None:

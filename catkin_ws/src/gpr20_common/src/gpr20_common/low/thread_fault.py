@@ -6,21 +6,34 @@ import contextlib
 import logging
 import os
 import signal
+import sys
 import threading
 import traceback
 from typing import Iterator
 
+from gpr20_common.faults import INTERNAL
+from gpr20_common.message import Message
+
 # rospy prints, keeps and publishes what is logged here.
 LOGGER = logging.getLogger("rosout")
-# Attribute of such a record: what failed.
-PART = "failed_part"
 # Attribute of a record that diagnostics repeat: its message.
-REMARK = "remark"
+SAID = "said"
 
 
-def log_fault(part: str) -> None:
-    """Log the exception that is being handled, with its traceback, as a fault of a part."""
-    LOGGER.critical("%s failed:\n%s", part, traceback.format_exc(), extra={PART: part})
+def log_fault(part: str) -> Message:
+    """Log the exception that is being handled, with its traceback; return what to say of it."""
+    error = sys.exc_info()[1]
+    said = Message(
+        "internal error in {service}; see the log",
+        service=part,
+        details=f"{type(error).__name__}: {error}",
+    ).with_fault(INTERNAL)
+    LOGGER.critical("%s failed:\n%s", part, traceback.format_exc(), extra={SAID: said})
+    return said
+
+
+def log_remark(said: Message) -> None:
+    LOGGER.warning(str(said), extra={SAID: said})
 
 
 @contextlib.contextmanager

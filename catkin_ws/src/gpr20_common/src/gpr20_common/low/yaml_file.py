@@ -9,8 +9,8 @@ from typing import Any, Dict, Mapping, Union
 import yaml
 
 from gpr20_common import faults
-from gpr20_common.errors import UNREADABLE, Gpr20Error
-from gpr20_common.message import Message
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.message import UNREADABLE, Message
 
 # A scene or a profile has some kilobytes; what is far larger is something else.
 MAX_BYTES = 1 << 20
@@ -35,11 +35,16 @@ def read_yaml(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> Any:
 
     Raises an OSError if it cannot be read, and a YamlFileError if it holds something else.
     """
+    return parse_yaml(limited_bytes(path, max_bytes))
+
+
+def limited_bytes(path: Union[str, Path], max_bytes: int = MAX_BYTES) -> bytes:
+    """Return the content of a file, or raise a YamlFileError if it is longer."""
     with open(path, "rb") as stream:
         text = stream.read(max_bytes + 1)
     if len(text) > max_bytes:
         raise YamlFileError(Message("it is larger than {limit} bytes", limit=max_bytes))
-    return parse_yaml(text)
+    return text
 
 
 def parse_yaml(text: Union[str, bytes]) -> Any:

@@ -19,10 +19,9 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_doctor import DEFAULT_WAIT_S, add_arguments, faults
 from gpr20_doctor.high.graph import Graph
-from gpr20_doctor.low.masters import MasterState, NodeState, state_of
+from gpr20_doctor.low.masters import MasterState, state_of
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.bundle import write_bundle
-from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import as_json, examine, exit_status, findings, lines
 from gpr20_doctor.mid.machine import ROOT, Machine
 from gpr20_doctor.mid.node_health import EXPECTED_NODES
@@ -48,50 +47,41 @@ def main() -> int:
         given = parser.parse_args(rosgraph.myargv()[1:])
     except SystemExit as ending:
         return REFUSED if ending.code else 0
+    catalogue = read_catalogue(language_from_environment(os.environ))
     try:
-        return run(given, read_catalogue(language_from_environment(os.environ)))
+        return run(given, catalogue)
     except KeyboardInterrupt:
         return REFUSED
     except BrokenPipeError:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return REFUSED
+    except (OSError, RuntimeError, rospy.ROSException) as error:
+        # ~USER without such a user, a master that ends while it is asked, a file that exists.
+        failed = Message("The doctor could not work: {reason}", reason=str(error))
+        remedy = faults.CANNOT_WORK.remedy or failed
+        say(catalogue.text(failed), f"-> {catalogue.text(remedy)}", file=sys.stderr)
+    return REFUSED
 
 
 def run(given: argparse.Namespace, catalogue: Catalogue) -> int:
     """Check everything and print it; return the exit status."""
-    try:
-        found, robot, machine = _find(given)
-        if given.json:
-            print(as_json(found, catalogue), flush=True)  # noqa: T201
-        else:
-            say(*lines(found, catalogue), flush=True)
-        if given.bundle is not None:
-            missing = write_bundle(given.bundle, found, robot, machine)
-            written = Message(
-                "{file} is written. {count} parts could not be collected: index.json in it says "
-                "why.",
-                file=given.bundle,
-                count=len(missing),
-            )
-            say(catalogue.text(written), file=sys.stderr)
-    except BrokenPipeError:
-        raise
-    except (OSError, RuntimeError, rospy.ROSException) as error:
-        # ~USER without such a user, a master that ends while it is asked, a file that exists.
-        failed = Message("The doctor could not work: {reason}", reason=str(error))
-        failed = failed.with_fault(faults.CANNOT_WORK)
-        remedy = failed.remedy or failed
-        say(catalogue.text(failed), f"-> {catalogue.text(remedy)}", file=sys.stderr)
-        return REFUSED
-    return exit_status(found)
-
-
-def _find(given: argparse.Namespace) -> Tuple[Tuple[Finding, ...], RobotFacts, Machine]:
     here, master = Processes(ROOT), rosgraph.get_master_uri()
     robot, nodes = _robot(given, master, here)
     machine = Machine.here(os.environ, ROOT, here.configuration(master), nodes)
-    return findings(robot, examine(machine)), robot, machine
+    found = findings(robot, examine(machine))
+    if given.json:
+        print(as_json(found, catalogue), flush=True)  # noqa: T201
+    else:
+        say(*lines(found, catalogue), flush=True)
+    if given.bundle is not None:
+        missing = write_bundle(given.bundle, found, robot, machine)
+        written = Message(
+            "{file} is written. Not collected: {count}; `missing` in it says what and why.",
+            file=given.bundle,
+            count=len(missing),
+        )
+        say(catalogue.text(written), file=sys.stderr)
+    return exit_status(found)
 
 
 def _robot(
@@ -108,9 +98,10 @@ def _robot(
     try:
         graph.wait(given.wait)
         facts = graph.facts()
-        gone = {name for name, one in facts.evidence.nodes.items() if one is NodeState.GONE}
-        if gone.issuperset(EXPECTED_NODES) and not facts.control_alive:
-            return unheard(master, evidence_of(given.ns, state, master, here)), {}
+        if not facts.control_alive and len(graph.silent()) == len(EXPECTED_NODES):
+            evidence = evidence_of(given.ns, state, master, here)
+            if evidence.namespace not in evidence.robots:
+                return unheard(master, evidence), {}
         if facts.control_alive and not (given.quick or facts.surveying):
             facts = replace(facts, analyzer=graph.test_analyzer(ANALYZER_LIMIT_S))
         return facts, graph.descriptions

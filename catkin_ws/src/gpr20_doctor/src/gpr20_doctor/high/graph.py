@@ -1,4 +1,4 @@
-"""What the robot's nodes say on the graph, and what they do when they are asked."""
+"""What the robot's nodes say on the graph, as records, and what they do when they are asked."""
 
 from __future__ import annotations
 
@@ -6,17 +6,18 @@ import os
 import threading
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, List, Mapping
+from typing import Any, Dict, List, Mapping
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
 
-from gpr20_common.high.answers import message_from
+from gpr20_common.high.answers import message_from, record_of
+from gpr20_common.high.diagnostics import FAULT
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
-from gpr20_doctor.high.node_reports import analyzer_test_of, descriptions, node_healths
-from gpr20_doctor.low.masters import MasterState, node_states
-from gpr20_doctor.mid.node_health import HealthTracker
+from gpr20_common.message import received_message
+from gpr20_doctor.low.masters import MasterState
+from gpr20_doctor.mid.node_health import HealthLevel, HealthTracker, NodeHealth
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
 from gpr20_msgs.msg import ControlStatus, RobotConfiguration
 from gpr20_msgs.srv import TestAnalyzer
@@ -30,6 +31,53 @@ WATCH_S = 1.5
 POLL_S = 0.05
 # rospy would end a program that cannot write its log: the doctor of a full or read-only disk.
 NO_LOG = Path(__file__).with_name("no_log.yaml")
+
+
+def node_healths(message: DiagnosticArray, namespace: str) -> List[NodeHealth]:
+    """Convert the reports on `/diagnostics` of the nodes of one namespace.
+
+    Args:
+        message: Of any nodes; robots that share a master share the topic.
+        namespace: The robot's, with slashes at both ends or alone.
+    """
+    prefix = namespace.strip("/")
+    offset_s = 1e-6 * Clock().time_of_day_us() - message.header.stamp.to_sec()
+    found = []
+    for status in message.status:
+        # diagnostic_updater writes "node: task", with the node's full name.
+        name = status.name.split(":")[0].strip("/")
+        if prefix and not name.startswith(f"{prefix}/"):
+            continue
+        values = {pair.key: pair.value for pair in status.values}
+        level = _level(status.level)
+        own_name = name[len(prefix) :].strip("/")
+        text = received_message(status.message, values.pop(FAULT, ""))
+        found.append(NodeHealth(own_name, level, text, values, offset_s))
+    return found
+
+
+def descriptions(message: RobotConfiguration) -> Dict[str, NodeDescription]:
+    """Return what the nodes say they are; a node that says nonsense is left out."""
+    found = {}
+    for one in message.nodes:
+        try:
+            found[one.node] = NodeDescription.from_fields(one)
+        except ValueError:
+            continue  # the main control reports it as a problem of the configuration
+    return found
+
+
+def analyzer_test_of(answer: Any) -> AnalyzerTest:
+    """Convert an answer of `test_analyzer`."""
+    failure = None if answer.success else message_from(answer)
+    return record_of(AnalyzerTest, answer, failure=failure)
+
+
+def _level(level: Any) -> HealthLevel:
+    # The type byte is an int in ROS 1's Python messages, and bytes in some builds of them.
+    number = level[0] if isinstance(level, bytes) else int(level)
+    # Anybody can publish here: what no version knows counts as bad.
+    return HealthLevel(number) if number in set(HealthLevel) else HealthLevel.ERROR
 
 
 class Graph:
@@ -73,13 +121,9 @@ class Graph:
             self._clock.wait_s(never, POLL_S)
 
     def facts(self) -> RobotFacts:
-        """Return what is known now; silent nodes are asked whether they are there."""
-        silent = self.silent()
-        states = node_states(self._master, [f"{self._prefix}{one}" for one in silent])
+        """Return what is known now."""
         with self._lock:
-            nodes = dict(zip(silent, states.values()))
-            evidence = replace(self._known.evidence, nodes=nodes)
-            return replace(self._known, nodes=self._health.report().nodes, evidence=evidence)
+            return replace(self._known, nodes=self._health.report().nodes)
 
     def silent(self) -> List[str]:
         """Return the names of the nodes that should have reported and have not."""

@@ -1,19 +1,17 @@
-"""Addresses, ROS masters and nodes: what is where, and whether it answers."""
+"""Addresses and ROS masters: what is where, and whether it answers."""
 
 from __future__ import annotations
 
 import enum
 import errno
 import socket
-from concurrent.futures import ThreadPoolExecutor
-from typing import Dict, FrozenSet, Iterable, Tuple
+from typing import FrozenSet, Tuple
 from urllib.parse import urlsplit
 
-from gpr20_common.errors import NodeGoneError, NodeSilentError
-from gpr20_common.low.links import NO_ANSWER, NodeProbe, limited_server, value_of
+from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 
 CALLER = "/doctor"
-# A master or a node that lives answers within this time [s].
+# A master that lives answers within this time [s].
 ANSWER_LIMIT_S = 2.0
 # What offers both is the main control of a robot.
 SERVICES = ("start_survey", "stop_survey")
@@ -28,14 +26,6 @@ class MasterState(enum.Enum):
     FOREIGN = "another program answers"
     UNKNOWN_HOST = "nobody knows the name of its computer"
     UNREACHABLE = "its computer is not reached"
-
-
-class NodeState(enum.Enum):
-    """What the master and the node itself say of a node."""
-
-    ANSWERS = "answers"
-    HANGS = "is registered and does not answer"
-    GONE = "has ended, or was never started"
 
 
 def state_of(uri: str) -> MasterState:
@@ -100,25 +90,3 @@ def robots_at(uri: str) -> Tuple[str, ...]:
         for one in SERVICES
     ]
     return tuple(sorted(space.rstrip("/") or "/" for space in set.intersection(*offered)))
-
-
-def node_states(uri: str, names: Iterable[str]) -> Dict[str, NodeState]:
-    """Ask nodes, all at once.
-
-    Args:
-        uri: A master that answers.
-        names: Full names of the nodes.
-    """
-
-    def ask(name: str) -> NodeState:
-        try:
-            NodeProbe(uri, CALLER, name, ANSWER_LIMIT_S).process()
-        except NodeGoneError:
-            return NodeState.GONE
-        except NodeSilentError:
-            return NodeState.HANGS
-        return NodeState.ANSWERS
-
-    asked = list(names)
-    with ThreadPoolExecutor(max(1, len(asked))) as pool:
-        return dict(zip(asked, pool.map(ask, asked)))

@@ -6,6 +6,7 @@ import contextlib
 import os
 import subprocess
 import threading
+from concurrent.futures import Future, wait
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,9 +18,8 @@ from gpr20_doctor.low.masters import is_here
 DEFAULT_MASTER = "http://localhost:11311"
 LAUNCHES = ("roslaunch", "roscore", "rostest")
 PROC = Path("/proc")
-# States of a process that does nothing: stopped, traced, ended; and of a thread that uses the
-# processor, waits for it, or waits for a disk.
-HALTED, WORKING = frozenset("TtZX"), frozenset("RD")
+# States of a process that does nothing: stopped, traced, ended.
+HALTED = frozenset("TtZX")
 # Of the words after the name, which is in brackets and may hold blanks.
 STATE, PARENT, START = 0, 1, 19
 # Of a program that has nothing to do but to say what it knows, on a busy computer.
@@ -79,16 +79,6 @@ class Process:
     def node(self) -> str:
         """The name that roslaunch gave it, without its namespace; empty: it is no node."""
         return self.argument("__name:=")
-
-    @property
-    def full_name(self) -> str:
-        """The name of a node with its namespace."""
-        return f"/{self.variable('ROS_NAMESPACE').strip('/')}/{self.node}".replace("//", "/")
-
-    def may_be_node(self, name: str) -> bool:
-        """Whether it can be the node with this full name; rosrun starts a program of that name."""
-        base = name.rpartition("/")[2]
-        return self.node == base or any(Path(one).name.endswith(base) for one in self.words[:2])
 
     @property
     def master(self) -> str:
@@ -179,12 +169,6 @@ def process_of(number: int, proc: Path = PROC) -> Optional[Process]:
     return Process(number, int(fields[PARENT]), words, fields[STATE], int(fields[START]), folder)
 
 
-def is_working(number: int) -> bool:
-    """Return whether a thread of the process runs, waits for a processor, or for a disk."""
-    tasks = (PROC / str(number)).glob("task/*/stat")
-    return any(WORKING.intersection(_fields(one)[:1]) for one in tasks)
-
-
 def answer_of(
     command: Sequence[str],
     limit_s: float = ANSWER_LIMIT_S,
@@ -219,23 +203,19 @@ def in_time(work: Callable[[], Found], limit_s: float) -> Found:
         TimeoutError: It took longer.
         OSError, ValueError, LookupError: The work raised it.
     """
-    found: List[Found] = []
-    failed: List[Exception] = []
+    found: Future[Found] = Future()
 
     def run() -> None:
         try:
-            found.append(work())
+            found.set_result(work())
         except FAILURES as error:
-            failed.append(error)
+            found.set_exception(error)
 
-    thread = threading.Thread(target=run, daemon=True)
-    thread.start()
-    thread.join(limit_s)
-    if failed:
-        raise failed[0]
-    if not found:
+    # Nobody waits for it at the end of the program.
+    threading.Thread(target=run, daemon=True).start()
+    if not wait([found], limit_s).done:
         raise TimeoutError(f"no answer within {limit_s:g} s")
-    return found[0]
+    return found.result()
 
 
 def _fields(path: Path) -> List[str]:

@@ -1,4 +1,4 @@
-"""One ZIP file with what somebody far away needs to help.
+"""One JSON file with what somebody far away needs to help.
 
 Nothing enters it but what this module lists: sentences of the software with their numbers, values
 of named keys, and words of logs in known forms. A secret has no place among them, however it is
@@ -7,16 +7,16 @@ written.
 
 from __future__ import annotations
 
+import functools
 import json
 import os
 import platform
 import re
-import zipfile
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, List, Mapping, Pattern, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, Tuple
 
-from gpr20_common.catalogue import language_from_code, read_catalogue
+from gpr20_common.catalogue import FOLDER, read_translations
 from gpr20_common.low.yaml_file import read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import own_software
@@ -26,21 +26,12 @@ from gpr20_doctor.mid.machine import Machine
 from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.folder.survey_folder import LOG_FILE
 
-README = """GPR-20: bundle for remote help
-
-findings.json     what the doctor found, the worst first
-diagnostics.json  what each part of the robot reported
-versions.json     software, Python, system and model of this computer
-configuration/    numbers and choices of the robot's configuration
-survey.txt        what happened in the last survey, and when; no traces
-logs/             errors of the programs: time, program, place in the software
-index.json        every part, and each that could not be collected
-
-Only what is known to hold no secret is in it: no names of people, no positions, no addresses, no
-passwords, nothing that somebody wrote.
-"""
+ABOUT = (
+    "GPR-20: file for remote help. Only what is known to hold no secret is in it: no names of "
+    "people, no positions, no addresses, no passwords, nothing that somebody wrote. `missing` "
+    "names what could not be collected."
+)
 FILES = ("axes", "height", "analyzer", "survey", "storage", "sensors", "site", "web", "wiring")
-CONFIGURATION = tuple(f"{name}.yaml" for name in FILES)
 # Of these files: the axes, and what is a number or one of a few words.
 KEYS = frozenset(
     re.findall(
@@ -57,8 +48,14 @@ KEYS = frozenset(
     height_s on_height_failure return_limit_s repeat_limit_db reference_interval_s drift_limit_db
     drift_limit_deg analyzer_limit_s height_limit_s storage_limit_s
     data_disk disk_reserve_mb message_queue_mb timeout_s long_timeout_s commit_period_s
-    false_alarms_per_m2 port session_hours""",
+    false_alarms_per_m2 port session_hours unchecked accepted_calibrations
+    readable_by""",
     )
+)
+# Of a sentence about the configuration: a file, a key and its number.
+PLACES = re.compile(
+    rf"\b(?:{'|'.join(FILES)})\.yaml\b"
+    rf"|\b(?:[xyz]/)?(?:{'|'.join(sorted(KEYS))})\b(?: is -?\d[\d.e-]{{0,12}}(?=[;: ]|$))?"
 )
 # Such as LIN.
 CHOICE = re.compile(r"[A-Za-z_]{1,16}")
@@ -73,6 +70,8 @@ LOG_WORDS = re.compile(
     r"|\[[\w/-]{1,60}\] process has (?:died|finished)[^,\n]{0,20}, exit code -?\d+",
     re.MULTILINE,
 )
+# What a sentence of the software begins with has so many characters, or could be anybody's.
+BEGINNING, LONGEST = 12, 300
 # Of the log of a survey: number, time, kind and faults of each fact.
 FACT_WORDS = re.compile(
     r'"number":\d{1,7}|"time":"[\dT:.+Z-]{1,40}"|"kind":"[a-z_]{1,20}"'
@@ -98,17 +97,18 @@ def write_bundle(
         OSError: The file exists, or cannot be written; nothing of it is left.
     """
     os.nice(NICENESS)
+    parts: Dict[str, Any] = {"about": ABOUT}
     missing: Dict[str, str] = {}
-    with path.open("xb") as file:
+    for name, content in _parts(found, robot, machine):
         try:
-            with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-                for name, content in _parts(found, robot, machine):
-                    try:
-                        archive.writestr(name, content())
-                    except FAILURES as error:
-                        missing[name] = type(error).__name__
-                index = {"parts": archive.namelist(), "missing": missing}
-                archive.writestr("index.json", json.dumps(index, indent=2))
+            text = content()
+            if text:  # a log without an error says nothing
+                parts[name] = text
+        except FAILURES as error:
+            missing[name] = type(error).__name__
+    with path.open("x", encoding="utf-8") as file:
+        try:
+            json.dump({**parts, "missing": missing}, file, indent=1)
             file.flush()
             os.fsync(file.fileno())
         except BaseException:
@@ -119,49 +119,70 @@ def write_bundle(
 
 def _parts(
     found: Tuple[Finding, ...], robot: RobotFacts, machine: Machine
-) -> Iterator[Tuple[str, Callable[[], str]]]:
-    yield "README.txt", lambda: README
+) -> Iterator[Tuple[str, Callable[[], Any]]]:
     nothing: Mapping[str, str] = {}
     findings = [(one.check, one.level.name, one.text, nothing) for one in found]
     nodes = [(one.name, one.level.name, one.message, one.values) for one in robot.nodes]
-    yield "findings.json", lambda: _json([_said(*one) for one in findings])
-    yield "diagnostics.json", lambda: _json([_said(*one) for one in nodes])
-    yield "versions.json", lambda: _json(_versions(robot, machine.root))
-    yield "survey.txt", lambda: _survey(machine)
+    yield "findings", lambda: [_said(*one) for one in findings]
+    yield "diagnostics", lambda: [_said(*one) for one in nodes]
+    yield "versions", lambda: _versions(robot, machine.root)
+    yield "survey", lambda: _survey(machine)
     # A file that is not there has the defaults.
-    for name in filter(lambda name: (machine.config / name).exists(), CONFIGURATION):
-        yield f"configuration/{name}", partial(_configuration, machine.config / name)
+    for path in filter(Path.exists, (machine.config / f"{name}.yaml" for name in FILES)):
+        yield path.name, partial(_configuration, path)
     for number, path in enumerate(_newest(machine.log, "**/*.log")[:LOG_FILES]):
-        yield f"logs/{number:03}.txt", partial(_words, LOG_WORDS, path)
+        yield f"log {number}", partial(_errors, path)
 
 
 def _said(name: str, level: str, message: Message, values: Mapping[str, str]) -> Dict[str, Any]:
-    """Return what was said, by the templates of the software and with numbers alone."""
-    templates = list(filter(_is_translated, (one.template for one in message.nested())))
-    numbers: Dict[str, Any] = {
-        key: value
-        for one in message.nested()
-        for key, value in one.values.items()
-        if isinstance(value, (int, float))
-    }
+    """Return what was said, by the templates of the software and with numbers and keys alone."""
+    inside = [item for sentence in message.nested() for item in sentence.values.items()]
+    numbers: Dict[str, Any] = {key: one for key, one in inside if isinstance(one, (int, float))}
     numbers.update({key: one for key, one in values.items() if NUMBER.fullmatch(one)})
-    code = message.fault_code
-    return {"name": name, "level": level, "code": code, "said": templates, "numbers": numbers}
+    about_files = [one for _key, one in inside if isinstance(one, str) and ".yaml" in one]
+    return {
+        "name": name,
+        "level": level,
+        "code": message.fault_code,
+        # One that came from elsewhere may be anything.
+        "said": [one.template for one in message.nested() if one.template in _templates()],
+        "numbers": numbers,
+        "places": [place for one in about_files for place in PLACES.findall(one)],
+    }
 
 
-def _is_translated(words: str) -> bool:
-    """Return whether a template is the software's; one that came from elsewhere may be anything."""
-    return read_catalogue(language_from_code("es")).template(words) != words
+def _templates() -> Mapping[str, str]:
+    return read_translations(FOLDER / "es.po")
 
 
-def _configuration(path: Path) -> str:
-    return _json(listed(read_yaml(path)))
+@functools.lru_cache(maxsize=None)
+def _beginnings() -> Mapping[str, str]:
+    """Return the templates of the software by what is before the first value of each."""
+    known = {one.partition("{")[0]: one for one in _templates()}
+    return {begin: one for begin, one in known.items() if len(begin) >= BEGINNING}
+
+
+def _errors(path: Path) -> List[str]:
+    """Return of each error at the end of a log what `LOG_WORDS` finds, and its template."""
+    found = []
+    for line in _end(path).splitlines():
+        words = [one.group() for one in LOG_WORDS.finditer(line)]
+        pieces = line[:LONGEST].split(": ") if words else ()
+        begins = (one[:end] for one in pieces for end in range(len(one), BEGINNING - 1, -1))
+        found += [*words, *(_beginnings()[one] for one in begins if one in _beginnings())]
+    return found
+
+
+def _configuration(path: Path) -> Any:
+    return listed(read_yaml(path))
 
 
 def listed(value: Any) -> Any:
     """Return those values of a file that have a listed key, and are a number or a choice."""
     if isinstance(value, dict):
         return {key: listed(one) for key, one in value.items() if key in KEYS}
+    if isinstance(value, list):
+        return [one for one in map(listed, value) if one is not None]
     is_choice = isinstance(value, str) and CHOICE.fullmatch(value)
     return value if is_choice or isinstance(value, (int, float)) else None
 
@@ -177,11 +198,11 @@ def _versions(robot: RobotFacts, root: Path) -> Dict[str, Any]:
     }
 
 
-def _survey(machine: Machine) -> str:
+def _survey(machine: Machine) -> List[str]:
     logs = [] if machine.data is None else _newest(machine.data, f"*/{LOG_FILE}")
     if not logs:
         raise FileNotFoundError("no survey")
-    return _words(FACT_WORDS, logs[0])
+    return [one.group() for one in FACT_WORDS.finditer(_end(logs[0]))]
 
 
 def _newest(folder: Path, pattern: str) -> List[Path]:
@@ -190,13 +211,7 @@ def _newest(folder: Path, pattern: str) -> List[Path]:
     return sorted(found, key=lambda one: one.stat().st_mtime, reverse=True)
 
 
-def _words(pattern: Pattern[str], path: Path) -> str:
-    """Return what a pattern finds in the end of a file."""
+def _end(path: Path) -> str:
     with path.open("rb") as stream:
         stream.seek(max(0, os.fstat(stream.fileno()).st_size - PART_BYTES))
-        text = stream.read(PART_BYTES).decode(errors="replace")
-    return "\n".join(one.group() for one in pattern.finditer(text))
-
-
-def _json(value: Any) -> str:
-    return json.dumps(value, indent=2)
+        return stream.read(PART_BYTES).decode(errors="replace")

@@ -1,4 +1,4 @@
-"""Checks of this computer: its disks, the pins and bus of the robot, the supply, the clock.
+"""Checks of this computer: disks, memory, the pins and bus of the robot, the supply, the clock.
 
 Whether the folder of the surveys is the right one, the check of the configuration says.
 """
@@ -11,9 +11,9 @@ import os
 import re
 import time
 from pathlib import Path
-from typing import Iterator, Mapping
+from typing import Dict, Iterator, Mapping
 
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES, NOT_SET_UP
+from gpr20_common.faults import DISK_FULL, DISK_REFUSES, NOT_SET_UP, OVERLOADED
 from gpr20_common.low.yaml_file import state_folder
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -21,13 +21,14 @@ from gpr20_doctor import faults
 from gpr20_doctor.low.processes import answer_of
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import Machine
-from gpr20_doctor.mid.node_health import axis_node
 from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CLOCK_WRONG
 from gpr20_survey.folder.data_folder import existing_folder, file_system_of
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR
 
-MB, GB = 1e6, 1e9
+MB, GB, BYTES_PER_KB = 1e6, 1e9, 1024
+# Below them the system begins to end programs [bytes].
+LOW_MEMORY, NO_MEMORY = 200e6, 80e6
 # Of the disk of the surveys, and of the others, which take the logs of a day [bytes]; below the
 # second of each, programs fail when they write.
 DATA_SPACE, OTHER_SPACE = (5 * GB, 0.5 * GB), (200 * MB, 20 * MB)
@@ -116,8 +117,7 @@ def check_hardware(machine: Machine) -> Iterator[Finding]:
 
 def _has_pins(machine: Machine, axis: AxisId) -> bool:
     """Return whether an axis is moved by pins, and not by another controller."""
-    node = machine.nodes.get(axis_node(axis))
-    own = machine.configured("axes.yaml", axis.value) if node is None else node.configuration
+    own = machine.configured("axes.yaml", axis.value)
     return not (isinstance(own, Mapping) and own.get("controller"))
 
 
@@ -162,17 +162,16 @@ def check_power(machine: Machine) -> Iterator[Finding]:
     if not machine.is_pi:
         return
     bits = int(answer_of(FIRMWARE).split("=")[-1], 16)
+    text, fault = Message("Supply voltage of the Raspberry Pi"), faults.VOLTAGE_LOW
     if bits & LOW_NOW:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
-        yield Finding.of("power", text, faults.VOLTAGE_LOW)
     elif bits & (SLOW_NOW | LOW_BEFORE):
         text = Message(
             "The supply voltage of the Raspberry Pi was too low since its start, or it was "
             "slowed down."
         )
-        yield Finding.of("power", text, faults.VOLTAGE_LOW, mild=True)
-    else:
-        yield Finding.of("power", Message("Supply voltage of the Raspberry Pi"))
+        fault = fault.as_warning()
+    yield Finding.of("power", text, fault if bits & (LOW_NOW | SLOW_NOW | LOW_BEFORE) else None)
 
 
 def check_date(machine: Machine) -> Iterator[Finding]:
@@ -197,3 +196,28 @@ def check_date(machine: Machine) -> Iterator[Finding]:
     if not known:
         text = Message("There is no time zone {zone}: local times are wrong.", zone=zone)
         yield Finding.of("zone", text, CLOCK_WRONG, mild=True, advice=advice)
+
+
+def check_memory(machine: Machine) -> Iterator[Finding]:
+    """Judge the memory that programs may still have."""
+    free = _sizes(machine.root / "proc/meminfo")["MemAvailable"] * BYTES_PER_KB
+    ended = _sizes(machine.root / "proc/vmstat").get("oom_kill", 0)
+    text = Message("Memory: {free_mb:.0f} MB free", free_mb=free / MB)
+    advice = Message(
+        "End other programs on this computer; to see them, run: ps aux --sort=-rss | head"
+    )
+    if free >= LOW_MEMORY and ended:
+        text = Message(
+            "Linux has ended {count} programs for lack of memory since the start.", count=ended
+        )
+        advice = Message(
+            "Note which program was ended: sudo dmesg | grep -i oom. Then restart the computer, "
+            "and run nothing else beside the robot."
+        )
+    fault = OVERLOADED if free < LOW_MEMORY or ended else None
+    yield Finding.of("memory", text, fault, mild=free >= NO_MEMORY, advice=advice)
+
+
+def _sizes(path: Path) -> Dict[str, int]:
+    rows = (line.replace(":", " ").split() for line in path.read_text().splitlines())
+    return {row[0]: int(row[1]) for row in rows if len(row) > 1}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Optional
 
 from gpr20_common.message import Fault, Message
@@ -60,19 +60,13 @@ class Finding:
         mild: bool = False,
         advice: Optional[Message] = None,
     ) -> Finding:
-        """Return the finding of a sentence: good, unless it reports a fault.
+        """Return the finding of a sentence: good, unless it reports a fault, or is given one.
 
         That says level and remedy; `mild` makes it a warning, `advice` says more than its remedy.
         """
-        if fault is None:
-            return cls(check, Level.OK, text)
-        found = text.with_fault(fault)
-        known = cls.of_fault(check, found.as_warning() if mild else found)
-        return replace(known, remedy=advice or known.remedy)
-
-    @classmethod
-    def of_fault(cls, check: str, text: Message) -> Finding:
-        """Return the finding of a sentence that reports a fault: that says level and remedy."""
-        cause = text.cause
-        assert cause is not None
-        return cls(check, Level[cause.severity.name], text, cause.remedy)
+        found = text if fault is None else text.with_fault(fault)
+        found = found.as_warning() if mild else found
+        cause = found.cause
+        if cause is None:
+            return cls(check, Level.OK, found)
+        return cls(check, Level[cause.severity.name], found, advice or cause.remedy)

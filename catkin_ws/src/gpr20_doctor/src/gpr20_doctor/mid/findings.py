@@ -14,13 +14,12 @@ from typing import Any, Callable, Dict, Iterable, Iterator, List, Mapping, Optio
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
-from gpr20_common.message import Message, verbatim
+from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
 from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low.processes import FAILURES, in_time
 from gpr20_doctor.mid import (
     computer_checks,
     network_checks,
-    process_checks,
     robot_checks,
     software_checks,
 )
@@ -30,7 +29,6 @@ from gpr20_doctor.mid.robot_facts import RobotFacts
 from gpr20_survey.plan.robot_description import STORAGE
 
 SPACE = "data_disk"
-BETWEEN = "; "
 LEVEL_WIDTH = 12
 GOOD, DOUBTFUL, BAD = 0, 1, 2
 """Exit status: everything is good; a warning or something unknown; a fault."""
@@ -40,7 +38,8 @@ SPACE_AGAIN = Message(
 )
 
 
-Check = Callable[[Machine], Iterable[Finding]]
+# A generator: it begins when its findings are asked for, with a limit.
+Check = Callable[[Machine], Iterator[Finding]]
 # A check that takes longer hangs, such as on a disk; that of the configuration has its own limit.
 LIMIT_S, LONG_LIMIT_S = 6.0, 70.0
 # Each with the name of its findings.
@@ -48,9 +47,9 @@ CHECKS: Mapping[str, Check] = {
     "config_files": software_checks.check_configuration,
     "edited": software_checks.check_edited,
     "packages": software_checks.check_packages,
-    "launch": process_checks.check_launch,
-    "watchdog": process_checks.check_watchdog,
-    "memory": process_checks.check_memory,
+    "launch": software_checks.check_launch,
+    "watchdog": software_checks.check_watchdog,
+    "memory": computer_checks.check_memory,
     "addresses": network_checks.check_addresses,
     "firewall": network_checks.check_firewall,
     "hardware": computer_checks.check_hardware,
@@ -66,7 +65,7 @@ def examine(machine: Machine) -> MachineReport:
     for name, check in CHECKS.items():
         limit_s = LONG_LIMIT_S if check is software_checks.check_configuration else LIMIT_S
         try:
-            found.extend(in_time(partial(_list, check, machine), limit_s))
+            found.extend(in_time(partial(list, check(machine)), limit_s))
         except FAILURES as error:
             reason = os_reason(error) if isinstance(error, OSError) else verbatim(str(error))
             text = Message(
@@ -76,24 +75,18 @@ def examine(machine: Machine) -> MachineReport:
     return MachineReport(tuple(found), own_software(), machine)
 
 
-def _list(check: Check, machine: Machine) -> List[Finding]:
-    return list(check(machine))
-
-
-def findings(robot: Optional[RobotFacts], machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
+def findings(robot: RobotFacts, machine: Optional[MachineReport]) -> Tuple[Finding, ...]:
     """Return the results of all checks, the worst first.
 
     Args:
-        robot: What the nodes report; None: not asked for.
+        robot: What the nodes report.
         machine: What was found about this computer; None: not asked for.
     """
+    here = Machine() if machine is None else machine.machine
     found: List[Finding] = [] if machine is None else [*machine.found]
-    if robot is not None:
-        here = Machine() if machine is None else machine.machine
-        for check in robot_checks.CHECKS:
-            found.extend(check(robot, here))
-        installed = None if machine is None else machine.software
-        found.extend(software_checks.check_versions(robot, installed, here))
+    for check in robot_checks.CHECKS:
+        found.extend(check(robot, here))
+    found.extend(software_checks.check_versions(robot, machine))
     has_space = any(one.check == SPACE and one.level is Level.OK for one in found)
     for number, one in enumerate(found):
         # The storage repeats its last failure until it stores again.
@@ -114,7 +107,7 @@ def summary(found: Tuple[Finding, ...]) -> Message:
     """Return how many findings have each level."""
     levels = [one.level for one in found]
     return Message(
-        "{faults} faults, {warnings} warnings, {unknown} unknown, {notes} notes, {good} good",
+        "faults: {faults}, warnings: {warnings}, unknown: {unknown}, notes: {notes}, good: {good}",
         faults=levels.count(Level.FAULT),
         warnings=levels.count(Level.WARNING),
         unknown=levels.count(Level.UNKNOWN),
@@ -126,7 +119,10 @@ def summary(found: Tuple[Finding, ...]) -> Message:
 def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
     """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
     for one in found:
-        level, details = catalogue.text(one.level.title), BETWEEN.join(one.text.all_details)
+        level, details = (
+            catalogue.text(one.level.title),
+            BETWEEN_SENTENCES.join(one.text.all_details),
+        )
         text = catalogue.text(one.text) + (f" ({details})" if details else "")
         yield f"{level:{LEVEL_WIDTH}}{text}"
         if one.remedy is not None:
@@ -144,7 +140,7 @@ def as_json(found: Tuple[Finding, ...], catalogue: Catalogue) -> str:
                 "fault_code": one.text.fault_code,
                 "level": one.level.name,
                 "text": catalogue.text(one.text),
-                "details": BETWEEN.join(one.text.all_details),
+                "details": BETWEEN_SENTENCES.join(one.text.all_details),
                 "remedy": "" if one.remedy is None else catalogue.text(one.remedy),
             }
             for one in found

@@ -130,11 +130,9 @@ class Machine:
 
     @property
     def drives_hardware(self) -> bool:
-        """Whether it drives the pins and the bus of a real robot."""
-        axis = axis_node(AxisId.X)
-        if self.simulated or self.is_only("GPR20_SERVER") or self.is_elsewhere(axis):
-            return False
-        return axis in self.nodes or self.is_only("GPR20_ROBOT") or self.is_pi
+        """Whether it is the Raspberry Pi that drives the pins and the bus of a real robot."""
+        other = self.is_only("GPR20_SERVER") or self.is_elsewhere(axis_node(AxisId.X))
+        return self.is_pi and not (self.simulated or other)
 
     @property
     def is_pi(self) -> bool:

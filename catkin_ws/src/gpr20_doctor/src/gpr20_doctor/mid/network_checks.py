@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Iterator, Optional, Sequence
+from typing import Iterator
 
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
@@ -25,9 +25,7 @@ TABLE = "table inet gpr20"
 def check_addresses(machine: Machine) -> Iterator[Finding]:
     """Judge the addresses of the two machines, and where ROS listens."""
     address = machine.environment.get("ROS_HOSTNAME") or machine.environment.get("ROS_IP", "")
-    two = [machine.environment.get(name, "") for name in ADDRESSES]
-    advice = AS_SERVICES if machine.settings else None
-    yield _two(machine, two, address, advice) if any(two) else _one(address, advice)
+    yield _listening(machine, address)
     nodes = machine.processes.nodes_of(machine.master)
     known = {one.variable("ROS_HOSTNAME", "ROS_IP") for one in nodes} - {"", address}
     gone = sorted(one for one in known if not is_here(one))
@@ -40,39 +38,36 @@ def check_addresses(machine: Machine) -> Iterator[Finding]:
         yield Finding.of("addresses", text, faults.ADDRESS, advice=machine.restart(CHECK_LINK))
 
 
-def _two(machine: Machine, two: Sequence[str], address: str, advice: Optional[Message]) -> Finding:
-    own = machine.own_addresses
-    if not own:
+def _listening(machine: Machine, address: str) -> Finding:
+    two, own = [machine.environment.get(name, "") for name in ADDRESSES], machine.own_addresses
+    fault, advice = faults.ADDRESS, AS_SERVICES if machine.settings else None
+    if any(two) and not own:
         text = Message(
             "This computer has none of the addresses {configured}.",
             configured=", ".join(one or "?" for one in two),
         )
-        return Finding.of("addresses", text, faults.ADDRESS)
-    if address not in own:
+        advice = None
+    elif any(two) and address not in own:
         text = Message(
             "ROS listens on {address}, but this computer is {own}.",
             address=address or "*",
             own=own[0],
         )
-        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
-    return Finding.of("addresses", Message("ROS listens on {address}.", address=address))
-
-
-def _one(address: str, advice: Optional[Message]) -> Finding:
-    if address == "localhost" or address.startswith("127."):
+    elif any(two) or address == "localhost" or address.startswith("127."):
         return Finding.of("addresses", Message("ROS listens on {address}.", address=address))
-    if address and not is_here(address):
+    elif address and not is_here(address):
         text = Message(
             "ROS_IP or ROS_HOSTNAME is {address}, which is no address of this computer: what is "
             "started here cannot be reached.",
             address=address,
         )
-        return Finding.of("addresses", text, faults.ADDRESS, advice=advice)
-    text = Message(
-        "ROS listens on {address}: everybody in the network can move the robot.",
-        address=address or "*",
-    )
-    return Finding.of("addresses", text, faults.ADDRESS, mild=True, advice=advice)
+    else:
+        text = Message(
+            "ROS listens on {address}: everybody in the network can move the robot.",
+            address=address or "*",
+        )
+        fault = fault.as_warning()
+    return Finding.of("addresses", text, fault, advice=advice)
 
 
 def check_firewall(machine: Machine) -> Iterator[Finding]:

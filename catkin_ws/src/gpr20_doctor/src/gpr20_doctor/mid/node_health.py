@@ -70,11 +70,6 @@ class HealthLevel(enum.IntEnum):
     STALE = 3
 
 
-def level_title(level: HealthLevel) -> Message:
-    """Return the health of a node in one word."""
-    return (Message("GOOD"), Message("WARNING"), Message("FAULT"), Message("OFFLINE"))[level]
-
-
 @dataclass(frozen=True)
 class NodeHealth:
     """What a node reports about itself on /diagnostics, once a second.

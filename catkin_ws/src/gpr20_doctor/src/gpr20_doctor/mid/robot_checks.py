@@ -6,7 +6,8 @@ it and list it in CHECKS.
 
 from __future__ import annotations
 
-from typing import Callable, Iterable, Iterator, Optional, Tuple
+from dataclasses import replace
+from typing import Callable, Iterable, Iterator, Tuple
 
 from gpr20_common.faults import (
     CONFIGURATION,
@@ -18,12 +19,19 @@ from gpr20_common.faults import (
 )
 from gpr20_common.message import Message, Severity
 from gpr20_doctor import faults
-from gpr20_doctor.low.masters import MasterState, NodeState, robots_at
+from gpr20_doctor.low.masters import MasterState, robots_at
 from gpr20_doctor.low.processes import Processes
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine
-from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, node_title
+from gpr20_doctor.mid.node_health import (
+    MAIN_CONTROL,
+    HealthLevel,
+    NodeHealth,
+    axis_node,
+    node_title,
+)
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
+from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.sweep import CalibrationStatus
@@ -33,10 +41,14 @@ Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
 STARTING_S = 5.0
 # A message is under way for some of it; times of traces are wrong by the rest [s].
 OFFSET_LIMIT_S = 1.0
-# The part itself says why it is silent.
-SILENT = (NodeState.HANGS, NodeState.GONE)
 WAIT = Message("Wait until all parts of the robot have started.")
 MAKE_SURE = Message("Make sure that the VNA is calibrated.")
+TEST_IT = Message(
+    "When no survey runs or is paused, run gpr20 doctor without --quick, or press CHECK ALL on "
+    "ROBOT."
+)
+# What may still move something while it is silent.
+MOVERS = (MAIN_CONTROL, *map(axis_node, AxisId))
 
 
 def check_configuration(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
@@ -58,30 +70,19 @@ def check_configuration(facts: RobotFacts, _machine: Machine) -> Iterator[Findin
         yield Finding("simulated", Level.NOTE, text, real)
 
 
-def check_parts(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
-    """Judge each node by its own report, or by what it does when it is asked."""
-    known = facts.evidence.nodes
-    gone = [one.name for one in facts.nodes if known.get(one.name) is NodeState.GONE]
-    if gone:
-        text = Message("Not running: {parts}", parts=tuple(map(node_title, gone)))
-        advice = Message("Wait one minute: what ends is started again by itself. If it stays:")
-        yield Finding.of("missing", text, NOT_RUNNING, advice=machine.restart(advice))
-    for node in facts.nodes:
-        if node.name not in gone:
-            yield _part(node, facts.listening_s, known.get(node.name))
+def check_parts(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
+    """Judge each node by its own report; a silent one hangs, or has ended."""
+    return (_part(node, facts.listening_s) for node in facts.nodes)
 
 
-def _part(node: NodeHealth, listening_s: float, state: Optional[NodeState]) -> Finding:
+def _part(node: NodeHealth, listening_s: float) -> Finding:
     name = node_title(node.name)
-    if state is NodeState.HANGS:
-        text = Message("{name} hangs: it runs, but does not answer.", name=name)
-        return Finding.of(node.name, text, PART_LOST)
     if node.level is HealthLevel.OK:
         return Finding.of(node.name, name)
     if node.level is HealthLevel.STALE:
         text = Message("{name} does not report.", name=name)
         if listening_s > STARTING_S:
-            return Finding.of(node.name, text, PART_SILENT)
+            return Finding.of(node.name, text, PART_LOST if node.name in MOVERS else PART_SILENT)
         return Finding(node.name, Level.UNKNOWN, text, PART_SILENT.remedy)
     cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
@@ -101,8 +102,14 @@ def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
         yield Finding.of("vna", text, VNA_SILENT)
     elif test is not None:
         yield _calibration(test.calibration)
-    elif node is not None:
-        yield _calibration(node.values.get("calibration", ""))
+    elif not facts.unheard:
+        untested = Message("The VNA was not tested: whether it measures now is not known.")
+        yield Finding("vna", Level.UNKNOWN, untested, TEST_IT)
+        if node is not None:
+            last = _calibration(node.values.get("calibration", ""))
+            text = Message("When it was last read: {state}", state=last.text)
+            # What was good then may not be now.
+            yield last if last.level > Level.OK else replace(last, level=Level.NOTE, text=text)
 
 
 def _calibration(name: str) -> Finding:
@@ -167,7 +174,7 @@ def check_contact(facts: RobotFacts, machine: Machine) -> Iterator[Finding]:
         text = Message("Axes, height sensor, VNA, storage and versions: not known without a robot.")
         advice = Message("First do what the fault above says, then run gpr20 doctor again.")
         yield Finding("parts", Level.UNKNOWN, text, advice)
-    elif not facts.control_alive and facts.evidence.nodes.get(MAIN_CONTROL) not in SILENT:
+    elif not facts.control_alive and facts.node(MAIN_CONTROL) is not None:
         text = Message("There is no contact with the main control.")
         yield Finding.of("control", text, PART_SILENT)
 
@@ -214,35 +221,41 @@ def _why_unheard(master: str, evidence: Evidence, machine: Machine) -> Finding:
 
 def _without_robot(state: MasterState, machine: Machine) -> Tuple[Message, Message]:
     where = str(machine.settings or "ROS_MASTER_URI")
-    if state is MasterState.ANSWERS:
-        text = Message("The ROS master answers, but it has no robot.")
-        return text, machine.restart(Message("Nothing of the robot was started."))
-    if state is MasterState.FOREIGN:
-        text = Message("Another program listens where the ROS master should.")
-        advice = Message(
-            "To see which, run: sudo ss -ltnp. End that program, or write another port into "
-            "{where}. Then start the robot again.",
-            where=where,
-        )
-        return text, advice
-    if state is MasterState.UNKNOWN_HOST:
-        text = Message("Nobody knows the name of the ROS master's computer.")
-        advice = Message(
-            "Correct the name in {where}, use an address such as 10.20.0.2 instead, or write name "
-            "and address into /etc/hosts.",
-            where=where,
-        )
-        return text, advice
-    if state is MasterState.UNREACHABLE:
-        text = Message("The computer of the ROS master is not reached.")
-        advice = Message(
-            "Check that the other computer is switched on, the cable between them, and the address "
-            "({where}).",
-            where=where,
-        )
-        return text, advice
-    text = Message("The ROS master does not answer.")
-    return text, machine.restart(Message("The robot does not run."))
+    known = {
+        MasterState.ANSWERS: (
+            Message("The ROS master answers, but it has no robot."),
+            machine.restart(Message("Nothing of the robot was started.")),
+        ),
+        MasterState.FOREIGN: (
+            Message("Another program listens where the ROS master should."),
+            Message(
+                "To see which, run: sudo ss -ltnp. End that program, or write another port into "
+                "{where}. Then start the robot again.",
+                where=where,
+            ),
+        ),
+        MasterState.UNKNOWN_HOST: (
+            Message("Nobody knows the name of the ROS master's computer."),
+            Message(
+                "Correct the name in {where}, use an address such as 10.20.0.2 instead, or write "
+                "name and address into /etc/hosts.",
+                where=where,
+            ),
+        ),
+        MasterState.UNREACHABLE: (
+            Message("The computer of the ROS master is not reached."),
+            Message(
+                "Check that the other computer is switched on, the cable between them, and the "
+                "address ({where}).",
+                where=where,
+            ),
+        ),
+        MasterState.NOT_THERE: (
+            Message("The ROS master does not answer."),
+            machine.restart(Message("The robot does not run.")),
+        ),
+    }
+    return known[state]
 
 
 CHECKS: Tuple[Check, ...] = (

@@ -8,7 +8,7 @@ from typing import Mapping, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NodeSoftware
-from gpr20_doctor.low.masters import MasterState, NodeState
+from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth
 from gpr20_survey.axes import AxisId
 from gpr20_survey.results.answers import AnalyzerTest
@@ -64,7 +64,6 @@ class Evidence:
         robots: Namespaces of the robots on the same master.
         elsewhere: Other masters of nodes whose processes run on this computer.
         local_nodes: Number of nodes whose processes run on this computer.
-        nodes: What the silent nodes say when they are asked.
     """
 
     master: MasterState = MasterState.NOT_THERE
@@ -72,7 +71,6 @@ class Evidence:
     robots: Tuple[str, ...] = ()
     elsewhere: Tuple[str, ...] = ()
     local_nodes: int = 0
-    nodes: Mapping[str, NodeState] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)

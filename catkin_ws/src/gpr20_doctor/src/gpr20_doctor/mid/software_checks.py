@@ -1,4 +1,4 @@
-"""Checks of the configuration and of the software, on this computer and in the robot's parts."""
+"""Checks of the configuration and the software: what is installed, what runs, what it runs with."""
 
 from __future__ import annotations
 
@@ -8,15 +8,21 @@ from pathlib import Path
 from typing import Iterable, Iterator, List, Optional
 
 import gpr20_common
-from gpr20_common.faults import CONFIGURATION, NOT_SET_UP, OTHER_LAUNCH, VERSIONS_DIFFER
+from gpr20_common.faults import (
+    CONFIGURATION,
+    INTERNAL,
+    NOT_SET_UP,
+    OTHER_LAUNCH,
+    PART_SILENT,
+    VERSIONS_DIFFER,
+)
 from gpr20_common.low.yaml_file import data_folder
-from gpr20_common.message import Message
-from gpr20_common.mid.node_facts import NodeSoftware, software_difference
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message, received_message, verbatim
+from gpr20_common.mid.node_facts import software_difference
 from gpr20_common.terminal_text import printable
-from gpr20_doctor.low.processes import answer_of
+from gpr20_doctor.low.processes import HALTED, Process, answer_of
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.machine import SERVICE, Machine
+from gpr20_doctor.mid.machine import SERVICE, Machine, MachineReport
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, IMAGING, node_title
 from gpr20_doctor.mid.robot_facts import RobotFacts
 
@@ -29,6 +35,9 @@ UNREADABLE = "a problem that cannot be read; run robot_config check by hand"
 # robot works without window and page.
 NEEDED = ("lz4", "mcap", "polib", "pydantic", "rosbags", "vxi11", "zstandard")
 MODULES = (*NEEDED, "tornado")
+# Nodes whose hang the checks of reports find; a hung one must not simply be continued.
+OWN_REPORT = frozenset(name.rpartition("/")[2] for name in EXPECTED_NODES)
+WITH_WATCHDOG = Message("Start the robot again, with watchdog_s:=10 or without that argument.")
 
 
 def check_configuration(machine: Machine) -> Iterator[Finding]:
@@ -49,8 +58,7 @@ def check_configuration(machine: Machine) -> Iterator[Finding]:
     for one in records:
         # Each problem has its own fault; one without has that of a value.
         text = Message("Configuration: {reason}", reason=received_message(UNREADABLE, one))
-        known = text if text.cause is not None else text.with_fault(CONFIGURATION)
-        yield Finding.of_fault("config_files", known)
+        yield Finding.of("config_files", text, CONFIGURATION if text.cause is None else None)
     if not records:
         values = {"folder": printable(folder), "robot": robot}
         text = Message("Configuration in {folder}, for robot:={robot}", **values)
@@ -80,6 +88,54 @@ def check_edited(machine: Machine) -> Iterator[Finding]:
     yield Finding.of("edited", text, OTHER_LAUNCH.as_warning(), advice=advice)
 
 
+def check_launch(machine: Machine) -> Iterator[Finding]:
+    """Find parts of the robot that nobody would start again."""
+    nodes = machine.processes.nodes_of(machine.master)
+    left = [one for one in nodes if one.master and machine.processes.is_left_over(one)]
+    launches = machine.processes.launches_of(machine.master)
+    if left:
+        text = Message(
+            "The launch of {count} parts of the robot on this computer has ended. They run on, "
+            "and nothing starts one of them again if it ends.",
+            count=len(left),
+        )
+        advice = Message(
+            "Run: kill {numbers}. A survey that runs is stopped and can be resumed. Then start the "
+            "robot again.",
+            numbers=_numbers(left),
+        )
+        yield Finding.of("launch", text, INTERNAL, mild=True, advice=machine.restart(advice))
+    others = [one for one in nodes if one.node not in OWN_REPORT]
+    halted = [one for one in (*launches, *others) if one.state in HALTED]
+    if halted:
+        names = tuple(node_title(one.node) if one.node else verbatim("roslaunch") for one in halted)
+        text = Message("Stopped on this computer, and does nothing: {parts}", parts=names)
+        advice = Message(
+            "Run: kill -CONT {numbers}. If it is found again, start the robot again.",
+            numbers=_numbers(halted),
+        )
+        yield Finding.of("launch", text, PART_SILENT, advice=advice)
+    if launches and not left + halted:
+        yield Finding.of("launch", Message("Launch of the robot on this computer"))
+
+
+def check_watchdog(machine: Machine) -> Iterator[Finding]:
+    """Judge whether each launch has what would end its parts that hang; it may be stopped."""
+    known = machine.processes
+    nodes = [one for one in known.nodes_of(machine.master) if not known.is_left_over(one)]
+    launches = {one.argument("configuration:=") for one in nodes} - {""}
+    watched = {one.argument("--launch=") for one in nodes}
+    if launches - watched:
+        text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
+        yield Finding.of("watchdog", text, INTERNAL, True, machine.restart(WITH_WATCHDOG))
+    elif launches:
+        yield Finding.of("watchdog", Message("Watchdog"))
+
+
+def _numbers(some: List[Process]) -> str:
+    return " ".join(map(str, sorted(one.number for one in some)))
+
+
 def missing_modules(wanted: Iterable[str]) -> List[str]:
     """Return the Python modules that are not installed."""
     return [one for one in wanted if importlib.util.find_spec(one) is None]
@@ -98,32 +154,24 @@ def check_packages(machine: Machine) -> Iterator[Finding]:
     yield Finding.of("packages", text, NOT_SET_UP, advice=advice)
 
 
-def check_versions(
-    facts: RobotFacts, installed: Optional[NodeSoftware], machine: Machine
-) -> Iterator[Finding]:
-    """Compare the software of the nodes, and what is installed here.
-
-    Args:
-        facts: What the nodes say.
-        installed: On this computer; None: not looked for.
-        machine: This computer.
-    """
+def check_versions(facts: RobotFacts, here: Optional[MachineReport]) -> Iterator[Finding]:
+    """Compare the software of the nodes, and what is installed here, if that was looked for."""
     if not facts.control_alive:
         return
     software = {name: one for name, one in facts.software.items() if one.version}
     # The node of the images does not describe itself.
     silent = [one for one in EXPECTED_NODES if one not in (IMAGING, *software)]
-    if installed is not None:
-        software["installed here"] = installed
+    if here is not None:
+        software["installed here"] = here.software
     difference = software_difference(software)
     if difference is not None:
         text = Message("Versions: {difference}", difference=difference)
         hosts = {one.host: one.name for one in software.values()}
         fault, advice = VERSIONS_DIFFER.as_warning(), None
-        if any(one.name != hosts[one.host] for one in software.values()):
+        if here is not None and any(one.name != hosts[one.host] for one in software.values()):
             # It was updated under a robot that runs on.
             again = Message("Start all parts of the robot again, from one installation.")
-            fault, advice = OTHER_LAUNCH.as_warning(), machine.restart(again)
+            fault, advice = OTHER_LAUNCH.as_warning(), here.machine.restart(again)
         yield Finding.of("versions", text.reporting_only(fault), fault, advice=advice)
     elif silent:
         text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, silent)))

@@ -138,7 +138,13 @@ def _running(names: Sequence[str], master: str) -> Dict[str, int]:
 def _processes(nodes: Mapping[str, int]) -> List[Process]:
     """Return what runs on this computer: a number may be of a process elsewhere."""
     found = {name: process_of(number) for name, number in nodes.items()}
-    return [one for name, one in found.items() if one is not None and one.may_be_node(name)]
+    return [one for name, one in found.items() if one is not None and may_be(one, name)]
+
+
+def may_be(process: Process, node: str) -> bool:
+    """Return whether it can be that node; rosrun starts a program of its name."""
+    base = node.rpartition("/")[2]
+    return process.node == base or any(Path(one).name.endswith(base) for one in process.words[:2])
 
 
 def refusal(master: str, nodes: Mapping[str, int], here: Sequence[Process]) -> str:

@@ -12,9 +12,10 @@ from urllib.parse import urlsplit
 
 from gpr20_common.low.links import NO_ANSWER, limited_server, value_of
 from gpr20_doctor.low.masters import is_here
-from gpr20_doctor.low.processes import Process, all_processes, is_working, process_of
+from gpr20_doctor.low.processes import PROC, Process, all_processes, process_of
 
 CALLER = "/watchdog"
+WORKING = frozenset("RD")
 
 
 class LaunchedNodes:
@@ -68,7 +69,8 @@ class LaunchedNodes:
         return True
 
     def is_working(self, number: int) -> bool:
-        return is_working(number)
+        """Return whether a thread of the process runs, waits for a processor, or for a disk."""
+        return any(one.state in WORKING for one in all_processes(PROC / str(number) / "task"))
 
     def kill(self, number: int, name: str) -> None:
         """End the process, if it is still that of the node."""
@@ -80,8 +82,8 @@ class LaunchedNodes:
     def _name(self, process: Process) -> str:
         if process.parent != self._parent or not process.node:
             return ""
-        is_ours = self._word in process.words or process.full_name in self._others
-        return process.full_name if is_ours else ""
+        name = f"/{process.variable('ROS_NAMESPACE').strip('/')}/{process.node}".replace("//", "/")
+        return name if self._word in process.words or name in self._others else ""
 
     def _find(self, name: str) -> Tuple[str, xmlrpc.client.ServerProxy]:
         uri = str(value_of(self._master.lookupNode(CALLER, name)))

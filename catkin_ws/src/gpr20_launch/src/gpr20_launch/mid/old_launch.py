@@ -10,39 +10,43 @@ import os
 import re
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Dict, List, Mapping, Union
+from typing import Any, Dict, Iterable, List, Mapping, Union
 from xml.etree import ElementTree
 
 import yaml
 
-from gpr20_common.errors import Gpr20Error, os_reason
-from gpr20_common.low.yaml_file import parse_yaml
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.yaml_file import limited_bytes, parse_yaml
 from gpr20_common.message import verbatim
 from gpr20_launch.faults import LaunchRefusedError
+from gpr20_launch.mid.axis_checks import HEIGHT_FILE, LATEST_PULSE
 from gpr20_launch.mid.robot_files import AXES_FILE, AXIS_SECTIONS
 from gpr20_survey.axes import ROTARY, AxisParameters
 
-MAX_BYTES, MAX_VALUES = 1 << 20, 10_000
 # Begins the value of what could not be found out and a person must write.
-UNREAD = "UNREAD, write it"
+UNREAD, NO_PIN, MAX_VALUES = "UNREAD, write it", -1, 10_000
 NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
+# With a shorter pause the default of late_limit_s does not suit.
+FAST_STEP_S = AxisParameters.late_limit_s / LATEST_PULSE
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
 _SUBSTITUTION = re.compile(r"\$\(([^()]*)(\)?)")
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
+# Of the converter, the one value of the height sensor that both have.
+CHANNEL = "channel"
 TO_CHECK = ["pins", "endstop_levels", "directions", "travel", "emergency_stop"]
 
 
 @dataclass
 class OldRobot:
-    """A configuration, and what could not be found out.
+    """The files of a configuration, and what could not be found out.
 
-    Of the parameters, such as x/dir_pin, in the end those without a counterpart are left.
+    Of the values, such as x/dir_pin, in the end those without a counterpart are left.
     """
 
-    texts: Dict[str, str] = field(default_factory=dict)
     values: Dict[str, Any] = field(default_factory=dict)
     unread: List[str] = field(default_factory=list)
+    texts: Dict[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -91,11 +95,7 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     """
     robot = OldRobot()
     read(path, robot)
-    axes: Dict[str, Dict[str, Any]] = {axis: {} for axis in AXIS_SECTIONS}
-    for place in list(robot.values):
-        axis, _slash, key = place.partition("/")
-        if axis in axes:
-            axes[axis][key] = robot.values.pop(place)
+    axes = {axis: _of(robot, axis, NAMES) for axis in AXIS_SECTIONS}
     if not any(axes.values()):
         reasons = "; ".join(robot.unread) or "give the one that starts the nodes of the axes"
         raise _refused(f"{path} sets no parameter of an axis: {reasons}")
@@ -105,17 +105,26 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
         if missing:
             robot.unread.append(f"{path.name} does not set {axis}: {', '.join(missing)}")
         own.update({key: f"{UNREAD}: {'; '.join(robot.unread)}" for key in missing})
-        # Its axis node drives DIR low for increasing coordinates.
+        # Its axis node drives DIR low for increasing coordinates, and knows no late pulses.
         own["invert_direction"] = True
-        if str(own.get("type", defaults[axis]["type"])) == ROTARY:
-            own.pop("sensor_pin", None)
-        elif isinstance(own.get("sensor_pin"), int) and own["sensor_pin"] < 0:
+        if own.get("type") == ROTARY or own.get("sensor_pin") == NO_PIN:
             own["sensor_pin"] = None
+        if isinstance(own["min_step"], float) and own["min_step"] < FAST_STEP_S:
+            own["late_limit_s"] = LATEST_PULSE * own["min_step"]
     unchecked = ["unread", *TO_CHECK] if robot.unread else TO_CHECK
     notes = "".join(f"# unread: {one!r}\n" for one in robot.unread)
     robot.texts["wiring.yaml"] = notes + yaml.safe_dump({"unchecked": unchecked})
-    robot.texts[AXES_FILE] = f"# From {path.name}.\n" + yaml.safe_dump(axes, sort_keys=False)
+    for name, content in ((AXES_FILE, axes), (HEIGHT_FILE, _of(robot, "height", (CHANNEL,)))):
+        if content:
+            text = yaml.safe_dump(content, sort_keys=False)
+            robot.texts[name] = f"# From {path.name}.\n{text}"
     return robot
+
+
+def _of(robot: OldRobot, part: str, names: Iterable[str]) -> Dict[str, Any]:
+    """Take the values of a part out of those that are left."""
+    known = [key for key in names if f"{part}/{key}" in robot.values]
+    return {key: robot.values.pop(f"{part}/{key}") for key in known}
 
 
 def read(path: Path, robot: OldRobot) -> None:
@@ -130,22 +139,11 @@ def _refused(text: str) -> LaunchRefusedError:
     return LaunchRefusedError(verbatim(text))
 
 
-def _content(path: Path) -> str:
-    try:
-        with path.open("rb") as file:
-            content = file.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise _refused(f"{path}: {os_reason(error)}") from error
-    if len(content) > MAX_BYTES:
-        raise _refused(f"{path} is not a launch file: it is too long")
-    return content.decode("utf-8", "replace")
-
-
 def _root(path: Path) -> ElementTree.Element:
-    text = _content(path)
     try:
+        text = limited_bytes(path).decode("utf-8", "replace")
         root = ElementTree.fromstring("" if "<!ENTITY" in text else text)
-    except (ElementTree.ParseError, ValueError) as error:
+    except (ElementTree.ParseError, OSError, ValueError) as error:
         raise _refused(f"{path} is not a launch file: {error}") from error
     if root.tag != "launch":
         raise _refused(f"{path} is not a launch file")
@@ -157,7 +155,7 @@ def _follow(parent: ElementTree.Element, scope: _Scope, robot: OldRobot) -> None
         try:
             if scope.uses(element):
                 _element(element, scope, robot)
-        except Gpr20Error as error:
+        except (OSError, Gpr20Error) as error:
             # Short, so that the reason is still seen where a message cuts a long value.
             text = ElementTree.tostring(element, "unicode").strip()[:60]
             robot.unread.append(f"{scope.file.name}: {text} could not be read: {error}")
@@ -190,7 +188,7 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
             raise _refused("it deletes or writes parameters")
         text = element.text or ""
         if "file" in element.attrib:
-            text = _content(Path(scope.text(element, "file")))
+            text = limited_bytes(scope.text(element, "file")).decode("utf-8", "replace")
         content = parse_yaml(scope.substituted(text))
         _load(content, inner.join(scope.text(element, "param")), robot)
     elif element.tag == "include":
@@ -218,6 +216,8 @@ def _load(values: Any, name: str, robot: OldRobot) -> None:
     parts = [_AXIS.fullmatch(one.lower()) for one in reversed(above)]
     axes = [one.group(1) or one.group(2) for one in parts if one]
     place = f"{axes[0]}/{key}" if axes and key in NAMES else name
+    if key == CHANNEL and "height" in name.lower():
+        place = f"height/{key}"
     if robot.values.setdefault(place, values) != values or len(robot.values) > MAX_VALUES:
         # Which of two counts depends on the order in which roslaunch sets them.
         raise _refused(f"{name} is {values}, after {place} {robot.values[place]}")

@@ -190,9 +190,9 @@ def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
 def _no_folder(reading: Reading) -> Iterator[Problem]:
     folder = reading.folder
     if not folder.exists() and folder != Path(DEFAULT_FOLDER).expanduser():
-        text = f"the folder {folder} does not exist: the defaults are used; correct config:=, or "
-        text += f"create it with robot_config create {folder}"
-        yield Problem(verbatim(text).with_fault(CONFIGURATION.as_warning()), str(folder))
+        text = f"the folder {folder} does not exist; correct its name, or create it with "
+        text += f"robot_config create {folder}"
+        yield Problem(verbatim(text).with_fault(CONFIGURATION), str(folder))
 
 
 def _addresses(reading: Reading, use: Use) -> Iterator[Problem]:

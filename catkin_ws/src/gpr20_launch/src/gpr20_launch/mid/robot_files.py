@@ -264,10 +264,13 @@ class Reading:
                 named = next((str(one) for one in names if one), "")
                 keys = [named, *RELATED.get(named, ())]
                 key = next((one for one in keys if one in own), "")
+                # Its value the error says already.
                 related = [
                     f"{one} is {own[one]!r}" if one in own else f"{one} has its default"
                     for one in (keys if key else ())
+                    if one != named or one not in own
                 ]
+                error = Message("{name}: {state}", name=axis, state=error) if axis else error
             place = f"{below}{key}" if key else axis
             self._wrong(path, error, place, own.get(key), "; ".join(related))
 

@@ -22,7 +22,7 @@ from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_doctor.high.node_reports import axis_report, descriptions, height_m, node_healths
+from gpr20_doctor.high.graph import descriptions, node_healths
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs import msg, srv
 from gpr20_operator.high.robot_stop import RobotStop
@@ -101,7 +101,7 @@ class ControlClient(RosEvents):
             ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, parameters, None),
-            ("measured_height", Range, lambda one: MeasuredHeight(height_m(one)), 1),
+            ("measured_height", Range, _height, 1),
         ]
         for axis in AxisId:
             topic = f"{axis.value}_axis/current_coord"
@@ -196,7 +196,7 @@ class ControlClient(RosEvents):
         if now_s - reported_s < AXIS_PERIOD_S and not begins:
             return None
         self._reports[axis] = message.moving, now_s
-        return axis_report(axis, message)
+        return record_of(AxisReport, message, axis=axis)
 
     def _diagnosed(self, message: DiagnosticArray) -> None:
         # Every node of the graph publishes there about itself: others are no surprise.
@@ -219,6 +219,12 @@ def _activity(message: msg.ServiceStatus) -> ServiceActivity:
 
 def _endstop(axis: AxisId, message: Bool) -> Endstop:
     return Endstop(axis, message.data)
+
+
+def _height(message: Range) -> MeasuredHeight:
+    # A value outside the sensor's range is none (REP 117).
+    within = message.min_range <= message.range <= message.max_range
+    return MeasuredHeight(float(message.range) if within else math.nan)
 
 
 def _target(message: msg.Coordinates) -> Optional[TargetPosition]:

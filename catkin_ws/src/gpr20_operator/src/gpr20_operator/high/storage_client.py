@@ -15,7 +15,7 @@ from gpr20_common.high.answers import fault_of, message_from, received, record_o
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.message import Message
-from gpr20_doctor.high.node_reports import analyzer_test_of
+from gpr20_doctor.high.graph import analyzer_test_of
 from gpr20_doctor.mid.findings import examine
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_msgs import srv

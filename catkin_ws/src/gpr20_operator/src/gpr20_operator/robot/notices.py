@@ -10,7 +10,7 @@ from gpr20_common.faults import LOOK
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.terminal_text import printable
-from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, level_title, node_title
+from gpr20_doctor.mid.node_health import HealthLevel, NodeHealth, node_title
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import Condition, condition_of, first_step, lost, urgent
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request
@@ -168,9 +168,12 @@ class CardWatch:
         return found
 
 
+LEVELS = (Message("GOOD"), Message("WARNING"), Message("FAULT"), Message("OFFLINE"))
+
+
 def node_notice(node: NodeHealth) -> Notice:
     """Return everything that a node reports about itself."""
-    title = Message("{name}: {level}", name=node_title(node.name), level=level_title(node.level))
+    title = Message("{name}: {level}", name=node_title(node.name), level=LEVELS[node.level])
     first = None
     if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
         failed = node.level is HealthLevel.ERROR

@@ -9,9 +9,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Dict, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, received_message
 from gpr20_common.mid.codec import bounded, plain, record_from
-from gpr20_common.sent_message import received_message
 
 SEMI_MAJOR_AXIS_M = 6378137.0
 ECCENTRICITY_2 = 0.00669437999014

@@ -30,6 +30,7 @@ from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.graph_keeper import GraphKeeper
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_operator.ground.traces import TracePresenter
@@ -257,7 +258,7 @@ def _show(application: QApplication, signals: StopSignals, options: argparse.Nam
         languages,
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,
-        bool(rospy.get_param("~full_screen", False)),
+        _covers_screen(),
     )
     _connect_queued(interface.signal.shut_down, application.quit)
     # First: objects made while ROS ends this node would not notice it.
@@ -287,6 +288,10 @@ def _plan_file(namespace: str) -> str:
     """Return the name of the file, beside the settings, that keeps the plan for a robot."""
     robot = namespace.strip("/").replace("/", ".")
     return f"plan_{robot}.yaml" if robot else "plan.yaml"
+
+
+def _covers_screen() -> bool:
+    return record_from(bool, rospy.get_param("~full_screen", False), "full_screen")
 
 
 def _language(remembered: Language) -> Language:

@@ -8,13 +8,14 @@ from typing import Any, Callable, Sequence
 from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_common.mid.checks import number_between
 from gpr20_operator.plan.fields import PARAMETERS, PEOPLE, SPECS, FieldSpec
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, StartPlan
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
-WAIT_S = 15.0
+WAIT_S, MAX_WAIT_S = 15.0, 3600.0
 DESCRIPTION = Message(
     "Run a survey without a window: set its parameters, start it and follow it to its end.\n"
     "Ctrl-C stops the survey and waits for the confirmation of the main control."
@@ -79,7 +80,7 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> argparse.
     )
     parser.add_argument(
         "--wait",
-        type=reader(number_from_text),
+        type=reader(lambda text: number_between("S", number_from_text(text), 0.0, MAX_WAIT_S, "s")),
         default=WAIT_S,
         metavar="S",
         help=tr("seconds to wait for the main control (default {default:g})", default=WAIT_S),

@@ -12,8 +12,7 @@ from typing import Callable, Dict, Optional, Tuple
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import DISK_FULL
 from gpr20_common.low.thread_fault import log_fault
-from gpr20_common.message import Message, verbatim
-from gpr20_common.sent_message import received_message
+from gpr20_common.message import Message, received_message, verbatim
 from gpr20_common.terminal_text import printable
 from gpr20_survey.faults import BAG_MISSING
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE

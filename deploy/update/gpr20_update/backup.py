@@ -7,7 +7,7 @@ import re
 import time
 from pathlib import Path
 
-from gpr20_update.low.system import Paths, UpdateError, remove, run, sync
+from gpr20_update.system import Paths, UpdateError, remove, run, sync
 
 # Everything of theirs is below these folders.
 FOLDERS = ("etc/gpr20", "var/lib/gpr20/.config/gpr20")

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Collection, List, Optional
 
-from gpr20_update.low.system import Paths, UpdateError, replace_file
-from gpr20_update.mid import backup
-from gpr20_update.mid.packages import Packages
-from gpr20_update.mid.robot import Robot
+from gpr20_update import backup
+from gpr20_update.packages import Packages
+from gpr20_update.robot import Robot
+from gpr20_update.system import Paths, UpdateError, replace_file
 
 ALONE = "waiting until no other program installs packages"
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Dict, Iterator, List
 from urllib.parse import quote
 
-from gpr20_update.low.system import (
+from gpr20_update.system import (
     Ended,
     Paths,
     UpdateError,
@@ -38,11 +38,7 @@ _KEEP = ("--force-confdef", "--force-confold")
 
 
 class Packages:
-    """The package of this computer.
-
-    Args:
-        paths: Of this computer.
-    """
+    """The package of this computer."""
 
     def __init__(self, paths: Paths) -> None:
         self._paths = paths

@@ -10,7 +10,7 @@ import re
 from pathlib import Path
 from typing import Collection, Dict, List, Optional, Sequence
 
-from gpr20_update.low.system import Paths, UpdateError, run
+from gpr20_update.system import Paths, UpdateError, run
 
 USER = "gpr20"
 HOME = "/var/lib/gpr20"
@@ -33,11 +33,7 @@ _NAMESPACE = re.compile(r"^GPR20_LAUNCH_ARGUMENTS=.*\bns:=([\w/]+)", re.MULTILIN
 
 
 class Robot:
-    """The robot's software on this computer.
-
-    Args:
-        paths: Of this computer.
-    """
+    """The robot's software on this computer."""
 
     def __init__(self, paths: Paths) -> None:
         self._paths = paths

@@ -1,1 +1,0 @@
-"""Files, programs and locks of the system."""

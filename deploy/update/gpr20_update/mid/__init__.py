@@ -1,1 +1,0 @@
-"""Bundles, packages, the robot, backups: each by itself."""
