@@ -41,7 +41,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 from gpr20_vna_processing.mid.data_processing import DataProcessing

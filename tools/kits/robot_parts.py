@@ -40,7 +40,7 @@ from gpr20_main_control.mid.devices.robot import (
     motion_error,
 )
 from gpr20_main_control.mid.waits import Workers
-from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_simulator.mid.carriage import AxisMotor, SimulatedPins, mechanics_of, wiring_of
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi

@@ -14,7 +14,7 @@ from typing import Any, List, Optional
 import numpy as np
 
 from gpr20_simulator.low.shared_state import open_shared_state
-from gpr20_simulator.mid.analyzer.in_process import InProcessAnalyzer
+from gpr20_simulator.mid.analyzer.simulated_analyzer import InProcessAnalyzer
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.carriage import carriage_position, start_steps
 from gpr20_simulator.mid.faults import FaultSwitch

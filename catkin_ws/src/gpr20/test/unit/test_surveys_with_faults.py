@@ -17,7 +17,7 @@ from stored_surveys import (
     check_state,
 )
 
-from gpr20_simulator.mid.analyzer.in_process import CONNECT
+from gpr20_simulator.mid.analyzer.simulated_analyzer import CONNECT
 from gpr20_simulator.mid.world.medium import probed_sweep
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState

@@ -32,7 +32,7 @@ from gpr20_doctor.low.masters import MasterState, NodeState
 from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
-from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey.plan.survey_state import SurveyState
 
 ROBOT = ("/field/start_survey", "/field/stop_survey", "/half/start_survey", "/b/restart_survey")

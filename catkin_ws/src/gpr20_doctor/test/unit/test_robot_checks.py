@@ -26,7 +26,7 @@ from gpr20_doctor.mid.node_health import (
     NodeHealth,
 )
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts, unheard
-from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.faults import NOT_CALIBRATED
 from gpr20_survey.results.answers import AnalyzerTest

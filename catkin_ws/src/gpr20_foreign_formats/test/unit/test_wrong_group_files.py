@@ -21,7 +21,7 @@ from run_seed import draws
 from gpr20_analysis.formats.imports import ImportOptions
 from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.work import no_progress
-from gpr20_foreign_formats.group_csv import IMPORT
+from gpr20_foreign_formats.group_files import IMPORT
 
 FIRST, LAST = "X000.00_Y000.00_Z000.00.json", "X020.00_Y015.00_Z000.00.json"
 ANYTHING = st.one_of(

@@ -36,7 +36,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSweepError,
 )
 from gpr20_vna_acquisition.mid.analyzers import ForeignAnalyzer, make_foreign_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

@@ -21,7 +21,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 README = Path(__file__).parents[2] / "README.md"

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from scipy import optimize
 
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_simulator.faults import SceneError
+from gpr20_simulator.mid.faults import SceneError
 from gpr20_simulator.mid.world.ground import (
     Ground,
     refracted_path,

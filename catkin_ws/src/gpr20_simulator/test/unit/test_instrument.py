@@ -14,11 +14,10 @@ from hypothesis import strategies as st
 from vna_bench import POINTS, SWEEP_S, Bench, ascii_numbers, real_numbers
 
 from gpr20_common.faults import NOT_ALLOWED
-from gpr20_simulator.faults import FaultError, SceneError
 from gpr20_simulator.low.message_device import NetworkFault
 from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_simulator.mid.analyzer.vna_settings import SETTINGS
-from gpr20_simulator.mid.faults import FaultBoard, FaultSwitch, VnaFault
+from gpr20_simulator.mid.faults import FaultBoard, FaultError, FaultSwitch, SceneError, VnaFault
 from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.axes import AxisId
 

@@ -13,8 +13,13 @@ from vna_bench import POINTS, SWEEP_S, Bench
 from wait_kit import wait_until
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.analyzer.sweeper import Sweeper, SweepPace, SweepPlan
-from gpr20_simulator.mid.analyzer.trace_memory import SweepPart, TraceMemory
+from gpr20_simulator.mid.analyzer.sweeper import (
+    Sweeper,
+    SweepPace,
+    SweepPart,
+    SweepPlan,
+    TraceMemory,
+)
 from gpr20_simulator.mid.world.medium import (
     AntennaPosition,
     PositionProbe,

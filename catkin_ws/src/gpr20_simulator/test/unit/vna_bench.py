@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from gpr20_simulator.mid.analyzer.in_process import InProcessAnalyzer
+from gpr20_simulator.mid.analyzer.simulated_analyzer import InProcessAnalyzer
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe, probed_sweep
 from gpr20_simulator.mid.world.scene import InstrumentScene

@@ -87,6 +87,14 @@ LOCKED = Fault(
     "survey.locked",
     Message("Let the other program end, or stop its survey; end the program only if it hangs."),
 )
+CLOSING = Fault(
+    "survey.closing", Message("Press STOP again: the survey's recordings are not finished yet.")
+)
+BAG_MISSING = Fault(
+    "storage.bag_missing",
+    Message("Make space if the disk is full, then make the bag with the command that is shown."),
+    Severity.WARNING,
+)
 FOLDER_MOVED = Fault(
     "storage.folder_moved",
     Message("Put the survey's folder back to its place and name, then resume the survey."),

@@ -45,7 +45,7 @@ def run(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     steps = image_options.steps_of(chosen)
     survey, status = image_options.processed(chosen, options, steps, catalogue)
     session = ViewSession(survey, options, report_commands.hiding_of(chosen, survey))
-    from gpr20_viewer.views.application import show
+    from gpr20_viewer.views.main_window import show
 
     picks = chosen.picks or picks_path(chosen.survey)
     name = chosen.survey.expanduser().resolve().name

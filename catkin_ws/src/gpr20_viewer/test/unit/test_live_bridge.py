@@ -11,7 +11,7 @@ pytest.importorskip("PyQt5")
 from PyQt5.QtWidgets import QApplication
 from test_view_window import LIMIT_S, until
 
-from gpr20_viewer.live_image import ImageRequest
+from gpr20_viewer.session import ImageRequest
 from gpr20_viewer.views.live_bridge import LiveBridge
 
 

@@ -14,15 +14,9 @@ from gpr20_analysis import errors, work
 from gpr20_analysis.imaging.image_options import ImageOptions
 from gpr20_analysis.processing.chain import process_survey
 from gpr20_survey.radar import Soils
-from gpr20_viewer.live_image import ImageRequest
-from gpr20_viewer.pictures import (
-    Picture,
-    longest_delay_s,
-    traces_picture,
-)
 from gpr20_viewer.positions import Place
-from gpr20_viewer.scene import Scene
-from gpr20_viewer.session import ViewSession
+from gpr20_viewer.scene import Picture, Scene, longest_delay_s, traces_picture
+from gpr20_viewer.session import ImageRequest, ViewSession
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)
 TARGET = point(240.0, 240.0, 0.083)

@@ -37,7 +37,7 @@ from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession
 from gpr20_viewer.views.main_window import MainWindow
-from gpr20_viewer.views.picture_plot import NOT_MEASURED
+from gpr20_viewer.views.sections import NOT_MEASURED
 from gpr20_viewer.views.tables import PicksTab
 
 PLACES_MM = np.linspace(140.0, 340.0, 11)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import PART_SILENT
-from gpr20_common.message import Message
+from gpr20_common.message import Fault, Message
 from gpr20_survey.faults import (
     NOT_CALIBRATED,
     VNA_FAILED,
@@ -13,7 +13,17 @@ from gpr20_survey.faults import (
     VNA_SILENT,
     WRONG_VNA,
 )
-from gpr20_vna_acquisition import faults
+
+LOCKED = Fault(
+    "vna.locked",
+    Message(
+        "Close the other program that uses the VNA. If there is none, switch the VNA off and on."
+    ),
+)
+NOT_CONNECTED = Fault(
+    "vna.not_connected",
+    Message("Start or resume a survey, or test the VNA on ROBOT: that connects it and sets it up."),
+)
 
 
 class VnaError(Gpr20Error):
@@ -51,7 +61,7 @@ class VnaReplacedError(VnaIdentityError):
 class VnaNotReadyError(VnaError, RuntimeError):
     """The request needs a connection or a configuration first."""
 
-    fault = faults.NOT_CONNECTED
+    fault = NOT_CONNECTED
 
 
 class VnaSettingError(VnaError):

@@ -8,7 +8,7 @@ from typing import Callable, List, Set
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_simulator.mid.analyzer.in_process import CLOSE, CONNECT, InProcessAnalyzer
+from gpr20_simulator.mid.analyzer.simulated_analyzer import CLOSE, CONNECT, InProcessAnalyzer
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.world.scene import InstrumentScene
@@ -16,8 +16,8 @@ from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

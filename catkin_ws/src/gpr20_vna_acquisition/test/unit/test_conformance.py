@@ -21,7 +21,7 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Scene
 from gpr20_vna_acquisition import errors
-from gpr20_vna_acquisition.faults import LOCKED
+from gpr20_vna_acquisition.errors import LOCKED
 from gpr20_vna_acquisition.high import check_analyzer
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 from gpr20_vna_acquisition.mid.analyzer_record import (

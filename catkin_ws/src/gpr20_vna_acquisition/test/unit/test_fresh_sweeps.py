@@ -27,8 +27,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
-from gpr20_simulator.mid.analyzer.in_process import CONNECT
-from gpr20_simulator.mid.analyzer.simulated_analyzer import AnalyzerOptions, SimulatedAnalyzer
+from gpr20_simulator.mid.analyzer.simulated_analyzer import (
+    CONNECT,
+    AnalyzerOptions,
+    SimulatedAnalyzer,
+)
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.faults import VNA_FAILED
@@ -43,8 +46,8 @@ from gpr20_vna_acquisition.errors import (
 )
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

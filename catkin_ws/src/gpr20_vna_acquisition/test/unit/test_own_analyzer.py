@@ -18,7 +18,7 @@ from tutorial_code import code_blocks
 from gpr20_common import faults as common_faults
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
-from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey.faults import VNA_FAILED, VNA_SILENT
 from gpr20_vna_acquisition.errors import VnaClosedError, VnaConnectionError, VnaError
 from gpr20_vna_acquisition.mid import vna_driver
@@ -27,7 +27,7 @@ from gpr20_vna_acquisition.mid.analyzers import (
     load_analyzer,
     make_foreign_analyzer,
 )
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PAGE = Path(__file__).parents[5] / "docs/extend/analyzer.md"

@@ -13,7 +13,7 @@ from fault_kit import raises_fault
 
 from gpr20_common import faults as common_faults
 from gpr20_common.mid.codec import record_from
-from gpr20_simulator.mid.analyzer.in_process import CLEAR, CONNECT, LOCK
+from gpr20_simulator.mid.analyzer.simulated_analyzer import CLEAR, CONNECT, LOCK
 from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.faults import (
     NOT_CALIBRATED,

@@ -20,11 +20,11 @@ from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_simulator.mid.analyzer.in_process import StepTime
+from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey.faults import CAN_RESUME, NOT_CALIBRATED, VNA_DOUBTFUL
-from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.high import vna_node
-from gpr20_vna_acquisition.mid import request_deadline
+from gpr20_vna_acquisition.mid import exchanges
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 OWN = {"if_bandwidth_hz": 10_000.0, "averages": 1, "output_power": "HIGH"}
@@ -61,14 +61,14 @@ def taken(message, names):
 def test_nothing_is_answered_before_its_time(graph, bench):
     services = ("get_data", "get_freq", "confirm_data", "get_calibration_status")
     for service in services:
-        assert fault_of(graph.ask(service)) == faults.NOT_CONNECTED.code
+        assert fault_of(graph.ask(service)) == errors.NOT_CONNECTED.code
     level, message, _values = graph.health()
-    assert (level, message.cause) == (WARN, faults.NOT_CONNECTED.as_note())
+    assert (level, message.cause) == (WARN, errors.NOT_CONNECTED.as_note())
     refused = graph.ask("connection", connect=True, address="1.2.3.256")
     assert fault_of(refused) == NOT_ALLOWED.code
     connected = graph.ask("connection", connect=True, address=ADDRESS)
     assert connected.success and connected.identity.startswith("Anritsu,MS2026C/2,SIMULATED")
-    assert fault_of(graph.ask("get_data")) == faults.NOT_CONNECTED.code
+    assert fault_of(graph.ask("get_data")) == errors.NOT_CONNECTED.code
     assert graph.health()[0] == OK
     assert graph.ask("connection", connect=False).success and bench.open_links == 0
 
@@ -144,7 +144,7 @@ def test_a_call_that_does_not_return_is_reported_and_ends_the_process(monkeypatc
     said, ended = [], threading.Event()
     monkeypatch.setattr(vna_node, "Clock", lambda: clock)
     monkeypatch.setattr(vna_node.rospy, "logfatal", said.append)
-    monkeypatch.setattr(request_deadline.os, "_exit", ends.append)
+    monkeypatch.setattr(exchanges.os, "_exit", ends.append)
     named = {"analyzer": f"{__name__}:Hangs", "analyzer_options": {"port": 1}}
     given = VnaParameters(**named), lambda _address: None, Hardware("analyzer")
 

@@ -17,7 +17,7 @@ from run_seed import draws
 from wait_kit import wait_until
 
 from gpr20_survey.faults import VNA_SILENT, WRONG_VNA
-from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
 
@@ -241,7 +241,7 @@ def test_an_endless_answer_is_stopped(server, spoil, answer):
     "content, fault, shown",
     [
         ((9, 0, 0, 0), VNA_SILENT, "9: "),
-        ((11, 0, 0, 0), faults.LOCKED, "11: "),
+        ((11, 0, 0, 0), errors.LOCKED, "11: "),
         # It takes nothing at once.
         ((0, 7, 0, 0), WRONG_VNA, 1024),
     ],
@@ -273,7 +273,7 @@ def test_what_an_instrument_does_not_offer_is_left_out_and_any_other_failure_rep
         getattr(link, call)()
         assert link.ask_raw("X?") == b"<X?>"
     server.spoil = on(procedure, body(struct.pack(">i", 11)))
-    with raises_fault(faults.LOCKED):
+    with raises_fault(errors.LOCKED):
         getattr(link, call)()
     server.close()
 

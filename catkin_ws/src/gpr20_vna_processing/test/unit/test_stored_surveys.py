@@ -26,8 +26,7 @@ from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_vna_processing.mid import stored_surveys
-from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
-from gpr20_vna_processing.mid.survey_summaries import MOST_CELLS, map_of, summary_of
+from gpr20_vna_processing.mid.stored_surveys import MOST_CELLS, StoredSurveys, map_of, summary_of
 
 PLAN = {"x_points": 3, "y_points": 3, "polarizations_deg": [0.0, 90.0]}
 METADATA = json.dumps({"simulated": True, "parameters": PLAN})

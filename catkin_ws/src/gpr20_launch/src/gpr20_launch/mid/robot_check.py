@@ -255,7 +255,7 @@ def _extensions(reading: Reading, use: Use) -> Iterator[Problem]:
     if is_extension(vna.analyzer) and use.real and use.part != ROBOT:
         from gpr20_vna_acquisition.mid.analyzer_record import has_passed
         from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
-        from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+        from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 
         deadline = RequestDeadline(Clock())
         file = reading.folder / ANALYZER_FILE

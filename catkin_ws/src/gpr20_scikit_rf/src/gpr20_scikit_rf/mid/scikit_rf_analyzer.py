@@ -30,7 +30,7 @@ from gpr20_vna_acquisition.errors import (
     VnaSettingError,
     VnaSweepError,
 )
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

@@ -18,8 +18,8 @@ from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_height_sensor.high import height_node
 from gpr20_height_sensor.mid.height_driver import HeightParameters
-from gpr20_simulator.low.scaled_clock import ScaledClock
 from gpr20_simulator.low.shared_state import (
+    ScaledClock,
     SharedState,
     open_shared_state,
     remove_stale_states,

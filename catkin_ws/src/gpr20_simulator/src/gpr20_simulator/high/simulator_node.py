@@ -13,7 +13,6 @@ from gpr20_common.high.answers import advertise, message_fields
 from gpr20_common.high.diagnostics import OK, WARN, Diagnostics, Health
 from gpr20_common.high.node import publish_description, run_node
 from gpr20_common.message import Message
-from gpr20_simulator.faults import FAULTS_SET, SimulatorError
 from gpr20_simulator.high.simulated_robot import SimulatedPart, open_simulated_part
 from gpr20_simulator.low.vxi11_server import PORTMAPPER_PORT
 from gpr20_simulator.mid.analyzer.instrument import Capture
@@ -23,7 +22,7 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import (
     medium_by_name,
 )
 from gpr20_simulator.mid.carriage import carriage_position
-from gpr20_simulator.mid.faults import FaultSwitch
+from gpr20_simulator.mid.faults import FAULTS_SET, FaultSwitch, SimulatorError
 from gpr20_simulator.srv import SetFault, SetFaultResponse
 
 NODE = "simulator"

@@ -1,4 +1,4 @@
-"""The true state of the simulated robot, shared by the processes that simulate its parts.
+"""The true state of the simulated robot, shared by the processes that simulate its parts; a clock.
 
 A small file in shared memory holds one 64-bit word per fact. Each word has one writer, so
 a reader sees a new value as soon as the writer has stored it, without any message.
@@ -14,12 +14,14 @@ import mmap
 import os
 import re
 import tempfile
+import threading
 import time
 from pathlib import Path
 from typing import Mapping, Optional
 
 from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.faults import OTHER_LAUNCH
+from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_survey.axes import AxisId
 
@@ -28,6 +30,35 @@ INDEX = {axis: index for index, axis in enumerate(AxisId)}
 GRACE_S = 60.0
 # A shared state, or the step memory of one of its axes.
 NAME = re.compile(r"([0-9a-f]{32})(_[xyz]_steps)?")
+
+
+class ScaledClock(Clock):
+    """Lets `factor` seconds pass in each real second.
+
+    A driver that waits by this clock works unchanged, `factor` times as fast.
+    """
+
+    def __init__(self, factor: float) -> None:
+        self._factor = factor
+
+    @property
+    def factor(self) -> float:
+        """How many times faster than the real time this clock runs."""
+        return self._factor
+
+    def now_s(self) -> float:
+        """Return the scaled time [s] since some fixed moment."""
+        return time.monotonic() * self._factor
+
+    def sleep_until_s(self, deadline_s: float) -> None:
+        """Return once the scaled time has reached the deadline [s]."""
+        remaining_s = deadline_s / self._factor - time.monotonic()
+        if remaining_s > 0.0:
+            time.sleep(remaining_s)
+
+    def wait_s(self, event: threading.Event, timeout_s: float) -> bool:
+        """Wait for the event for at most `timeout_s` scaled seconds."""
+        return event.wait(timeout_s / self._factor)
 
 
 class SharedStateError(Gpr20Error, OSError):

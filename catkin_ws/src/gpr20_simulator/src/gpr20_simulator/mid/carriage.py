@@ -8,8 +8,12 @@ from typing import Any, Dict, Iterable, Optional, Union
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_simulator.low.scaled_clock import ScaledClock
-from gpr20_simulator.low.shared_state import EndstopFault, SharedState, open_shared_state
+from gpr20_simulator.low.shared_state import (
+    EndstopFault,
+    ScaledClock,
+    SharedState,
+    open_shared_state,
+)
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import AxisMechanics, RobotMechanics
 from gpr20_survey.axes import AxisId, AxisParameters, Level

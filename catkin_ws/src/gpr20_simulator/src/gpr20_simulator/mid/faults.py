@@ -1,4 +1,4 @@
-"""Faults of the simulated devices that can be switched while they work."""
+"""Errors of the simulated robot, and faults of its devices that are switched while they work."""
 
 from __future__ import annotations
 
@@ -7,18 +7,38 @@ import threading
 import time
 from typing import Callable, Dict, Optional, Set, Type
 
-from gpr20_common.message import Message
+from gpr20_common.errors import Gpr20Error
+from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.checks import number_between
-from gpr20_simulator.faults import FaultError
 from gpr20_simulator.low.shared_state import AdcFault, EndstopFault, SharedState
 from gpr20_survey.axes import AxisId
 
+FAULTS_SET = Fault(
+    "simulator.faults_set",
+    Message("When the test is over, end the fault with simulator/set_fault."),
+    Severity.WARNING,
+)
 MOST_TIMES = 1_000_000
 UNTIL_CLEARED = 0
 NO_FAULT = "NONE"
 VNA = "vna"
 ADC = "adc"
 ENDSTOPS: Dict[str, AxisId] = {"endstop_x": AxisId.X, "endstop_y": AxisId.Y}
+
+
+class SimulatorError(Gpr20Error):
+    """Something about the simulated robot was refused or failed."""
+
+    fault = NOT_ALLOWED
+
+
+class SceneError(SimulatorError, ValueError):
+    """A scene file is missing, is not YAML or holds a key or value that is not allowed."""
+
+
+class FaultError(SimulatorError, ValueError):
+    """A fault was asked for that does not exist."""
 
 
 class VnaFault(enum.Enum):

@@ -8,8 +8,7 @@ from typing import Iterable, Optional
 
 from PyQt5.QtCore import QObject, pyqtSignal
 
-from gpr20_viewer.live_image import ImageRequest
-from gpr20_viewer.session import ViewSession
+from gpr20_viewer.session import ImageRequest, ViewSession
 
 
 class Closed(Exception):

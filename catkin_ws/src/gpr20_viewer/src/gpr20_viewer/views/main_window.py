@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import signal
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Callable, List, Optional
 
-from PyQt5.QtCore import Qt
+import pyqtgraph
+from PyQt5 import sip
+from PyQt5.QtCore import Qt, QTimer
 from PyQt5.QtGui import QCloseEvent, QKeySequence
 from PyQt5.QtWidgets import (
     QAction,
+    QApplication,
     QFrame,
     QGridLayout,
     QHBoxLayout,
@@ -25,13 +31,15 @@ from PyQt5.QtWidgets import (
 
 from gpr20_analysis.sentences import shown
 from gpr20_common.errors import Gpr20Error
+from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_survey.radar import ANY_SOIL
-from gpr20_viewer.live_image import ImageRequest, LiveImage
+from gpr20_survey.trace.utc_time import iso_text
 from gpr20_viewer.picks import Pick
+from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.scene import Scene
-from gpr20_viewer.session import ViewSession
+from gpr20_viewer.session import ImageRequest, LiveImage, ViewSession
 from gpr20_viewer.views.live_bridge import LiveBridge
 from gpr20_viewer.views.sections import Sections
 from gpr20_viewer.views.settings import Settings
@@ -39,6 +47,8 @@ from gpr20_viewer.views.tables import WRONG, CandidatesTab, PicksTab
 
 SIZE_PX, SIDE_PX = (1360, 820), 430
 SIMULATED = "background: #ffd400; color: #111111; font-weight: bold; padding: 3px;"
+# Python handles Ctrl-C only between its own instructions.
+SIGNALS_PERIOD_MS = 200
 
 
 class MainWindow(QMainWindow):
@@ -288,3 +298,38 @@ def _column(*widgets: QWidget) -> QWidget:
         # The tabs, and the pictures, take the space that is left.
         layout.addWidget(widget, int(isinstance(widget, QTabWidget) or type(widget) is QWidget))
     return column
+
+
+def show(session: ViewSession, picks: Path, author: str, name: str) -> None:
+    """Show the window; return when it was closed.
+
+    Raises:
+        PicksFileError: The stored picks are damaged or of another survey.
+        KeyboardInterrupt: It was ended with Ctrl-C.
+    """
+    file = PicksFile(picks, SurveyIdentity.of(session.survey))
+    application = QApplication.instance() or QApplication(sys.argv[:1])
+    pyqtgraph.setConfigOptions(antialias=True)
+    window = MainWindow(session, PicksTab(file, author, lambda: iso_text(time_of_day_us())), name)
+    interrupted = []
+
+    def interrupt(*_: object) -> None:
+        interrupted.append(True)
+        application.quit()
+
+    former = {one: signal.signal(one, interrupt) for one in (signal.SIGINT, signal.SIGTERM)}
+    ticks = QTimer()
+    ticks.timeout.connect(lambda: None)
+    ticks.start(SIGNALS_PERIOD_MS)
+    try:
+        window.show()
+        application.exec_()
+    finally:
+        window.bridge.close()
+        # Ctrl-C leaves it open.
+        window.hide()
+        sip.delete(window)
+        for number, handler in former.items():
+            signal.signal(number, handler)
+    if interrupted:
+        raise KeyboardInterrupt

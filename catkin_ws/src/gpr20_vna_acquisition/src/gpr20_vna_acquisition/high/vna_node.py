@@ -18,11 +18,11 @@ from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs import srv
 from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
-from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
 from gpr20_vna_acquisition.mid.analyzers import make_analyzer
-from gpr20_vna_acquisition.mid.request_deadline import WATCH_PERIOD_S, RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import WATCH_PERIOD_S, RequestDeadline
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
@@ -142,7 +142,7 @@ class VNANode:
         if not state.address:
             return (
                 diagnostics.WARN,
-                Message("not connected").with_fault(faults.NOT_CONNECTED.as_note()),
+                Message("not connected").with_fault(errors.NOT_CONNECTED.as_note()),
                 values,
             )
         if state.last_quality:

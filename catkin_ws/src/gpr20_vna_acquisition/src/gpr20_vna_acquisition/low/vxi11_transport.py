@@ -18,7 +18,7 @@ from vxi11 import rpc, vxi11
 from gpr20_common.errors import os_reason
 from gpr20_common.message import Fault, Message
 from gpr20_survey.faults import WRONG_VNA
-from gpr20_vna_acquisition import faults
+from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaConnectionError, VnaNoAnswerError
 
 Answer = TypeVar("Answer")
@@ -225,7 +225,7 @@ class Vxi11Transport:
                     reason=_reason(error),
                     details=what,
                 ),
-                fault=faults.LOCKED if _is_locked(error) else None,
+                fault=errors.LOCKED if _is_locked(error) else None,
             ) from error
 
 
@@ -326,7 +326,7 @@ def _is_locked(error: BaseException) -> bool:
 
 def _link_fault(error: BaseException) -> Optional[Fault]:
     if _is_locked(error):
-        return faults.LOCKED
+        return errors.LOCKED
     return None if isinstance(error, LOST_ERRORS) else WRONG_VNA
 
 

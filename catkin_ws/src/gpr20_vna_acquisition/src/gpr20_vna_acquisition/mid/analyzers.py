@@ -23,9 +23,8 @@ from gpr20_common.mid.checks import load_extension, options_refused
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
-from gpr20_vna_acquisition.mid.exchanges import Transport
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, STEP_MARGIN_S, VnaParameters
 
 Result = TypeVar("Result")

@@ -22,14 +22,13 @@ from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaError, old_data
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status
 from gpr20_vna_acquisition.mid.analyzers import Analyzer, make_analyzer
-from gpr20_vna_acquisition.mid.exchanges import Transport
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
     DATA_QUERY,
     STATUS_QUERY,
     SWEEP_COMPLETE_BIT,
     TRIGGER,
 )
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import has_old_points, refuse_impossible
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C, VnaParameters
 

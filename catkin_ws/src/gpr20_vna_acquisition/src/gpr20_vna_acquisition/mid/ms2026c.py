@@ -14,7 +14,7 @@ from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid import ms2026c_commands as commands
 from gpr20_vna_acquisition.mid.block_parser import number, parse_frequencies, whole_number
-from gpr20_vna_acquisition.mid.exchanges import Exchanges, Transport
+from gpr20_vna_acquisition.mid.exchanges import Exchanges, RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
     Answers,
     Command,
@@ -26,7 +26,6 @@ from gpr20_vna_acquisition.mid.ms2026c_commands import (
     word,
 )
 from gpr20_vna_acquisition.mid.ms2026c_sweeps import Ms2026cSweeps
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import calibration_lost
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

@@ -18,14 +18,13 @@ from gpr20_vna_acquisition.errors import (
     sweep_not_ended,
 )
 from gpr20_vna_acquisition.mid.block_parser import parse_numbers, whole_number
-from gpr20_vna_acquisition.mid.exchanges import Exchanges
+from gpr20_vna_acquisition.mid.exchanges import Exchanges, RequestDeadline
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
     DATA_QUERY,
     STATUS_QUERY,
     SWEEP_COMPLETE_BIT,
     TRIGGER,
 )
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import has_old_points, timed_sweep
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

@@ -25,7 +25,7 @@ from gpr20_vna_acquisition.errors import (
     old_data,
 )
 from gpr20_vna_acquisition.mid.analyzers import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.trace_quality import (
     calibration_refusal,
     calibration_remarks,

@@ -23,7 +23,7 @@ from gpr20_vna_acquisition.errors import (
     replaced,
 )
 from gpr20_vna_acquisition.mid.analyzers import DrivenAnalyzer
-from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
+from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 Result = TypeVar("Result")

@@ -32,8 +32,12 @@ from gpr20_survey.recording import survey_topics
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import block_fields
-from gpr20_vna_processing.high.end_messages import end_messages, end_status
-from gpr20_vna_processing.high.topic_recorder import TopicRecorder, wait_for_nodes
+from gpr20_vna_processing.high.recorded_messages import (
+    TopicRecorder,
+    end_messages,
+    end_status,
+    wait_for_nodes,
+)
 from gpr20_vna_processing.low.bag_processes import BagProcesses
 from gpr20_vna_processing.mid.data_processing import DataProcessing
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters

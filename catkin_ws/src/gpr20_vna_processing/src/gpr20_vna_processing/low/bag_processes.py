@@ -15,9 +15,9 @@ from gpr20_common.low.thread_fault import log_fault
 from gpr20_common.message import Message, verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_common.terminal_text import printable
+from gpr20_survey.faults import BAG_MISSING
 from gpr20_survey.folder.survey_folder import BAG_FILE, MCAP_FILE
 from gpr20_survey.recording.mcap_reader import StoredMcap
-from gpr20_vna_processing.faults import BAG_MISSING
 
 PROGRAM = ("nice", "-n", "19", sys.executable, "-m", "gpr20_survey.recording.bag")
 END_LIMIT_S = 3.0

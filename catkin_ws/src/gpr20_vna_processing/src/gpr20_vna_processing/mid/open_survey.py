@@ -9,6 +9,7 @@ from typing import Any, ContextManager, Dict, List, Mapping, Sequence, Set, Tupl
 from gpr20_common.faults import IN_USE
 from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
+from gpr20_survey import faults
 from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError, storing
 from gpr20_survey.faults import DAMAGED
 from gpr20_survey.files import durable_files
@@ -22,7 +23,6 @@ from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
 from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import utc_time
 from gpr20_survey.trace.trace import Trace
-from gpr20_vna_processing import faults
 from gpr20_vna_processing.mid.new_survey import metadata_of
 from gpr20_vna_processing.mid.processing_records import Storage
 from gpr20_vna_processing.mid.stored_traces import read_again

@@ -13,7 +13,7 @@ from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_msgs.srv import CloseSurveyRequest
 from gpr20_survey.recording import survey_topics
 from gpr20_survey.trace import trace_message
-from gpr20_vna_processing.high.end_messages import end_messages
+from gpr20_vna_processing.high.recorded_messages import end_messages
 
 SURVEY, OTHER = "0f8fad5b-d9cb-469f-a165-70867728950e", "1f8fad5b-d9cb-469f-a165-70867728950e"
 CODES = {

@@ -11,16 +11,18 @@ from typing import Callable, Deque, List, Optional, Tuple, Union
 
 from gpr20_common.low.clock import Clock
 from gpr20_simulator.low.message_device import ClearSupport, NetworkFault, Outcome
-from gpr20_simulator.mid.analyzer import scpi
+from gpr20_simulator.mid.analyzer import vna_settings
 from gpr20_simulator.mid.analyzer.data_blocks import DataBlock, DataBlocks
-from gpr20_simulator.mid.analyzer.scpi import HeaderPattern, ScpiCommand, ScpiError
 from gpr20_simulator.mid.analyzer.sweeper import Sweeper
 from gpr20_simulator.mid.analyzer.vna_settings import (
     CHANGES_BY_HAND,
     SETTINGS,
     TRACES,
     Change,
+    HeaderPattern,
     Numbers,
+    ScpiCommand,
+    ScpiError,
     Setting,
     VnaSettings,
 )
@@ -113,7 +115,7 @@ class SimulatedVna:
                 return Outcome(fault=NetworkFault.DROP_CONNECTIONS)
             self._apply_due()
             answers: List[Answer] = []
-            for command in scpi.split_message(message):
+            for command in vna_settings.split_message(message):
                 if command.header.upper() == "*RST" and not command.is_query:
                     # It power-cycles the instrument, and the address may be another one then.
                     self._faults.set(VnaFault.LINK_GONE.value)
@@ -194,14 +196,14 @@ class SimulatedVna:
         return setting.reply(self._settings, numbers)
 
     def _calculated(self, numbers: Numbers, argument: str) -> DataBlock:
-        scpi.chosen_keyword(argument, ("SDATa",))
+        vna_settings.chosen_keyword(argument, ("SDATa",))
         return self._blocks.sweep(self._settings, numbers)
 
     def _frequencies(self, numbers: Numbers, _argument: str) -> DataBlock:
         return self._blocks.frequencies(self._settings, numbers)
 
     def _preamble(self, _numbers: Numbers, argument: str) -> DataBlock:
-        number = scpi.whole_number_between(argument or "1", 1, TRACES)
+        number = vna_settings.whole_number_between(argument or "1", 1, TRACES)
         return self._blocks.preamble(self._settings, number, self._serial(), self._is_corrected())
 
     def _identity(self, _numbers: Numbers, _argument: str) -> str:
@@ -241,7 +243,7 @@ class SimulatedVna:
         sweeper = self._sweeper
         rules: Tuple[Tuple[str, Action], ...] = (
             (":INITiate[:IMMediate]", lambda _n, _a: self._trigger()),
-            (":INITiate:CONTinuous", lambda _n, a: sweeper.set_continuous(scpi.switch(a))),
+            (":INITiate:CONTinuous", lambda _n, a: sweeper.set_continuous(vna_settings.switch(a))),
         )
         found = [(HeaderPattern(header), act) for header, act in rules]
         return found + [(one.header, functools.partial(self._store, one)) for one in SETTINGS]

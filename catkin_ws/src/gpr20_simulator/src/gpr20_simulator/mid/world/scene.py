@@ -15,7 +15,7 @@ from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import bounded, record_from
-from gpr20_simulator.faults import SceneError
+from gpr20_simulator.mid.faults import SceneError
 from gpr20_survey.axes import Level
 from gpr20_survey.plan.robot_description import SIMULATED_IDENTITY as SIMULATED
 

@@ -1,18 +1,22 @@
-"""Subscriptions to topics of any type, for recording."""
+"""What is recorded of the robot's graph: topics of any type, and the last messages of a survey."""
 
 from __future__ import annotations
 
 import re
 import time
 from collections import Counter
-from typing import Callable, Iterable, List, Set
+from typing import Any, Callable, Iterable, List, Set
 
 import rosgraph
 import rospy
 
-from gpr20_common.high.raw_message import connection_header
+from gpr20_common.high.answers import message_fields
+from gpr20_common.high.raw_message import connection_header, serialized
+from gpr20_msgs.msg import ControlStatus
 from gpr20_survey.recording.mcap_writer import RecordedMessage
 from gpr20_survey.recording.survey_topics import OWN_TOPICS
+from gpr20_survey.trace import utc_time
+from gpr20_vna_processing.mid.processing_records import OUTCOMES, SurveyEnd
 
 # Topics that make an axis move or stop have another name in the recording: playing it on the master
 # of a robot must not move the robot.
@@ -23,6 +27,9 @@ CONNECTION_LIMIT_S = 2.0
 POLL_S = 0.02
 # As `rosbag play` names itself: what it plays on the topics of the robot is another recording.
 PLAYER = re.compile(r"play_\d+")
+STATUS_TOPIC = "control_status"
+# A coverage with a reason for each of the most samples that a survey may have is smaller.
+LARGEST_BYTES = 16 << 20
 
 
 class TopicRecorder:
@@ -91,3 +98,49 @@ def wait_for_nodes(unconnected: Callable[[], List[str]], warning: str) -> None:
             rospy.logwarn(warning, ", ".join(missing))
     except (rosgraph.MasterException, OSError) as error:
         rospy.logwarn("the master did not list the nodes of a topic: %s", error)
+
+
+def end_messages(request: Any, time_ns: int) -> List[RecordedMessage]:
+    """Return the last messages that a request to close a survey holds, the status last.
+
+    There are none if the status is of another survey or states another outcome: then the storage
+    states the end.
+    """
+    status = request.status
+    _sentence, states = OUTCOMES.get(request.outcome, ("", ()))
+    if status.survey_id != request.survey_id or status.code not in states:
+        return []
+    given = (
+        ("control_survey_data", request.progress, False),
+        ("survey_coverage", request.coverage, True),
+        (STATUS_TOPIC, status, True),
+    )
+    messages = [
+        _recorded(topic, message, time_ns, latching)
+        for topic, message, latching in given
+        if message.survey_id == request.survey_id
+    ]
+    return [one for one in messages if len(one.data) <= LARGEST_BYTES]
+
+
+def end_status(end: SurveyEnd) -> RecordedMessage:
+    """Return the last status of a survey whose end only the storage knows."""
+    status = ControlStatus(**message_fields(end.message))
+    status.header.stamp = rospy.Time(*divmod(end.time_ns, utc_time.NS_PER_S))
+    status.code = status.end = int(end.state)
+    status.ended = status.header.stamp
+    status.survey_id = end.survey_id
+    status.simulated = end.simulated
+    return _recorded(STATUS_TOPIC, status, end.time_ns, latching=True)
+
+
+def _recorded(topic: str, message: Any, time_ns: int, latching: bool) -> RecordedMessage:
+    return RecordedMessage(
+        rospy.resolve_name(topic),
+        message._type,
+        message._md5sum,
+        message._full_text,
+        serialized(message),
+        time_ns,
+        latching,
+    )

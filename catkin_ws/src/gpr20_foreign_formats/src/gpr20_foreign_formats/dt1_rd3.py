@@ -1,7 +1,8 @@
-"""The DT1 files of Sensors & Software, with their text header HD beside them.
+"""Lines with a text header beside them: DT1 of Sensors & Software, RD3 and RD7 of MALA.
 
-A trace is 25 little-endian floats and a comment of 28 bytes, then its samples: 16-bit integers, or
-floats in files of newer instruments (pulseEKKO user's guide, "Data file format").
+A trace of DT1 is 25 little-endian floats and a comment of 28 bytes, then its samples: 16-bit
+integers, or floats in files of newer instruments (pulseEKKO user's guide, "Data file format").
+Samples of RD3 have 16 bits, those of RD7 32 bits.
 """
 
 from __future__ import annotations
@@ -30,6 +31,9 @@ POSITION, SAMPLES, BYTES, ADJUSTMENT, ZERO_FLAG = 1, 2, 5, 20, 21
 METRES: Dict[str, float] = {"M": 1.0, "METRES": 1.0, "METERS": 1.0, "FT": 0.3048, "FEET": 0.3048}
 LONGEST_NS = 1e6
 MODE, LINE = "SURVEY MODE", "REFLECTION"
+WIDTHS: Dict[str, int] = {".rd3": 2, ".rd7": 4}
+SAME = 0.02
+"""How much TIMEWINDOW may differ from SAMPLES / FREQUENCY, as a share."""
 
 
 def read_dt1(path: Path, _: ImportOptions) -> Traces:
@@ -84,4 +88,40 @@ def read_dt1(path: Path, _: ImportOptions) -> Traces:
     )
 
 
-IMPORT = format_of(read_dt1, ".dt1", ".hd")
+DT1 = format_of(read_dt1, ".dt1", ".hd")
+
+
+def read_rd3(path: Path, _: ImportOptions) -> Traces:
+    """Read a line of one channel, as shares of the full scale.
+
+    SIGNAL POSITION is in units of the instrument, so time zero is not known.
+
+    Raises:
+        UnreadableFileError: A file is missing, the header is wrong, or the file was cut off.
+    """
+    data = partner(path, *WIDTHS)
+    header = text_header(partner(path, ".rad"), ":", "RD3 (RAD)", "SAMPLES")
+    header.number("NUMBER_OF_CH", 1, 1, 1)  # several channels are interleaved
+    samples = header.count("SAMPLES", 2, 1 << 16)
+    frequency_hz = 1e6 * header.number("FREQUENCY", 1.0, 1e7)
+    window_ns = 1e9 * samples / frequency_hz
+    header.number("TIMEWINDOW", (1 - SAME) * window_ns, (1 + SAME) * window_ns, window_ns)
+    content, width = content_of(data), WIDTHS[data.suffix.lower()]
+    count = trace_count(data, len(content), samples * width)
+    by_time = header.entries.get("TIME FLAG") == "1" and header.entries.get("DISTANCE FLAG") != "1"
+    # A wheel that turns the other way counts backwards.
+    spacing_m = 0.0 if by_time else header.number("DISTANCE INTERVAL", -1e3, 1e3, 0.0)
+    return Traces(
+        data,
+        np.frombuffer(content, f"<i{width}").reshape(count, samples) / 2.0 ** (8 * width - 1),
+        step_s=1.0 / frequency_hz,
+        x_m=np.arange(count) * spacing_m if spacing_m else None,
+        separation_m=header.number("ANTENNA SEPARATION", 0.0, 1e3, 0.0) or None,
+        notes=[
+            *stale_count(header, "LAST TRACE", count),
+            *unread_beside(data, ".cor", ".mrk", ".gps"),
+        ],
+    )
+
+
+RD3 = format_of(read_rd3, *WIDTHS, ".rad")
