@@ -38,7 +38,7 @@ from gpr20_analysis.processing.sweep import FrequencyGrid
 from gpr20_analysis.read.load import load_survey
 from gpr20_survey.folder import survey_folder, trace_files
 from gpr20_survey.radar import one_way_delay_s
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_survey.trace.utc_time import US_PER_S
 

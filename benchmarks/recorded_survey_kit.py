@@ -22,7 +22,7 @@ from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.recording.bag import make_bag
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SURVEY_ID = "0f8fad5b-d9cb-469f-a165-70867728950e"

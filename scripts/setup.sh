@@ -16,8 +16,6 @@ source "$(dirname "${BASH_SOURCE[0]}")/environment.sh"
 
 # shellcheck source=scripts/steps/setup_steps.sh
 source "$GPR20_ROOT/scripts/steps/setup_steps.sh"
-# shellcheck source=scripts/steps/setup_debian.sh
-source "$GPR20_ROOT/scripts/steps/setup_debian.sh"
 
 PYTHON="${GPR20_SYSTEM_PYTHON:-/usr/bin/python3}"
 # What they take on the disk [MB], rounded up: docs/evidence/bare_debian.md.

@@ -16,10 +16,10 @@ import sys
 from collections import Counter
 
 import pytest
+from robot_in_process import TRACES, check_places
 from robot_kit import LAUNCH, MASTER, NODES, LaunchedRobot, end
 from run_seed import SEED
 from storage_kit import mcap_traces
-from stored_surveys import TRACES, check_places
 from trace_examples import assert_same_numbers
 
 from gpr20_analysis.errors import AnalysisError

@@ -11,9 +11,8 @@ import threading
 from collections import Counter
 from concurrent.futures import Future
 from dataclasses import replace
-from typing import Callable, Dict, Iterator, Tuple
+from typing import Any, Callable, Dict, Iterator, Optional, Tuple
 
-from direct_pulses import DirectPulses
 from simulated_world import MECHANICS, STEP_MM, World
 
 from gpr20_axis_driver.faults import AxisException, MotionStopped
@@ -22,11 +21,12 @@ from gpr20_axis_driver.mid.axis_driver import AxisDriver
 from gpr20_axis_driver.mid.axis_lease import AxisLease
 from gpr20_axis_driver.mid.pulse_loop import PulseLoop
 from gpr20_axis_driver.mid.pulse_process import LOCK_LIMIT_S, MADE_US
-from gpr20_axis_driver.motion import StopRequested
+from gpr20_axis_driver.motion import Ending, Motion, MotionReport, StopRequested
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
-from gpr20_height_sensor.low.adc_interface import AdcInterface
-from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
+from gpr20_common.mid.node_facts import Hardware
+from gpr20_height_sensor.adc_interface import AdcInterface
+from gpr20_height_sensor.height_driver import HeightDriver, HeightParameters
 from gpr20_main_control.errors import DeviceError, NodeLostError, UnconfirmedError
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
@@ -48,7 +48,7 @@ from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import SweepSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
 from gpr20_vna_acquisition.mid.vna_driver import VNADriver
@@ -64,6 +64,43 @@ AXES = {
 }
 # A killed robot is gone for its control, too, which is ended only because it shares the process.
 KILLED = Message("the robot was killed")
+
+
+class DirectPulses:
+    """Implements `AxisMotions`; what it does not make itself is asked of the counter.
+
+    Args:
+        runner: Makes the pulses: a `PulseLoop`.
+        counter: Counts them: a `StepCounter`, or what stands for it.
+    """
+
+    failure: Optional[Message] = None
+    scheduling = Message("ordinary")
+    hardware = Hardware("pins")
+
+    def __init__(self, runner: Any, counter: Any) -> None:
+        self._runner, self._counter = runner, counter
+        self.distrust = counter.begin
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._counter, name)
+
+    def begin_zero(self, steps: int, time_us: int) -> None:
+        self._counter.begin_zero(time_us)
+        self._counter.place(steps)
+
+    def run(self, motion: Motion, stop_requested: StopRequested) -> MotionReport:
+        exact = self.trusted
+        report: MotionReport = self._runner.run(motion, stop_requested)
+        assert self.trusted == (exact and report.ending is not Ending.GAP)
+        return report
+
+    def revive(self) -> None:
+        pass
+
+    def close(self) -> None:
+        self._runner.close()
+        self._counter.close()
 
 
 class Calls:

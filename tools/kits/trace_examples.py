@@ -16,7 +16,7 @@ from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.plan.survey_parameters import RobotTravel, SurveyParameters, Travel
 from gpr20_survey.plan.survey_points import survey_points
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import AuxValue, Trace
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"

@@ -7,7 +7,7 @@ import time
 
 import pytest
 from failing_disk import FailingDisk, Failure
-from stored_surveys import (
+from robot_in_process import (
     TRACES,
     check_acknowledged,
     check_complete,

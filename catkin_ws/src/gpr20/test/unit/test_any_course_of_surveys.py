@@ -12,10 +12,16 @@ import pytest
 from hypothesis import seed, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, rule, run_state_machine_as_test
-from robot_in_process import ENDS, RobotInProcess
+from robot_in_process import (
+    ENDS,
+    TRACES,
+    RobotInProcess,
+    check_acknowledged,
+    check_places,
+    json_traces,
+)
 from run_seed import SEED, draws
 from simulated_world import LIMIT_S, World
-from stored_surveys import TRACES, check_acknowledged, check_places, json_traces
 
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey

@@ -18,21 +18,27 @@ pytest.importorskip("rospy")
 import rospy
 from genpy.base import is_simple
 from graph_in_process import Graph
-from robot_in_process import PARAMETERS
+from robot_in_process import (
+    PARAMETERS,
+    check_complete,
+    check_pause,
+    check_state,
+    description_in,
+    json_traces,
+)
 from robot_parts import AXES
 from run_seed import SEED, draws
 from simulated_world import LIMIT_S
 from std_msgs.msg import Header
-from stored_surveys import check_complete, check_pause, check_state, description_in, json_traces
 
 from gpr20_axis_driver.low.pins import RobotHardware
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, IN_USE, NOT_ALLOWED
 from gpr20_common.high.answers import message_from
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_height_sensor.high.height_node import HeightNode
-from gpr20_height_sensor.high.height_node import build_robot_node as build_height_sensor
-from gpr20_height_sensor.mid.height_driver import HeightParameters
+from gpr20_height_sensor.height_driver import HeightParameters
+from gpr20_height_sensor.height_node import HeightNode
+from gpr20_height_sensor.height_node import build_robot_node as build_height_sensor
 from gpr20_imaging.high.imaging_node import ImagingNode
 from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.imaging import ImagingParameters

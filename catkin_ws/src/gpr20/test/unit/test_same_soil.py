@@ -11,10 +11,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from asked_storage import Storage
 from matplotlib.figure import Figure
 from result_kit import Now
-from storage_kit import Kit
+from storage_kit import AskedStorage, Kit
 from surveys_kit import Services
 from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
@@ -42,8 +41,8 @@ from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.recorded_plan import UNPROVEN
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import survey_points
+from gpr20_survey.results.answers import focus_fields, image_from
 from gpr20_survey.results.candidates import list_from
-from gpr20_survey.results.focused_image import focus_fields, image_from
 from gpr20_viewer.session import ViewSession
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.mid.ground_page import GroundPage
@@ -164,7 +163,7 @@ def check_page(folder, services, window):
     assert listed["headline"] == str(texts.headline(found))
     assert listed["weaker"] == str(texts.weaker_line(found))
     now = Now()
-    ground = GroundPage(Storage(), AtOnce(services), now, print)
+    ground = GroundPage(AskedStorage(), AtOnce(services), now, print)
     got(ground, "/api/ground", **here)
     stored = services.ask(Service.READ, survey=folder.name)
     indices = tuple(range(stored.stored_traces))

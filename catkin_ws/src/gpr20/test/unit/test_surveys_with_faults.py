@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from simulated_world import STEP_MM
-from stored_surveys import (
+from robot_in_process import (
     check_acknowledged,
     check_complete,
     check_pause,
     check_resumed,
     check_state,
 )
+from simulated_world import STEP_MM
 
 from gpr20_simulator.mid.analyzer.simulated_analyzer import CONNECT
 from gpr20_simulator.mid.world.medium import probed_sweep
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 FAR_MM = 600.0
 OWN = AnalyzerSettings(10_000.0, 1, "HIGH")

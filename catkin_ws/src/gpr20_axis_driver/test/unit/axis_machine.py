@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
-from direct_pulses import DirectPulses
+from robot_parts import DirectPulses
 
 from gpr20_axis_driver.low.step_counter import FILE_BYTES, StepCounter
 from gpr20_axis_driver.mid.axis_driver import AxisDriver

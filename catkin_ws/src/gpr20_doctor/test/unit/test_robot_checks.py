@@ -30,7 +30,7 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey import faults as survey_faults
 from gpr20_survey.faults import NOT_CALIBRATED
 from gpr20_survey.results.answers import AnalyzerTest
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 
 OK, WARN, ERROR, STALE = HealthLevel
 VNA, HEIGHT, X_AXIS = "vna_acquisition", "height_sensor", "x_axis/axis_driver"

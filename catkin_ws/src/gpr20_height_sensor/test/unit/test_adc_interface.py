@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.faults import NOT_SET_UP
+from gpr20_height_sensor.adc_interface import CHANNELS, AdcInterface, open_spi_bus
 from gpr20_height_sensor.faults import HeightError
-from gpr20_height_sensor.low.adc_interface import CHANNELS, AdcInterface, open_spi_bus
 from gpr20_survey.faults import SENSOR_FAILED
 
 

@@ -21,7 +21,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
 from gpr20_height_sensor import faults
 from gpr20_height_sensor.faults import HeightError, HeightStoppedError
-from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
+from gpr20_height_sensor.height_driver import HeightDriver, HeightParameters
 from gpr20_survey.faults import NO_GROUND, SENSOR_FAILED
 
 PARAMETERS = HeightParameters(samples=5)

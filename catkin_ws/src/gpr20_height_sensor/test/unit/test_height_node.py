@@ -20,9 +20,8 @@ from gpr20_common.high.answers import message_from
 from gpr20_common.high.diagnostics import ERROR, OK, WARN
 from gpr20_common.low.clock import Clock
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_height_sensor.high import height_node
-from gpr20_height_sensor.low import adc_interface
-from gpr20_height_sensor.mid.height_driver import HeightParameters
+from gpr20_height_sensor import adc_interface, height_node
+from gpr20_height_sensor.height_driver import HeightParameters
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED, NO_GROUND, SENSOR_FAILED
 
 

@@ -19,7 +19,7 @@ from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.worker import serve
 from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.survey_log import SurveyLog
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage
 
 REFUSAL = Message("no {what}", what="permittivity").with_fault(
     Fault("test.refused", Message("Give the permittivity."))

@@ -17,7 +17,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 # Another analyzer than the usual one.

@@ -10,7 +10,7 @@ from survey_examples import AXES, PARAMETERS
 from trace_examples import make_trace
 
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 SURVEY_ID = "5ec1a5d2-0000-4000-8000-000000000000"
 

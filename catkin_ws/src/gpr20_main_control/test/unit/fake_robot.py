@@ -37,8 +37,7 @@ from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep
 
 LIMIT_S = 60.0
 # The imaginary part of every sweep; the real part is its number, a small difference beside it.

@@ -15,8 +15,7 @@ from gpr20_main_control.mid.daily_check import CHECK_LIMIT_S, HISTORY, check_fig
 from gpr20_main_control.mid.devices.robot import UnconfirmedSweep
 from gpr20_survey.faults import CHECK_ORDER
 from gpr20_survey.results.answers import Part
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep
 
 SWEPT_US = 1_800_000_000_000_000
 HZ = np.linspace(600.0e6, 6.0e9, 501)

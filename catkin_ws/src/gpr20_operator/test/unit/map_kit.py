@@ -9,8 +9,8 @@ from view_kit import SURVEY
 
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_survey.plan.markers import Marker
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.focused_image import FocusedImage
 
 MARKER = Marker(
     "0f8fad5b-d9cb-469f-a165-708677289501", 175.0, 70.0, 60.0, "raíz", "Ana",

@@ -11,9 +11,8 @@ from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging, Sticks, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.robot.service_model import PARTS, AxisAction
-from gpr20_survey.results.answers import Volume
+from gpr20_survey.results.answers import FocusedImage, Volume
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.focused_image import FocusedImage
 
 BLUE = Volume("/media/gpr/BLUE", "BLUE", 7_900_000_000, True)
 RED = Volume("/media/gpr/RED", "RED STICK WITH A LONG NAME", 123_000_000, True)

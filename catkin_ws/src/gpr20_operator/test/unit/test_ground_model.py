@@ -26,8 +26,8 @@ from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
 from gpr20_survey.radar import ANY_SOIL
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.results.focused_image import FocusedImage
 
 TARGET = Place(150.0, 90.0)
 

@@ -9,8 +9,8 @@ from case_kit import each_case
 pytest.importorskip("rospy")
 
 from candidate_examples import candidate_list
-from hiding_kit import a_map
 from map_kit import focused
+from result_examples import a_map
 from result_kit import BLUE
 from topics_kit import LIMIT_S, taken
 from view_kit import SURVEY
@@ -27,8 +27,7 @@ from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.results.answers import AnalyzerTest
-from gpr20_survey.results.focused_image import focus_fields
+from gpr20_survey.results.answers import AnalyzerTest, focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 
 TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)

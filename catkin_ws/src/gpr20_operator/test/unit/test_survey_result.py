@@ -5,9 +5,9 @@ import re
 
 import pytest
 from candidate_examples import candidate, candidate_list, candidate_lists
-from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
+from result_examples import a_map
 from result_kit import (
     BLUE,
     ELEVEN,

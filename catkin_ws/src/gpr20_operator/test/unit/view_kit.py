@@ -23,7 +23,7 @@ from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.radar import delay_of_depth
 from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace, TraceBlock
 
 SURVEY = "0f8fad5b-d9cb-469f-a165-70867728950e"

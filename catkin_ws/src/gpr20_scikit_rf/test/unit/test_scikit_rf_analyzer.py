@@ -28,7 +28,7 @@ from gpr20_survey.faults import (
     VNA_SILENT,
     WRONG_VNA,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaConnectionError,
     VnaError,

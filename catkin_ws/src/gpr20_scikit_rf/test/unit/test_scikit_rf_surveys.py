@@ -8,10 +8,9 @@ import pytest
 import yaml
 from case_kit import each_case
 from fault_kit import raises_fault
-from robot_in_process import RobotInProcess
+from robot_in_process import RobotInProcess, check_state, description_in, json_traces
 from scpi_analyzers import PnaAnalyzer, ScpiServer
 from simulated_world import World
-from stored_surveys import check_state, description_in, json_traces
 from tutorial_code import code_blocks
 from wait_kit import wait_until
 

@@ -14,8 +14,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common.low.clock import Clock
-from gpr20_height_sensor.low.adc_interface import AdcInterface
-from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightParameters
+from gpr20_height_sensor.adc_interface import AdcInterface
+from gpr20_height_sensor.height_driver import HeightDriver, HeightParameters
 from gpr20_simulator.low.shared_state import GRACE_S, AdcFault, remove_stale_states
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi, sensor_voltage_v
 from gpr20_simulator.mid.world.scene import Adc

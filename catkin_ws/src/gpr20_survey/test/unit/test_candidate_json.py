@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from candidate_examples import SURVEY, candidate, candidate_list, candidate_lists
 from case_kit import each_case
-from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
+from result_examples import a_map
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_survey.plan.survey_state import reported_verdict

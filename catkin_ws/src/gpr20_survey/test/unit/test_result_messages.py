@@ -23,8 +23,13 @@ from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.results import answers
-from gpr20_survey.results.answers import AnalyzerTest, ReopenedSurvey
-from gpr20_survey.results.focused_image import FocusedImage, focus_fields, image_from
+from gpr20_survey.results.answers import (
+    AnalyzerTest,
+    FocusedImage,
+    ReopenedSurvey,
+    focus_fields,
+    image_from,
+)
 
 MESSAGES = st.none() | st.builds(
     lambda word: Message("the fault is {what}", what=word), WORDS.filter(bool)

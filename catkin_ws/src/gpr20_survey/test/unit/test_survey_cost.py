@@ -17,7 +17,7 @@ from gpr20_survey.plan.survey_points import (
     survey_cost,
     survey_points,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings, sweep_duration_s
+from gpr20_survey.trace.sweep import AnalyzerSettings, SweepSettings, sweep_duration_s
 
 CONFIG = RobotConfig(AXES, simulated=True)
 PARAMETERS = SurveyParameters("127.0.0.1", 6.0e8, 6.0e9, 501, 50.0, 150.0, 5, 50.0, 150.0, 5)

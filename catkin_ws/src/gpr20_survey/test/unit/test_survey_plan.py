@@ -27,7 +27,7 @@ from gpr20_survey.plan.survey_parameters import (
     find_problems,
 )
 from gpr20_survey.plan.survey_points import grid, survey_points, visits
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 
 def test_x_turns_at_every_row_and_the_antennas_at_every_stop_and_only_there():

@@ -18,7 +18,7 @@ from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue, TraceBlock, block_fields, block_from
 
 

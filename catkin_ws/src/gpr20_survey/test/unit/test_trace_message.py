@@ -22,7 +22,7 @@ from gpr20_survey.axes import AXES, MAX_NUMBER, MAX_TIME_US, ZeroEpoch
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder import trace_files
 from gpr20_survey.trace import trace_message, utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import TRACE_FIELDS, AuxValue
 
 TYPE = "gpr20_msgs/msg/Trace"

@@ -6,8 +6,8 @@ What the robot says in it is Spanish: in a Spanish window every English word is 
 import itertools
 
 from candidate_examples import candidate
-from hiding_kit import a_map
 from map_kit import MARKER, marked
+from result_examples import a_map
 from result_kit import BLUE, LOCKED, RED, plug_in, search, stored
 from view_kit import (
     FOLDER,

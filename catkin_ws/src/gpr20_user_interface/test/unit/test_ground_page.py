@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from candidate_examples import candidate, candidate_list
 from finger import colours, touch
-from imported_kit import imported_folder
 from map_kit import DOUBTED, MARKER, SURE, focused, marked
 from PyQt5.QtTest import QTest
+from result_examples import imported_folder
 from test_ground_model import cover, image_of
 from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
 from window_helpers import click, hold, press_keys, show

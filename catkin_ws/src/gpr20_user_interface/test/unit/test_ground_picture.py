@@ -5,13 +5,13 @@ import pytest
 from candidate_examples import candidate
 from case_kit import each_case
 from finger import colours, drag, pixel_of, touch
-from hiding_kit import a_map
 from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import MARKER
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
+from result_examples import a_map
 from view_kit import make_grid
 
 from gpr20_common.message import verbatim

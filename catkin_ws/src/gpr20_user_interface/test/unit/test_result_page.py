@@ -2,7 +2,7 @@
 
 import pytest
 from candidate_examples import candidate
-from hiding_kit import a_map
+from result_examples import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
 from window_helpers import click, hold, is_cut, press_keys, show

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 from gpr20_visualization.mid.survey_picture import (
     DELAY_STEP_S,

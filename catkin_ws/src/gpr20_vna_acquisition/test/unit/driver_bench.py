@@ -12,8 +12,7 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import CLOSE, CONNECT, InPr
 from gpr20_simulator.mid.analyzer.sweeper import SweepPace
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.world.scene import InstrumentScene
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits
 from gpr20_vna_acquisition.mid.exchanges import RequestDeadline

@@ -35,8 +35,7 @@ from gpr20_simulator.mid.analyzer.simulated_analyzer import (
 from gpr20_simulator.mid.world.medium import AntennaPosition, PositionProbe
 from gpr20_simulator.mid.world.scene import InstrumentScene
 from gpr20_survey.faults import VNA_FAILED
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaNotReadyError,
     VnaOldDataError,

@@ -23,7 +23,7 @@ from gpr20_survey.faults import (
     VNA_SILENT,
     WRONG_VNA,
 )
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaSweepError
 from gpr20_vna_acquisition.mid.ms2026c_commands import OPTIONAL, check_frequencies
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

@@ -12,7 +12,7 @@ from fault_kit import raises_fault
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.faults import VNA_FAILED, VNA_SETTINGS, VNA_SILENT
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,

@@ -16,8 +16,7 @@ from hypothesis.extra import numpy as arrays
 from gpr20_common.message import verbatim
 from gpr20_common.sent_message import received_message
 from gpr20_survey.faults import VNA_DOUBTFUL, VNA_FAILED
-from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import MAX_REMARK_CHARACTERS, CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid.trace_quality import (
     calibration_remarks,

@@ -11,8 +11,8 @@ from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imported_kit import imported_folder
 from log_examples import FILES, NOW, marker
+from result_examples import imported_folder
 from run_seed import SEED, draws
 from storage_kit import OTHER_SURVEY
 from trace_examples import STARTED_US, SURVEY, make_trace

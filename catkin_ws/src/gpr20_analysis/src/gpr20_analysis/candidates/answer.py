@@ -40,8 +40,8 @@ from gpr20_common.message import Message
 from gpr20_survey.folder.log_record import soil_of_survey
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2
 from gpr20_survey.radar import decibels, soil_of
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.focused_image import FocusedImage
 
 # With fewer lines of an area neither the background nor the clutter can be measured.
 FEWEST_LINES = 3

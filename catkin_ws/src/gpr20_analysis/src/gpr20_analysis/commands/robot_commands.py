@@ -52,7 +52,7 @@ def _replay(chosen: argparse.Namespace, catalogue: Catalogue) -> int:
     with _needing_ros():
         import rospy
 
-        from gpr20_analysis.high import replay_node
+        from gpr20_analysis import replay_node
     replay_node.refuse_beside_others(f"{chosen.ns}{name}" for name in replay_node.TOPICS_OF_A_ROBOT)
     # Two replays in different namespaces do not end each other.
     rospy.init_node("replay", anonymous=True)

@@ -37,7 +37,7 @@ from gpr20_survey.plan.recorded_plan import IMPORTED, TIMES_KNOWN, import_senten
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import SurveyTopics
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import Trace
 
 SOFTWARE = f"gpr20 {__version__}"

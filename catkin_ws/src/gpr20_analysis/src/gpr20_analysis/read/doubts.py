@@ -37,7 +37,7 @@ from gpr20_survey.plan.recorded_plan import (
     is_imported,
 )
 from gpr20_survey.trace import utc_time
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 
 Described = Mapping[str, Any]
 REASONS, LISTED = 2, 5

@@ -25,7 +25,7 @@ from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import MARKERS, present_markers
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
 from gpr20_survey.results.candidates import AreaPosition
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import AuxValue
 
 if TYPE_CHECKING:

@@ -28,7 +28,7 @@ from gpr20_common.sent_message import received_message
 from gpr20_survey.folder.survey_metadata import REASON_MESSAGE
 from gpr20_survey.plan.markers import MARKERS
 from gpr20_survey.plan.recorded_plan import REFINES
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_survey.trace.utc_time import moment_text
 
 MM, NS, MHZ = 1e-3, 1e-9, 1e6

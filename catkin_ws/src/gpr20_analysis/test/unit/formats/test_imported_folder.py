@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from imported_kit import SOURCE, imported_folder, line_survey
+from result_examples import SOURCE, imported_folder, line_survey
 from run_seed import draws
 from wait_kit import wait_until
 
@@ -40,7 +40,7 @@ DOUBT = Message("levels may be wrong").with_fault(errors.CALIBRATION)
 CHILD = """
 import sys
 from pathlib import Path
-from imported_kit import imported_folder
+from result_examples import imported_folder
 print("begins", flush=True)
 while True:
     imported_folder(Path(sys.argv[1]), 40, 3)

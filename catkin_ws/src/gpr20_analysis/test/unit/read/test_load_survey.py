@@ -22,7 +22,7 @@ from gpr20_analysis.report.summary import summarize
 from gpr20_analysis.work import available_bytes
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.axes import ZeroEpoch
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import AuxValue
 
 ALL = len(POINTS)

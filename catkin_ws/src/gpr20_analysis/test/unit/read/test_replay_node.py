@@ -9,15 +9,14 @@ pytest.importorskip("gpr20_msgs.msg")
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from imported_kit import imported_folder
 from mcap.writer import Writer
+from result_examples import imported_folder
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from survey_kit import POINTS, SURVEY, planned_trace
 
-from gpr20_analysis import errors
+from gpr20_analysis import errors, replay_node
 from gpr20_analysis.commands.main import main
-from gpr20_analysis.high import replay_node
 from gpr20_common.errors import NodeGoneError
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import Message

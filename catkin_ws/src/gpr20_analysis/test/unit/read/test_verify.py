@@ -28,7 +28,7 @@ from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 NO_SETTINGS = AnalyzerSettings()
 

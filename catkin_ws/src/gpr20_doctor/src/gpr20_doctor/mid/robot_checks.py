@@ -26,7 +26,7 @@ from gpr20_doctor.mid.node_health import MAIN_CONTROL, HealthLevel, NodeHealth, 
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
 from gpr20_survey.plan.robot_description import ANALYZER
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 
 Check = Callable[[RobotFacts, Machine], Iterable[Finding]]
 # A node reports once a second; who has just begun to listen has not heard all of them [s].

@@ -41,8 +41,8 @@ from gpr20_msgs.srv import (
 )
 from gpr20_survey.axes import BASE_LINK
 from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.results.answers import focus_fields
 from gpr20_survey.results.candidates import CandidateList, json_text
-from gpr20_survey.results.focused_image import focus_fields
 from gpr20_survey.results.hiding_map import hiding_json
 from gpr20_survey.trace.utc_time import iso_text
 

@@ -23,9 +23,8 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.recovery import RecoveredSurvey, find_survey
 from gpr20_survey.folder.survey_folder import TRACES_FOLDER
 from gpr20_survey.radar import requested_permittivity
-from gpr20_survey.results.answers import ExportPart
+from gpr20_survey.results.answers import ExportPart, FocusedImage
 from gpr20_survey.results.candidates import CandidateList
-from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 MOST_WAITING = 8

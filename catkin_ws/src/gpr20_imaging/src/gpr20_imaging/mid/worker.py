@@ -16,7 +16,7 @@ import gpr20_analysis
 from gpr20_common.message import Message
 from gpr20_imaging.low.stick_files import UsbVolumes
 from gpr20_imaging.mid.exporting import Exporter
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 message_of = gpr20_analysis.message_of

@@ -35,7 +35,7 @@ from gpr20_survey.files.durable_files import free_bytes
 from gpr20_survey.folder.data_folder import IN_MEMORY, DataFolder, existing_folder, file_system_of
 from gpr20_survey.folder.signature import key_warning
 from gpr20_survey.plan.robot_description import SENSORS
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.mid.vna_parameters import MS2026C
 from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, ProcessingParameters
 

@@ -12,7 +12,7 @@ from gpr20_common.low.yaml_file import YamlFileError, read_yaml
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.codec import mistakes, record_from
 from gpr20_common.terminal_text import printable
-from gpr20_height_sensor.mid.height_driver import HeightParameters
+from gpr20_height_sensor.height_driver import HeightParameters
 from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes import BOARD_PINS, AxisId, AxisParameters
 from gpr20_survey.plan.annotation import Site

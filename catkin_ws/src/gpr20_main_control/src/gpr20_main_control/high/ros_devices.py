@@ -51,8 +51,7 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, PLAIN_NAMES, STORAGE_NAME
 from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace import trace_message
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus, Sweep, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # Reopening and closing read every file of a survey; opening a survey closes another one that is

@@ -35,8 +35,7 @@ from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.plan.robot_description import STORAGE
 from gpr20_survey.radar import MAX_DELAY_S, Window, decibels, delay_kernel, unambiguous_s
 from gpr20_survey.results.answers import Part
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings
 from gpr20_survey.trace.utc_time import iso_text
 
 FORMAT = "gpr20-daily-check/1"

@@ -25,8 +25,7 @@ from gpr20_survey.faults import NOT_HOMED
 from gpr20_survey.plan.robot_description import axis_parameters
 from gpr20_survey.radar import decibels
 from gpr20_survey.results.answers import AnalyzerTest
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings
 
 # A stopped axis ramps down within this time [s]; one that does not is reported as moving.
 REST_LIMIT_S = 10.0

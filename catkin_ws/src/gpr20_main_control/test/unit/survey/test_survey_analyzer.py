@@ -15,7 +15,7 @@ from gpr20_main_control.mid.devices.robot import AnalyzerCalibration
 from gpr20_survey.faults import VNA_SETTINGS
 from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_state import SurveyState as State
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus
 
 NOT_CALIBRATED = "the VNA's calibration status is 0 (no calibration); calibrate it"
 OWN = AnalyzerSettings(10_000.0, 1, "HIGH")

@@ -13,8 +13,8 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Candidate
-from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 
 # After a failure a survey is read again [s].

@@ -26,8 +26,8 @@ from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, Wanted
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.radar import ANY_SOIL, delay_of_depth, depth_of_delay_m
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Candidate
-from gpr20_survey.results.focused_image import FocusedImage
 
 Found = Union[Candidate, Marker]
 

@@ -14,7 +14,7 @@ import numpy as np
 from gpr20_operator.ground.echoes import ABOVE_SURFACE_M, LevelScale, RadarModel, SteadyScale
 from gpr20_operator.ground.grid import Place, ascending
 from gpr20_survey.radar import delay_of_depth, depth_of_delay_m
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage
 
 DEPTH_STEP_M = 0.005
 MAX_DEPTH_M = 0.5

@@ -43,8 +43,7 @@ from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import NodeDescription
-from gpr20_survey.results.answers import SurveySummary, Volume
-from gpr20_survey.results.focused_image import image_from
+from gpr20_survey.results.answers import SurveySummary, Volume, image_from
 from gpr20_survey.results.hiding_map import hiding_from
 from gpr20_survey.trace import trace_message
 from gpr20_survey.trace.trace import Trace, block_from

@@ -7,8 +7,7 @@ from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_survey.results.answers import Volume
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage, Volume
 from gpr20_survey.results.hiding_map import HidingMap
 
 NOT_KNOWN = 0.0

@@ -19,9 +19,8 @@ from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND_FORMAT
 from gpr20_survey.plan.markers import Found, What, found_of, present
-from gpr20_survey.results.answers import ExportPart, Volume
+from gpr20_survey.results.answers import ExportPart, FocusedImage, Volume
 from gpr20_survey.results.candidates import Candidate, CandidateList, json_text
-from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap, Targets
 from gpr20_survey.trace import utc_time
 

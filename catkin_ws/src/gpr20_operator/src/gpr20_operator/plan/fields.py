@@ -34,7 +34,7 @@ from gpr20_survey.plan.survey_parameters import (
     coordinate_limits_mm,
 )
 from gpr20_survey.radar import MAX_PERMITTIVITY, MIN_PERMITTIVITY, Soils
-from gpr20_survey.trace.sweep_settings import (
+from gpr20_survey.trace.sweep import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,

@@ -30,7 +30,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_points import SurveyCost, survey_cost
 from gpr20_survey.radar import one_way_path_m
-from gpr20_survey.trace.sweep_settings import MIN_FREQUENCY_SPACING_HZ
+from gpr20_survey.trace.sweep import MIN_FREQUENCY_SPACING_HZ
 
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5

@@ -15,11 +15,11 @@ from gpr20_common.mid.codec import record_from
 from gpr20_scikit_rf.low.visa_link import VisaLibrary, VisaLink
 from gpr20_scikit_rf.mid.scikit_rf_dialects import DIALECTS, Setting
 from gpr20_survey.faults import VNA_DOUBTFUL, VNA_FAILED
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import (
+from gpr20_survey.trace.sweep import (
     MAX_IF_BANDWIDTH_HZ,
     AnalyzerSettings,
     CalibrationStatus,
+    Sweep,
     SweepSettings,
 )
 from gpr20_vna_acquisition import errors

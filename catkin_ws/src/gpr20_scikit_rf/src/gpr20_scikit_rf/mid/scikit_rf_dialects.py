@@ -13,7 +13,7 @@ from typing import Any, Callable, Dict, List, Type
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import SweepSettings
 
 S21 = "S21"
 # Of a measurement of S21 that the analyzer does not have yet.

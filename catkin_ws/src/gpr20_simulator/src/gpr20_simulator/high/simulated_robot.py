@@ -16,8 +16,8 @@ from gpr20_common.faults import OTHER_LAUNCH
 from gpr20_common.high.node import read_parameters, run_node
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_height_sensor.high import height_node
-from gpr20_height_sensor.mid.height_driver import HeightParameters
+from gpr20_height_sensor import height_node
+from gpr20_height_sensor.height_driver import HeightParameters
 from gpr20_simulator.low.shared_state import (
     ScaledClock,
     SharedState,

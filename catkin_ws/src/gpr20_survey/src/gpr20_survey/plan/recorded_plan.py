@@ -23,7 +23,7 @@ from gpr20_survey.plan.survey_parameters import (
     check,
 )
 from gpr20_survey.plan.survey_points import SurveyPoint, survey_points, visits
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 IMPORTED = "imported"

@@ -15,7 +15,7 @@ from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_common.mid.checks import instrument_address, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_survey import faults
-from gpr20_survey.trace.sweep_settings import (
+from gpr20_survey.trace.sweep import (
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,
     MAX_FREQUENCY_POINTS,

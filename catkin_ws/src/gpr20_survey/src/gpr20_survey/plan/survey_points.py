@@ -16,7 +16,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveySettings,
     Travel,
 )
-from gpr20_survey.trace.sweep_settings import SweepSettings, sweep_duration_s
+from gpr20_survey.trace.sweep import SweepSettings, sweep_duration_s
 
 
 @dataclass(frozen=True)

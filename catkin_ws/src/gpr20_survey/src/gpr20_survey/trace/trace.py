@@ -16,8 +16,7 @@ from gpr20_common.mid.codec import shortened
 from gpr20_survey import faults
 from gpr20_survey.axes import AXES, UNKNOWN_ZERO, ZeroEpoch, Zeros, are_zeros
 from gpr20_survey.trace import trace_form as forms
-from gpr20_survey.trace.sweep import SETTINGS, SWEEP_FIELDS, Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import SETTINGS, SWEEP_FIELDS, AnalyzerSettings, Sweep
 
 MAX_AUX_VALUES = 32
 MAX_UNIT_CHARACTERS = 32

@@ -16,8 +16,8 @@ from gpr20_operator.ground.texts import HATCHED, GroundMark
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate, Flag
-from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import Languages, shown_text
 from gpr20_user_interface.pages.result_entries import PlaceSheet, SoilSheet

@@ -15,7 +15,7 @@ from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.service_model import PARTS, STEPS, AxisAction, HeightTested, ServiceModel
 from gpr20_survey.axes import AxisId
 from gpr20_survey.results.answers import INSTRUCTIONS, AnalyzerTest
-from gpr20_survey.trace.sweep_settings import CalibrationStatus
+from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.touch.hold import HoldButton

@@ -17,8 +17,7 @@ from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
 from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_survey.results.answers import SurveySummary
-from gpr20_survey.results.focused_image import FocusedImage
+from gpr20_survey.results.answers import FocusedImage, SurveySummary
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, icon, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.scrolling import FingerList

@@ -17,7 +17,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
 from gpr20_common.mid.node_facts import Hardware
 from gpr20_msgs import srv
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, SweepSettings
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaNotReadyError, VnaOldDataError, VnaSettingError
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect

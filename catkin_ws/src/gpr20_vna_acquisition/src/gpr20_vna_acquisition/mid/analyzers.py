@@ -20,8 +20,7 @@ from typing import (
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import load_extension, options_refused
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import VnaConnectionError
 from gpr20_vna_acquisition.mid.exchanges import RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c import Ms2026c

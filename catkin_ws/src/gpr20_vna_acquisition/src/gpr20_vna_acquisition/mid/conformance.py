@@ -16,8 +16,7 @@ from gpr20_common.errors import Gpr20Error, InvalidValueError
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, verbatim
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep, SweepSettings
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaError, old_data
 from gpr20_vna_acquisition.mid.analyzer_record import Result, Status

@@ -8,8 +8,7 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.checks import ipv4_address
 from gpr20_survey.faults import VNA_DOUBTFUL
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, CalibrationStatus, Sweep, SweepSettings
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaDataError
 from gpr20_vna_acquisition.mid import ms2026c_commands as commands

@@ -16,7 +16,7 @@ import numpy as np
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.checks import Text
 from gpr20_survey.faults import VNA_SETTINGS
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import SweepSettings
 from gpr20_vna_acquisition.errors import VnaDataError, VnaSettingError, replaced
 from gpr20_vna_acquisition.mid.block_parser import TransferFormat, number, text_block, unquoted
 

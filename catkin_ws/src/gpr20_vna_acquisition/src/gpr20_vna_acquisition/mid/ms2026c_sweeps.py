@@ -8,8 +8,7 @@ from typing import Callable, List, Optional, Sequence
 import numpy as np
 
 from gpr20_common.message import Message
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaDataError,
     VnaOldDataError,

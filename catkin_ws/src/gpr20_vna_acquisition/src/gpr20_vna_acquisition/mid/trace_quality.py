@@ -13,8 +13,7 @@ import numpy as np
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.message import Message, in_a_row, numeral
 from gpr20_survey.faults import NOT_CALIBRATED, VNA_DOUBTFUL
-from gpr20_survey.trace.sweep import Sweep, storable_remark
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings, storable_remark
 from gpr20_survey.trace.utc_time import US_PER_S
 from gpr20_vna_acquisition.errors import VnaCalibrationError, VnaDataError, VnaError
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

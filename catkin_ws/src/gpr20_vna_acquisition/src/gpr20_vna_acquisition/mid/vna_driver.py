@@ -12,8 +12,7 @@ import numpy as np
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.faults import CAN_RESUME
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaError,

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple, Type, TypeVar
 
 from gpr20_common.message import Message
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, SweepSettings
 from gpr20_vna_acquisition.errors import (
     VnaCalibrationError,
     VnaClosedError,

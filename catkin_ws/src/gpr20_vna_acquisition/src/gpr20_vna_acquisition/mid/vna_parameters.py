@@ -11,7 +11,7 @@ from gpr20_common.message import Message, numeral
 from gpr20_common.mid.checks import instrument_address, ipv4_address, is_extension, number_between
 from gpr20_common.mid.codec import bounded
 from gpr20_survey.plan.recorded_plan import ANTENNA_DELAYS_NS
-from gpr20_survey.trace.sweep_settings import (
+from gpr20_survey.trace.sweep import (
     IF_BANDWIDTHS_HZ,
     MAX_AVERAGES,
     MAX_FREQUENCY_HZ,

@@ -32,7 +32,7 @@ from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 from gpr20_survey.recording.survey_topics import recorded_log
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings
 
 STORED = (0, 1, 2, 3, 4, 5)
 

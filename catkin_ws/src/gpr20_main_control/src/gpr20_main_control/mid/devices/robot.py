@@ -21,8 +21,7 @@ from gpr20_survey.axes import UNKNOWN_ZERO, AxisId, ZeroEpoch, Zeros
 from gpr20_survey.faults import CONTROL_SILENT
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep import Sweep
-from gpr20_survey.trace.sweep_settings import CalibrationStatus, SweepSettings
+from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
 # The driver takes sweeps when it sets up the analyzer, to learn how long one takes; it ends that by

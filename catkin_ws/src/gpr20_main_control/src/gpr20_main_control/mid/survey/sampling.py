@@ -32,8 +32,7 @@ from gpr20_survey.faults import NO_GROUND, VNA_SETTINGS
 from gpr20_survey.plan.robot_description import HEIGHT_SENSOR, PLAIN_NAMES
 from gpr20_survey.plan.survey_parameters import HeightPolicy
 from gpr20_survey.plan.survey_points import SurveyPoint
-from gpr20_survey.trace.sweep import Sweep, storable_remark
-from gpr20_survey.trace.sweep_settings import SweepSettings
+from gpr20_survey.trace.sweep import Sweep, SweepSettings, storable_remark
 from gpr20_survey.trace.trace import VNA_TEMPERATURE, AuxValue, Trace
 
 if TYPE_CHECKING:  # the survey has this sampling

@@ -19,7 +19,7 @@ from gpr20_survey.plan.robot_description import RobotConfig
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check
 from gpr20_survey.plan.survey_points import SurveyPoint, planned_times, survey_points
 from gpr20_survey.results.answers import ReopenedSurvey
-from gpr20_survey.trace.sweep_settings import AnalyzerSettings, SweepSettings
+from gpr20_survey.trace.sweep import AnalyzerSettings, SweepSettings
 from gpr20_survey.trace.trace import SURVEY_ID, Trace
 
 # What is stored of a survey before it begins.

@@ -24,11 +24,7 @@ from gpr20_common.message import Message
 from gpr20_msgs.msg import Replay
 from gpr20_msgs.srv import Command, CommandResponse, SetReplayRate, SetReplayRateResponse
 from gpr20_survey.recording.mcap_writer import RecordedMessage
-from gpr20_survey.recording.survey_topics import (
-    METADATA_TOPIC,
-    REPLAY_TOPIC,
-    TRACE_TOPIC,
-)
+from gpr20_survey.recording.survey_topics import METADATA_TOPIC, REPLAY_TOPIC, TRACE_TOPIC
 from gpr20_survey.trace import trace_message
 
 QUEUE_LENGTH = 1000

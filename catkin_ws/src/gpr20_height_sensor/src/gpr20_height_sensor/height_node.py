@@ -17,9 +17,9 @@ from gpr20_common.high.raw_message import ros_time
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import Hardware
+from gpr20_height_sensor.adc_interface import AdcInterface, SpiBus, open_spi_bus
 from gpr20_height_sensor.faults import HeightError, HeightStoppedError
-from gpr20_height_sensor.low.adc_interface import AdcInterface, SpiBus, open_spi_bus
-from gpr20_height_sensor.mid.height_driver import HeightDriver, HeightMeasurement, HeightParameters
+from gpr20_height_sensor.height_driver import HeightDriver, HeightMeasurement, HeightParameters
 from gpr20_msgs.srv import GetHeight, GetHeightRequest, GetHeightResponse
 from gpr20_survey.axes import HEIGHT_SENSOR_LINK
 from gpr20_survey.faults import HEIGHT_NOT_MEASURED

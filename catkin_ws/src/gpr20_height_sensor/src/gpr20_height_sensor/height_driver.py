@@ -13,8 +13,8 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import bounded
+from gpr20_height_sensor.adc_interface import CHANNELS, LARGEST_CODE, AdcInterface
 from gpr20_height_sensor.faults import FROZEN, HeightError, HeightStoppedError
-from gpr20_height_sensor.low.adc_interface import CHANNELS, LARGEST_CODE, AdcInterface
 from gpr20_survey.faults import NO_GROUND
 
 # Makes the median absolute deviation of normally distributed readings their standard deviation.

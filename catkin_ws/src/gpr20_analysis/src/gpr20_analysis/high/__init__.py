@@ -1,1 +1,0 @@
-"""The replay on ROS topics; the only part of the analysis that uses ROS."""

@@ -1,1 +1,0 @@
-"""The ROS interface of the height sensor."""

@@ -1,1 +1,0 @@
-"""External things of the height sensor: the SPI bus and the converter on it."""

@@ -1,1 +1,0 @@
-"""From readings of the converter to a height; no ROS."""
