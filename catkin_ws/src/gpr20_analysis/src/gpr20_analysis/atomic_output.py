@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import secrets
 import shutil
-import tempfile
 from pathlib import Path
 from typing import Iterator
 
@@ -47,7 +47,9 @@ def atomic_output(path: Path, bytes_needed: int = 0) -> Iterator[Path]:
                 ),
                 fault=DISK_FULL,
             )
-        beside = Path(tempfile.mkdtemp(prefix=BESIDE, dir=str(path.parent)))
+        # Not by tempfile: the umask says who may read what is written.
+        beside = path.parent / f"{BESIDE}{secrets.token_hex(8)}"
+        beside.mkdir()
         try:
             place = beside / storable(path.name)  # some libraries write no other names
             yield place

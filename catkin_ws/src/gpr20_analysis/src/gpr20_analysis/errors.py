@@ -75,6 +75,13 @@ FILE_DAMAGED = Fault(
     "analysis.file_damaged",
     Message("Do not use the file. Copy it again from where it was made, or create it again."),
 )
+NO_INDEX = Fault(
+    "analysis.no_index",
+    Message(
+        "Use the survey's folder, or its survey.mcap. Without them, copy the bag and write the "
+        "index of the copy with rosbag reindex."
+    ),
+)
 NOT_INTACT = Fault(
     "analysis.survey_not_intact",
     Message(

@@ -55,8 +55,7 @@ def read_arrays(path: Path, options: ImportOptions, _: Progress) -> xr.Dataset:
     name, kinds = path.name, [one for one in LAST if one in found]
     if len(kinds) != 1:
         one = Message("one complex array {s21} or one real {a_scans}", s21=S21, a_scans=A_SCANS)
-        arrays = {"its arrays": ", ".join(found) or "-"}
-        raise Header(name, arrays).refused("its arrays", one)
+        raise Header(name, {"its data": ", ".join(kinds)} if kinds else {}).refused("its data", one)
     (kind,) = kinds
     last, values = LAST[kind], np.squeeze(found[kind])
     if values.dtype.kind not in ("c" if kind == S21 else "fiu"):
@@ -104,7 +103,7 @@ def _numbers(
     """Return the numbers of a key, which must be in its range."""
     values = found.get(key, np.empty(0) if default is None else np.array(default))
     if values.dtype.kind not in "fiub" or not values.size:
-        text = str(values.dtype) if values.size else "-"
+        text = str(values.dtype) if values.size else "missing"
         raise Header(file, {key: text}).refused(key, Message("an array of real numbers"))
     values, (lowest, highest) = values.astype(np.float64), LIMITS[key]
     # Only heights may be unknown.

@@ -36,7 +36,7 @@ class Header:
             "{file}: {key} is {found}; it must be {allowed}. Give the right file or option",
             file=self.file,
             key=key,
-            found=str(self.entries.get(key, "-"))[:SHOWN],
+            found=str(self.entries.get(key, "missing"))[:SHOWN],
             allowed=allowed,
         )
         return refusal(text)

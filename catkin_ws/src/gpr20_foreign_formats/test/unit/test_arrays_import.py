@@ -112,10 +112,10 @@ SCANS = {"a_scans": np.ones((5, 200)), "time_s": TIME_S, "s21": None, "frequency
 @each_case(
     "arrays, shown",
     [
-        ({"a_scans": np.ones((5, 21))}, ["its arrays", "one complex array s21"]),
+        ({"a_scans": np.ones((5, 21))}, ["its data is s21, a_scans", "one complex array s21"]),
         ({"s21": np.ones((5, 21))}, ["float64", "complex"]),
         ({"s21": np.ones((21, 5)) * 1j}, ["21 x 5", "5 x 21 (x_m, frequency_hz)", "transpose"]),
-        ({"x_m": None}, ["x_m is -"]),
+        ({"x_m": None}, ["x_m is missing"]),
         ({"height_m": [0.1, 0.1]}, ["height_m", "one for each trace: 5"]),
         ({"frequency_hz": np.arange(21.0) + 600}, ["600", "1e+06"]),
         ({"frequency_hz": FREQUENCY_HZ[::-1]}, ["two or more that ascend"]),

@@ -73,6 +73,14 @@ def test_a_figure_of_a_line_shows_what_comes_after_its_time_zero():
     assert 55e-9 < float(found.delay[-1]) < 60e-9
 
 
+def test_a_file_of_the_current_folder_is_refused_with_the_name_of_its_folder(tmp_path, monkeypatch):
+    kit.write_touchstone(tmp_path / "probe", ["z.s2p"])
+    monkeypatch.chdir(tmp_path / "probe")
+    for named in ("z.s2p", "."):
+        with raises_fault(NOT_ALLOWED, "probe: the name z.s2p has no place"):
+            import_survey(named, "touchstone")
+
+
 def test_a_line_whose_antennas_move_apart_is_refused(tmp_path):
     with raises_fault(errors.INPUT, "SURVEY MODE", "CMP/WARR"):
         kit.read(DATA / "cmp.DT1", "dt1")

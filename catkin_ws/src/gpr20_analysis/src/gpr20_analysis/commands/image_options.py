@@ -20,6 +20,7 @@ from gpr20_analysis.imaging.permittivity import GIVEN_UNCERTAINTY, BuriedReferen
 from gpr20_analysis.imaging.records import Ground
 from gpr20_analysis.processing.chain import (
     FUNCTIONS,
+    STEPS,
     Step,
     StepFunction,
     apply_steps,
@@ -152,7 +153,7 @@ def add_steps(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME[:PARAMETER=VALUE,...]",
         help="a step; may be repeated, steps are applied in order; "
-        + "; ".join(map(_usage, FUNCTIONS)),
+        + "; ".join([*map(_usage, FUNCTIONS), *STEPS.added()]),
     )
 
 

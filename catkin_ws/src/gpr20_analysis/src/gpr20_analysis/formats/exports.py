@@ -15,6 +15,7 @@ import yaml
 
 from gpr20_analysis import errors
 from gpr20_analysis.atomic_output import atomic_output
+from gpr20_analysis.dataset import QUALITY, usable
 from gpr20_analysis.errors import (
     ExportError,
     MissingLibraryError,
@@ -74,9 +75,19 @@ def export_survey(
         )
     if form == "netcdf":
         write_dataset(survey, path)
-        return Message("all data")
+        return _of_dataset(survey)
     with atomic_output(path, int(survey.nbytes)) as place:
         return Message("{count} samples", count=write_plain_csv(survey, place, progress))
+
+
+def _of_dataset(survey: xr.Dataset) -> Message:
+    """Return how much of a survey a Dataset holds; samples without data are marked in it."""
+    if QUALITY not in survey:
+        return Message("all data")
+    count, total = int(usable(survey).sum()), survey[QUALITY].size
+    if count == total:
+        return Message("all data, {count} samples", count=count)
+    return Message("{count} of {total} samples; the others have no data", count=count, total=total)
 
 
 def check_format(path: Path, form: str) -> None:

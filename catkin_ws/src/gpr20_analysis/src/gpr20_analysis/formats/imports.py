@@ -136,7 +136,8 @@ def import_survey(
             it; or the format cannot use an option.
         MissingLibraryError: The package of the format, or a library, is not installed.
     """
-    chosen, place = ImportOptions(**options), Path(path).expanduser()
+    # Also of `.` and of the file of a folder the name is told.
+    chosen, place = ImportOptions(**options), Path(path).expanduser().absolute()
     refuse_device(place)
     importer: ImportFormat = IMPORTS.find(form)
     importer.check(form, chosen)

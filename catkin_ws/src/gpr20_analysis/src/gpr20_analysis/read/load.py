@@ -166,8 +166,8 @@ def _plan(source: Source) -> Optional[PlanFit]:
     if source.description is None:
         source.notes.append(
             Message(
-                "the log of the survey is not here, so the plan is unknown and missing rows at "
-                "the edges cannot be detected"
+                "the log of the survey is not here: it is not known whether the data are "
+                "SIMULATED, nor what was planned, so missing rows at the edges cannot be detected"
             )
         )
         return None

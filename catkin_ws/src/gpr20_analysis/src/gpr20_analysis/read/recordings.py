@@ -195,12 +195,8 @@ def _of_bag(path: Path, stream: Any, _: Lost, datatype: str) -> Iterator[Recorde
         bag.open()
     except Exception as error:  # of damaged bytes, of any kind
         raise UnreadableFileError(
-            Message(
-                "{file} has no complete index; use the survey's folder, or write the index with "
-                "`rosbag reindex {file}`",
-                file=path.name,
-                details=repr(error),
-            )
+            Message("{file} has no complete index", file=path.name, details=repr(error)),
+            fault=errors.NO_INDEX,
         ) from error
     try:
         kinds = {one.id: str(one.msgtype).replace("/msg/", "/") for one in bag.connections}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,6 +24,7 @@ from gpr20_survey.faults import OTHER_VERSION
 from gpr20_survey.files.regular_files import check_regular
 from gpr20_survey.folder import survey_folder, survey_metadata
 from gpr20_survey.folder.log_record import LOG, Kind, LogRecord, add_to
+from gpr20_survey.folder.manifest import MANIFEST_FILE
 from gpr20_survey.folder.recovery import recover
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.recording.survey_topics import TEXT_TYPE, recorded_log
@@ -33,6 +33,8 @@ from gpr20_survey.trace.trace import Trace
 
 FACTS = (Kind.DECISION, Kind.CLOCK, Kind.DRIFT)
 """Kinds of the log's facts that no other entry of survey.json holds, but a reader needs."""
+OF_SURVEY = (survey_folder.SURVEY_FILE, MANIFEST_FILE)
+"""JSON files of a survey that are no traces."""
 INDEX_IN_NAME = re.compile(r"(\d{6})_X")
 
 ReadTrace = Callable[[Path], Trace]
@@ -104,10 +106,22 @@ def _folder_source(folder: Path, read: ReadTrace) -> Source:
     logs = [folder / name for name in survey_folder.LOG_FILES]
     for one in (traces, *logs):
         check_regular(one)
-    with os.scandir(str(traces if traces.is_dir() else folder)) as entries:
-        files = [Path(one.path) for one in entries if one.name.endswith(".json")]
-    files = sorted(one for one in files if one.name != survey_folder.SURVEY_FILE)
+    place = traces if traces.is_dir() else folder
+    names = [one.name for one in place.iterdir() if one.name.endswith(".json")]
+    files = sorted(place / one for one in names if one not in OF_SURVEY)
     is_described = any(one.exists() for one in logs)
+    recording = folder / survey_folder.MCAP_FILE
+    if not files and recording.exists():
+        raise AnalysisError(
+            Message(
+                "the folder {traces}/ of {folder} has no traces; give {recording}, which has them "
+                "too",
+                traces=survey_folder.TRACES_FOLDER,
+                folder=folder,
+                recording=recording,
+            ),
+            fault=errors.INPUT,
+        )
     if not files:
         raise AnalysisError(
             Message(

@@ -7,16 +7,16 @@ from pathlib import Path
 from typing import Any, Iterator, List, Mapping, Optional, Union
 
 from gpr20_analysis import errors
-from gpr20_analysis.dataset import mapping_of, objects_of
+from gpr20_analysis.dataset import SIMULATED, mapping_of, objects_of
 from gpr20_analysis.errors import AnalysisError
 from gpr20_analysis.read import checks, doubts
 from gpr20_analysis.read.sources import whole_description
 from gpr20_analysis.read.traces import Sample, unknown_plan
 from gpr20_analysis.read.verdict import Verification
 from gpr20_analysis.work import Progress, no_progress
-from gpr20_common.errors import InvalidValueError
+from gpr20_common.errors import InvalidValueError, os_reason
 from gpr20_common.message import Message
-from gpr20_survey.errors import SurveyRefusedError
+from gpr20_survey.errors import SurveyRefusedError, TraceRefusedError
 from gpr20_survey.faults import MANIFEST_DAMAGED
 from gpr20_survey.files.durable_files import writer_of
 from gpr20_survey.folder import survey_folder, survey_metadata, trace_files
@@ -34,6 +34,7 @@ FILES = (
     survey_folder.BAG_FILE,
     survey_folder.MCAP_FILE,
 )
+UNKNOWN_GROUND = Message("it is not known whether the data are SIMULATED")
 REMEDY = Message(
     "gpr20 verify --repair compares everything else and, if all of it agrees, writes it again"
 )
@@ -78,9 +79,12 @@ def verify_survey(
     writer = "" if repairing else writer_of(folder) or ""
     try:
         survey_folder.check_no_links(folder)
-        recovered = recover(folder, asking_manifest=True)
     except SurveyRefusedError as error:
         return Verification(faults=[error.message])
+    try:
+        recovered = recover(folder, asking_manifest=True)
+    except SurveyRefusedError as error:
+        return _of_traces(folder / survey_folder.TRACES_FOLDER, error.message, progress)
     verifier = _Verifier(folder, recovered, writer)
     if not repairing:
         if not writer:
@@ -88,6 +92,24 @@ def verify_survey(
         verifier.check_log()
     verifier.check_data(progress)
     return verifier.found
+
+
+def _of_traces(folder: Path, refusal: Message, progress: Progress) -> Verification:
+    """Return what the files of traces say where nothing else of a survey can be read."""
+    found = Verification(faults=[refusal], notes=[UNKNOWN_GROUND])
+    paths = sorted(folder.glob("*.json"))
+    for path in progress(paths, len(paths)):
+        try:
+            trace_files.read_trace(path)
+            found.stored += 1
+        except (TraceRefusedError, OSError) as error:
+            reason = os_reason(error) if isinstance(error, OSError) else error.message
+            found.faults.append(_not_intact(path, reason).with_fault(refusal.fault))
+    return found
+
+
+def _not_intact(path: Path, reason: Message) -> Message:
+    return Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
 
 
 class _Verifier:
@@ -204,10 +226,7 @@ class _Verifier:
             lambda paths: iter(progress(paths, len(paths))),
             lambda trace: self._check_trace(plan, trace),
         )
-        found.faults += [
-            Message("{file} is not an intact trace: {reason}", file=path.name, reason=reason)
-            for path, reason in files.damaged
-        ]
+        found.faults += [_not_intact(path, reason) for path, reason in files.damaged]
         records = self._recovered.found.records
         description = whole_description(self._description, records)
         found.unproven = doubts.unproven_count(description, self._samples)
@@ -224,6 +243,8 @@ class _Verifier:
             plan = PlanFit(self._description)
         except InvalidValueError as error:
             self.found.faults.append(unknown_plan(error.message))
+            if SIMULATED not in self._description:
+                self.found.notes.append(UNKNOWN_GROUND)
             return None
         if self.found.imported is None:
             self.found.planned = len(plan.points)
@@ -239,7 +260,7 @@ class _Verifier:
         self._samples.append(Sample.of(trace, row=0))
         misfits = (plan.misfits(trace) or plan.changed_settings(trace)) if plan else []
         self.found.faults += misfits
-        self.found.stored += bool(plan) and not misfits
+        self.found.stored += not misfits
 
     def _check_claims(self, readable: int) -> None:
         """Compare what the log says of the survey with what is there."""

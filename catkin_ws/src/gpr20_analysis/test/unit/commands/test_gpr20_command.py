@@ -42,7 +42,7 @@ def test_an_error_says_which_command_and_what_and_a_remedy_once(finished, tmp_pa
     assert main(["info", str(tmp_path / "broken.bag")]) == 3
     error = capsys.readouterr().err
     assert error.startswith("gpr20 info: ") and "broken.bag" in error
-    assert error.splitlines()[1] == f"First: {errors.FILE_DAMAGED.remedy}"
+    assert error.splitlines()[1] == f"First: {errors.NO_INDEX.remedy}"
     assert main(["image", str(finished), "-o", str(tmp_path / "x.txt"), "--json"]) == 3
     printed = capsys.readouterr()
     assert len(printed.err.splitlines()) == 1

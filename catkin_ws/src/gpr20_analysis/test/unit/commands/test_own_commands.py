@@ -156,7 +156,9 @@ def never(path):
     raise AssertionError(path)
 
 
-def test_the_result_names_an_installed_step_and_its_version(site, sample):
+def test_the_result_names_an_installed_step_and_its_version(site, sample, capsys):
+    assert main(["process", "--help"]) == command.DONE
+    assert re.search(r"\bnotch\b", " ".join(capsys.readouterr().out.split()))
     texts = ("notch:center_hz=1.8e9", "background")
     result = apply_steps(sample, [step_from_text(one) for one in texts], never)
     notch, background = recorded_steps(result)

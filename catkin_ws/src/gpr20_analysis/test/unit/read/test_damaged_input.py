@@ -272,7 +272,7 @@ def test_a_recording_of_a_survey_of_another_version_is_refused_with_its_number(c
 
 
 @pytest.mark.parametrize("name", ["survey.bag", "survey.bag.active"])
-def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it(
+def test_a_bag_without_its_whole_index_is_refused_with_what_to_do_and_nothing_else(
     recorded_folder, tmp_path, name, capsys
 ):
     path, content = tmp_path / name, (recorded_folder / "survey.bag").read_bytes()
@@ -281,7 +281,9 @@ def test_a_bag_without_its_whole_index_is_refused_with_the_command_that_makes_it
     for one in (without, content[:-10], content[: len(content) // 2], content[:5000]):
         path.write_bytes(one)
         assert main(["info", str(path)]) == REFUSED
-        assert f"rosbag reindex {name}" in capsys.readouterr().err
+        said, remedy = capsys.readouterr().err.splitlines()
+        assert f"{name} has no complete index" in said
+        assert remedy == f"First: {errors.NO_INDEX.remedy}" and "rosbag reindex" in remedy
 
 
 def test_what_is_damaged_in_a_recording_is_named(recorded_folder, tmp_path, monkeypatch):

@@ -150,6 +150,15 @@ def test_what_is_no_survey_is_refused_by_name(tmp_path):
             load_survey(tmp_path / name)
 
 
+def test_a_folder_that_lost_its_traces_names_the_recording_that_has_them(folder, tmp_path):
+    for name, lost in (("gone", shutil.rmtree), ("empty", lambda one: [*map(Path.unlink, one)])):
+        copied = Path(shutil.copytree(str(folder), str(tmp_path / name)))
+        lost(copied / "traces" if name == "gone" else (copied / "traces").iterdir())
+        with raises_fault(errors.INPUT, copied / "survey.mcap"):
+            load_survey(copied)
+    assert load_survey(copied / "survey.mcap").equals(load_survey(folder))
+
+
 def test_a_sensors_value_is_at_its_sample_in_table_and_report(folder, tmp_path):
     survey = load_survey(folder)
     assert dataset.aux_names(survey) == ["aux_period", "aux_soil", "aux_soil_2"]

@@ -20,6 +20,7 @@ from trace_examples import SURVEY
 
 from gpr20_analysis import errors
 from gpr20_analysis.commands.main import main
+from gpr20_analysis.read.load import load_survey
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.faults import LOG_LOST
 from gpr20_survey.folder.log_record import Kind
@@ -131,6 +132,24 @@ def test_an_entry_that_the_recording_alone_holds_is_named(tmp_path):
     found = verify_survey(folder)
     assert "entry 1 of the log, of kind annotation, is in survey.mcap alone" in texts(found.notes)
     assert found.unconfirmed and not found.faults
+
+
+def test_traces_alone_are_counted_and_not_taken_for_real_ground(copied):
+    for path in copied.iterdir():
+        if path.is_file():
+            path.unlink()
+    found = verify_survey(copied)
+    assert (found.stored, len(found.faults)) == (len(POINTS), 1)
+    assert "18 traces are stored and readable" in str(found.verdict)
+    assert found.verdict.fault_code == LOG_LOST.code
+    (trace, *_others) = (copied / "traces").iterdir()
+    trace.write_bytes(trace.read_bytes()[:-9])
+    found = verify_survey(copied)
+    assert found.stored == len(POINTS) - 1 and f"{trace.name} is not" in str(found.faults[1])
+    assert found.verdict.fault_code == LOG_LOST.code
+    trace.unlink()
+    assert "not known whether the data are SIMULATED" in str(found.notes[0])
+    assert "not known whether the data are SIMULATED" in load_survey(copied).attrs["notes"][0]
 
 
 def test_where_both_logs_are_lost_nobody_is_told_to_resume(copied):

@@ -97,7 +97,8 @@ def _import(folder: Path, given: argparse.Namespace) -> int:
     robot = old_robot(given.launch, read_yaml(built_axes()))
     status = _fill(folder, robot.texts)
     say("not found out:", *(f"  {one}" for one in robot.unread or ["nothing"]))
-    say("without a counterpart:", *(f"  {name}: {one}" for name, one in robot.values.items()))
+    others = [f"  {name}: {one}" for name, one in robot.values.items()]
+    say("without a counterpart:", *(others or ["  nothing"]))
     return int(status or bool(robot.unread))
 
 
