@@ -22,3 +22,9 @@ class ImagingError(Gpr20Error):
     """A request to the imaging node was refused or failed."""
 
     fault = OTHER_COMPUTER
+
+
+class StickError(ImagingError):
+    """The USB stick is missing, full, or not what it was."""
+
+    fault = STICK

@@ -1,7 +1,4 @@
-"""The node imaging: focused images, candidates and exports of what is stored.
-
-Candidates are also published: their list as JSON, and markers that RViz and Foxglove show.
-"""
+"""The node imaging: focused images, candidates, which it also publishes, and exports."""
 
 from __future__ import annotations
 
@@ -48,28 +45,9 @@ from gpr20_survey.trace.utc_time import iso_text
 
 NODE = "imaging"
 NOTE_LIMIT_S = 20.0
-LIST_TOPIC, MARKERS_TOPIC = "candidates", "candidate_markers"
 # Smallest shown diameter, and height of the letters [m].
 SMALLEST_M, LETTERS_M = 0.02, 0.015
 PLAIN, DOUBTFUL = ColorRGBA(0.9, 0.1, 0.1, 0.8), ColorRGBA(0.9, 0.7, 0.1, 0.5)
-
-
-class CandidateTopics:
-    """The latched topics of one list; the ROS node must be initialized.
-
-    Args:
-        frame: Frame of the markers: X and Y of the axes, Z upwards from the ground [m].
-    """
-
-    def __init__(self, frame: str) -> None:
-        self._frame = frame
-        self._list = rospy.Publisher(LIST_TOPIC, String, latch=True, queue_size=1)
-        self._markers = rospy.Publisher(MARKERS_TOPIC, MarkerArray, latch=True, queue_size=1)
-
-    def publish(self, found: CandidateList) -> None:
-        """Publish a list and its markers, which replace former ones."""
-        self._list.publish(json_text(found))
-        self._markers.publish(marker_array(found, self._frame, rospy.Time.now()))
 
 
 def marker_array(found: CandidateList, frame: str, stamp: rospy.Time) -> MarkerArray:
@@ -105,11 +83,13 @@ class ImagingNode:
     def __init__(self, parameters: ImagingParameters, volumes: UsbVolumes) -> None:
         """Connect everything; no child process is started before the first request."""
         self._progress = rospy.Publisher("imaging_progress", ImagingProgress, queue_size=20)
-        self._candidates = CandidateTopics(BASE_LINK)
+        self._candidates = rospy.Publisher("candidates", String, latch=True, queue_size=1)
+        # As RViz and Foxglove show them.
+        self._markers = rospy.Publisher("candidate_markers", MarkerArray, latch=True, queue_size=1)
         self._sticks = volumes
         data = data_folder(parameters.data, os.environ)
         self._imaging = Imaging(
-            data, WorkerProcess(), self._publish_progress, self._candidates.publish
+            data, WorkerProcess(), self._publish_progress, self._publish_candidates
         )
         self._facts = ServiceClient("add_fact", AddFact)
         rospy.on_shutdown(self._imaging.close)
@@ -134,11 +114,8 @@ class ImagingNode:
         found = self._imaging.map_hidden(
             request.request_id, request.survey, request.permittivity, request.target
         )
-        return MapHiddenResponse(
-            success=True,
-            **message_fields(Message("the map is complete")),
-            hiding_json=hiding_json(found),
-        )
+        made = message_fields(Message("the map is complete"))
+        return MapHiddenResponse(success=True, **made, hiding_json=hiding_json(found))
 
     def _export(self, request: Any) -> ExportSurveyResponse:
         files, content = self._imaging.export(
@@ -188,6 +165,10 @@ class ImagingNode:
 
     def _publish_progress(self, request_id: str, stage: Message) -> None:
         self._progress.publish(ImagingProgress(request_id=request_id, **message_fields(stage)))
+
+    def _publish_candidates(self, found: CandidateList) -> None:
+        self._candidates.publish(json_text(found))
+        self._markers.publish(marker_array(found, BASE_LINK, rospy.Time.now()))
 
     def _health(self) -> Health:
         missing = self._imaging.missing

@@ -21,8 +21,7 @@ from typing import IO, Any, Callable, Dict, Iterator, List, Tuple
 
 from gpr20_common.faults import NOT_SET_UP
 from gpr20_common.message import Message
-from gpr20_imaging import faults
-from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.faults import ImagingError, StickError
 from gpr20_survey.results.answers import Volume
 
 COMMAND = (
@@ -96,12 +95,11 @@ class UsbVolumes:
         for volume in self.mounted():
             if volume.path == path:
                 return volume
-        raise ImagingError(
+        raise StickError(
             Message(
                 "the USB stick at {path} is not mounted any more; plug it in",
                 path=repr(path[:200]),
             ),
-            fault=faults.STICK,
         )
 
 
@@ -309,31 +307,28 @@ class StickFolder:
         os.replace(temporary, name, src_dir_fd=self._folder, dst_dir_fd=self._folder)
         os.fsync(self._folder)
 
-    def _gone(self) -> ImagingError:
-        return ImagingError(
+    def _gone(self) -> StickError:
+        return StickError(
             Message("the USB stick at {path} was replaced by another one", path=self._volume.path),
-            fault=faults.STICK,
         )
 
-    def _no_folder(self) -> ImagingError:
-        return ImagingError(
+    def _no_folder(self) -> StickError:
+        return StickError(
             Message(
                 "{folder} on the USB stick {name} is a link, a file or another disk, not a folder "
                 "of the stick; rename it",
                 folder=self._name,
                 name=self._volume.name,
             ),
-            fault=faults.STICK,
         )
 
-    def _differs(self, name: str) -> ImagingError:
-        return ImagingError(
+    def _differs(self, name: str) -> StickError:
+        return StickError(
             Message(
                 "the USB stick {name} does not hold what was written to {file}; do not rely on it",
                 name=self._volume.name,
                 file=name,
             ),
-            fault=faults.STICK,
         )
 
 

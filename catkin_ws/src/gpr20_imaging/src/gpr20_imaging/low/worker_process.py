@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import IO, Any, Callable, Optional, Sequence
 
 from gpr20_common.message import Message
-from gpr20_imaging import faults
 from gpr20_imaging.faults import ImagingError
 
 WORKER = (sys.executable, "-m", "gpr20_imaging.mid.worker")
@@ -90,10 +89,8 @@ class WorkerProcess:
             except ProcessLookupError:
                 return  # it has ended already; its status says why
             except OSError as error:
-                raise ImagingError(
-                    Message("the analysis cannot be started", details=error),
-                    fault=faults.OTHER_COMPUTER,
-                ) from error
+                message = Message("the analysis cannot be started", details=error)
+                raise ImagingError(message) from error
 
     def ask(self, limit_s: float, report: Report, name: str, *arguments: Any) -> Any:
         """Return the answer of the process to a request.
@@ -163,6 +160,5 @@ class WorkerProcess:
                 "{limit_s:g} s",
                 limit_s=limit_s,
                 details=f"{status}: {errors[-LONGEST_ERROR:]}",
-            ),
-            fault=faults.OTHER_COMPUTER,
+            )
         )

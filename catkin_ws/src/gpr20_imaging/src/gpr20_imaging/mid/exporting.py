@@ -13,8 +13,7 @@ from typing import Any, Callable, List, Optional, Sequence, Tuple
 from gpr20_common.errors import os_reason
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_imaging import faults
-from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.faults import STICK, ImagingError, StickError
 from gpr20_imaging.low.stick_files import StickFolder, UsbVolumes
 from gpr20_survey.errors import ProcessingError
 from gpr20_survey.files.regular_files import add_folder
@@ -26,8 +25,6 @@ MARGIN_BYTES = 1 << 20
 LEVEL = 1
 SIMULATED_MARK = "_SIMULATED"
 GONE = (errno.ENOENT, errno.EIO, errno.ENODEV, errno.ENXIO, errno.ESTALE, errno.EROFS)
-
-
 WORDS = {
     ExportPart.REPORT_HTML: Message("report as HTML"),
     ExportPart.CANDIDATES_CSV: Message("candidates as CSV"),
@@ -86,12 +83,11 @@ class Exporter:
         """
         volume = self._volumes.find(request.volume)
         if not volume.writable:
-            raise ImagingError(
+            raise StickError(
                 Message(
                     "the USB stick {name} is write-protected; remove the protection",
                     name=volume.name,
                 ),
-                fault=faults.STICK,
             )
         with tempfile.TemporaryDirectory(prefix="gpr20_export_") as made:
             # Before the stick is touched: it may be refused, and takes longest.
@@ -135,7 +131,7 @@ class Exporter:
     ) -> List[str]:
         needed = sum(path.stat().st_size for _, path in files if path is not None) + MARGIN_BYTES
         if volume.free_bytes < needed:
-            raise ImagingError(
+            raise StickError(
                 Message(
                     "the USB stick {name} has {free_mb:.0f} MB free, but {needed_mb:.0f} MB are "
                     "needed; make space or use another one",
@@ -143,7 +139,6 @@ class Exporter:
                     free_mb=volume.free_bytes / 1e6,
                     needed_mb=needed / 1e6,
                 ),
-                fault=faults.STICK,
             )
         with StickFolder(volume, FOLDER) as folder:
             folder.remove_unfinished()
@@ -165,7 +160,7 @@ class Exporter:
         return [f"{FOLDER}/{request.name(kind)}" for kind, _ in files]
 
 
-def _refusal(volume: Volume, error: OSError) -> ImagingError:
+def _refusal(volume: Volume, error: OSError) -> StickError:
     known = {"name": volume.name, "details": error}
     if error.errno == errno.ENOSPC:
         message = Message(
@@ -188,7 +183,7 @@ def _refusal(volume: Volume, error: OSError) -> ImagingError:
         message = Message(
             "the USB stick {name} could not be written: {reason}", **known, reason=reason
         )
-    return ImagingError(message.reporting_only(faults.STICK))
+    return StickError(message.reporting_only(STICK))
 
 
 def _write_zip(folder: Path, target: Any) -> None:

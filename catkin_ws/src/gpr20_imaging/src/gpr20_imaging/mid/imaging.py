@@ -14,8 +14,7 @@ from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 from gpr20_common.catalogue import language_from_code
 from gpr20_common.faults import ASKED_FOR, BUSY, NOT_ALLOWED
 from gpr20_common.message import Message
-from gpr20_imaging import faults
-from gpr20_imaging.faults import ImagingError
+from gpr20_imaging.faults import OTHER_COMPUTER, ImagingError
 from gpr20_imaging.low.worker_process import WorkerProcess
 from gpr20_imaging.mid.exporting import ExportRequest
 from gpr20_survey.errors import storing
@@ -34,8 +33,6 @@ FOCUS_LIMIT_S, LIMIT_S, EXPORT_LIMIT_S = 300.0, 1800.0, 7200.0
 MOST_KEPT = 6
 # What people add to a survey that changes no answer.
 ADDED = frozenset((Kind.FOUND, Kind.MARKER, Kind.MARKER_REMOVED, Kind.EXPORT, Kind.AUDIT, Kind.BAG))
-Progress = Callable[[str, Message], None]
-"""Called with the id of a request and what is done for it."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +65,7 @@ class Imaging:
     Args:
         data: Folder of the surveys.
         worker: Does the work.
-        progress: Called with what is done for a request.
+        progress: Called with the id of a request and what is done for it.
         found: Called with each list of candidates that is new.
     """
 
@@ -76,7 +73,7 @@ class Imaging:
         self,
         data: Path,
         worker: WorkerProcess,
-        progress: Progress,
+        progress: Callable[[str, Message], None],
         found: Callable[[CandidateList], None] = lambda _found: None,
     ) -> None:
         self._data, self._worker = data, worker
@@ -106,7 +103,7 @@ class Imaging:
             "candidates or report. Install it there with scripts/setup.sh, or copy the survey to "
             "a computer that has it.",
             computer=self.computer,
-        ).with_fault(faults.OTHER_COMPUTER)
+        ).with_fault(OTHER_COMPUTER)
 
     def focus(
         self, request_id: str, survey: str, permittivity: float, only_known: bool = False

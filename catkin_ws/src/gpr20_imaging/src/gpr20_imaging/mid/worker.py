@@ -10,7 +10,7 @@ import sys
 import traceback
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, List, Optional
+from typing import Any, List, Optional, Tuple
 
 import gpr20_analysis
 from gpr20_common.message import Message
@@ -20,6 +20,8 @@ from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap, target_of
 
 message_of = gpr20_analysis.message_of
+# Memory is given back if nobody looks at images for so long [s].
+IDLE_S = 60.0
 
 
 class Analysis:
@@ -37,8 +39,8 @@ class Analysis:
 
     def map_hidden(self, folder: Path, permittivity: Optional[float], target: str) -> HidingMap:
         """Return where a target could hide in a survey."""
-        survey = self._load(folder)
-        detector = gpr20_analysis.Detector(gpr20_analysis.field_options(permittivity, survey))
+        survey, options = self._load(folder, permittivity)
+        detector = gpr20_analysis.Detector(options)
         found: HidingMap = gpr20_analysis.map_hidden(survey, detector, target_of(target))
         return found
 
@@ -46,25 +48,20 @@ class Analysis:
         self, folder: Path, output: Path, permittivity: Optional[float], _language: str
     ) -> None:
         """Write the candidates of a survey."""
-        survey = self._load(folder)
-        options = gpr20_analysis.field_options(permittivity, survey)
+        survey, options = self._load(folder, permittivity)
         gpr20_analysis.write_candidates(gpr20_analysis.answer(survey, options).found, output)
 
     def write_report(
         self, folder: Path, output: Path, permittivity: Optional[float], language: str
     ) -> None:
         """Write the report on a survey."""
-        survey = self._load(folder)
-        options = gpr20_analysis.field_options(permittivity, survey)
+        survey, options = self._load(folder, permittivity)
         gpr20_analysis.write_report(survey, folder, output, options, language=language)
 
-    def _load(self, folder: Path) -> Any:
+    def _load(self, folder: Path, permittivity: Optional[float]) -> Tuple[Any, Any]:
         self._survey = None  # its memory is needed now
-        return gpr20_analysis.load_survey(folder)
-
-
-# Memory is given back if nobody looks at images for so long [s].
-IDLE_S = 60.0
+        survey = gpr20_analysis.load_survey(folder)
+        return survey, gpr20_analysis.field_options(permittivity, survey)
 
 
 def serve(connection: Connection, analysis: Any, volumes: UsbVolumes) -> None:
