@@ -35,7 +35,7 @@ from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
-from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, SOIL_KIND, Kind, soil_values
+from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, Kind, soil_values
 from gpr20_survey.folder.recovery import Fact, add_to_survey
 from gpr20_survey.folder.survey_folder import MCAP_FILE
 from gpr20_survey.plan.recorded_plan import UNPROVEN
@@ -124,7 +124,7 @@ def stored_survey(data, remarks=(), at_end=lambda _processing: None, **more):
 
 def enter(folder, permittivity):
     """Add the decision of a person about the soil to a survey that has ended."""
-    fact = Fact(SOIL_KIND, soil_values(permittivity, TIME_US))
+    fact = Fact(Kind.DECISION, soil_values(permittivity, TIME_US))
     add_to_survey(folder, lambda _description: fact, NOW)
 
 

@@ -24,8 +24,7 @@ from gpr20_imaging.low.worker_process import OOM_SCORE, WorkerProcess, memory_li
 from gpr20_imaging.mid import imaging as imaging_module
 from gpr20_imaging.mid.exporting import FOLDER
 from gpr20_imaging.mid.imaging import MOST_KEPT, MOST_WAITING, Imaging
-from gpr20_survey.folder import log_record
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.folder.recovery import Fact, add_to_survey, read_description
 from gpr20_survey.results.hiding_map import Targets
 
@@ -142,7 +141,7 @@ def add(kind, values):
 CHANGES = (
     *((add(kind, {}), False) for kind in (Kind.FOUND, Kind.EXPORT, Kind.AUDIT)),
     *((add(kind, {}), True) for kind in (Kind.CLOCK, Kind.DRIFT, Kind.ANNOTATION)),
-    (add(log_record.SOIL_KIND, log_record.soil_values(7.0, 0)), True),
+    (add(Kind.DECISION, soil_values(7.0, 0)), True),
     (lambda folder: (folder / "traces" / "000003.json").touch(), True),
     (lambda folder: (folder / "traces" / "000000.json").write_bytes(b"9" * 50_000), True),
 )

@@ -1,8 +1,6 @@
 """The list of past surveys: how each ended, and what a search finds."""
 
-from __future__ import annotations
-
-import dataclasses
+from dataclasses import replace
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -14,12 +12,10 @@ from gpr20_operator.ground.past_surveys import PastSurveys, searchable
 from gpr20_operator.words import local_time
 
 SPANISH = read_catalogue(Language.SPANISH)
-WORDS = st.sampled_from(
-    ["importada", "Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", ""]
-)
-TEXTS = st.lists(WORDS, max_size=3).map(" ".join)
+WORDS = ("importada", "Salado", "salado", "PÉREZ", "perez", "North", "lane", "2026", "11-2", "")
+TEXTS = st.lists(st.sampled_from(WORDS), max_size=3).map(" ".join)
 SURVEYS = st.builds(
-    dataclasses.replace,
+    replace,
     st.just(past_survey()),
     name=TEXTS,
     site=TEXTS,
@@ -32,10 +28,8 @@ SURVEYS = st.builds(
 
 @given(st.lists(SURVEYS, max_size=12), TEXTS, st.integers(0, 12))
 def test_a_search_is_a_plain_filter_of_all_pages_by_names_time_and_ending(surveys, text, split):
-    numbered = tuple(
-        dataclasses.replace(one, folder=f"20261121T{99 - number:06d}_7c9e6679")
-        for number, one in enumerate(surveys)
-    )
+    folders = [f"20261121T{99 - number:06d}_7c9e6679" for number in range(len(surveys))]
+    numbered = tuple(map(lambda one, folder: replace(one, folder=folder), surveys, folders))
     past = PastSurveys()
     past.take("", numbered[:split], True)
     past.take(past.next_before, numbered[split:], False)

@@ -9,32 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 
+from gpr20_survey import radar
 from gpr20_survey.folder.log_record import (
     ENTERED,
     LOG,
     OF_PLAN,
     PLANNED_PERMITTIVITY,
-    SOIL_KIND,
     Kind,
     LogRecord,
     description_of,
     soil_of_survey,
     soil_values,
 )
-from gpr20_survey.radar import (
-    MAX_PERMITTIVITY,
-    MIN_PERMITTIVITY,
-    SPEED_OF_LIGHT_M_S,
-    FrequencyToDelay,
-    Soils,
-    Window,
-    delay_kernel,
-    delay_of_depth,
-    depth_of_delay_m,
-    one_way_delay_s,
-    one_way_path_m,
-    soil_of,
-)
+from gpr20_survey.radar import FrequencyToDelay, Soils, Window
 
 
 def echo(delay_s, level, frequency_hz):
@@ -53,13 +40,19 @@ def test_an_echo_stands_at_its_delay_with_its_level(delay_s, level, points):
 
 
 def test_depth_counts_from_the_surface_in_ground_of_the_permittivity():
-    assert delay_of_depth(0.0, 0.15, 9.0) == pytest.approx(1.0007e-9, rel=1e-3)
-    assert delay_of_depth(0.1, 0.0, 9.0) == pytest.approx(3 * delay_of_depth(0.1, 0.0, 1.0))
+    assert radar.delay_of_depth(0.0, 0.15, 9.0) == pytest.approx(1.0007e-9, rel=1e-3)
+    assert radar.delay_of_depth(0.1, 0.0, 9.0) == pytest.approx(
+        3 * radar.delay_of_depth(0.1, 0.0, 1.0)
+    )
     # Above the surface there is air.
-    assert delay_of_depth(-0.05, 0.15, 9.0) == pytest.approx(delay_of_depth(0.0, 0.10, 9.0))
-    assert depth_of_delay_m(delay_of_depth(0.1, 0.15, 9.0), 0.15, 9.0) == pytest.approx(0.1)
-    assert depth_of_delay_m(delay_of_depth(-0.1, 0.15, 9.0), 0.15, 9.0) == 0.0
-    assert one_way_path_m(1e-9, 9.0) == pytest.approx(0.05, rel=1e-3)
+    assert radar.delay_of_depth(-0.05, 0.15, 9.0) == pytest.approx(
+        radar.delay_of_depth(0.0, 0.10, 9.0)
+    )
+    assert radar.depth_of_delay_m(radar.delay_of_depth(0.1, 0.15, 9.0), 0.15, 9.0) == pytest.approx(
+        0.1
+    )
+    assert radar.depth_of_delay_m(radar.delay_of_depth(-0.1, 0.15, 9.0), 0.15, 9.0) == 0.0
+    assert radar.one_way_path_m(1e-9, 9.0) == pytest.approx(0.05, rel=1e-3)
 
 
 @each_case("window", Window)
@@ -69,7 +62,9 @@ def test_a_window_is_symmetric_and_leaves_the_level_of_an_echo(window, count):
     assert shares == pytest.approx(shares[::-1])
     assert (shares > 0.0).all()
     frequency_hz = np.linspace(1e9, 2e9, count)
-    peak = echo(3e-9, 0.2, frequency_hz) @ delay_kernel(frequency_hz, np.array([3e-9]), window)
+    peak = echo(3e-9, 0.2, frequency_hz) @ radar.delay_kernel(
+        frequency_hz, np.array([3e-9]), window
+    )
     assert peak == pytest.approx(0.2)
 
 
@@ -84,15 +79,15 @@ def test_the_wave_takes_the_fastest_path(offset_m, depth_m, height_m, permittivi
     crossings_m = np.linspace(0.0, offset_m, 4001)
     index = math.sqrt(permittivity)
     paths_m = np.hypot(height_m, crossings_m) + index * np.hypot(depth_m, offset_m - crossings_m)
-    fastest_s = paths_m.min() / SPEED_OF_LIGHT_M_S
-    found_s = one_way_delay_s(height_m, depth_m, offset_m, permittivity)
+    fastest_s = paths_m.min() / radar.SPEED_OF_LIGHT_M_S
+    found_s = radar.one_way_delay_s(height_m, depth_m, offset_m, permittivity)
     assert found_s == pytest.approx(fastest_s, rel=1e-6)
 
 
 @each_case("soil", Soils)
 def test_a_soil_is_known_by_its_permittivity(soil):
-    assert MIN_PERMITTIVITY < soil.value.permittivity < MAX_PERMITTIVITY
-    assert soil_of(soil.value.permittivity) is soil
+    assert radar.MIN_PERMITTIVITY < soil.value.permittivity < radar.MAX_PERMITTIVITY
+    assert radar.soil_of(soil.value.permittivity) is soil
 
 
 def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
@@ -101,11 +96,11 @@ def test_a_survey_that_is_resumed_keeps_its_soil_until_somebody_decides_again():
         (Kind.PLAN, {PLANNED_PERMITTIVITY: 4.0, "started": "2026"}),
         (Kind.RESUME, {}),
         (Kind.DECISION, {"accepted": "other zeros"}),
-        (SOIL_KIND, soil_values(9.5, 0)),
+        (Kind.DECISION, soil_values(9.5, 0)),
         (Kind.RESUME, {}),
-        (SOIL_KIND, soil_values(7.0, 0)),
+        (Kind.DECISION, soil_values(7.0, 0)),
         (Kind.END, {"outcome": "finished"}),
-        (SOIL_KIND, soil_values(None, 0)),
+        (Kind.DECISION, soil_values(None, 0)),
     ):
         records.append(LogRecord.after(records[-1] if records else None, kind, values, "2026"))
         log = [one.as_json() for one in records]

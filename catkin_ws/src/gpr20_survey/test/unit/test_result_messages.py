@@ -23,13 +23,6 @@ from gpr20_msgs.msg import SurveySummary
 from gpr20_msgs.srv import FocusSurveyResponse, ReopenSurveyResponse, TestAnalyzerResponse
 from gpr20_survey.faults import VNA_FAILED
 from gpr20_survey.results import answers
-from gpr20_survey.results.answers import (
-    AnalyzerTest,
-    FocusedImage,
-    ReopenedSurvey,
-    focus_fields,
-    image_from,
-)
 
 MESSAGES = st.none() | st.builds(
     lambda word: Message("the fault is {what}", what=word), WORDS.filter(bool)
@@ -43,7 +36,7 @@ def sent(message):
 
 
 LEVELS = np.linspace(-3.0, 40.0, 24, dtype="<f4").reshape(2, 3, 4)
-IMAGE = FocusedImage(
+IMAGE = answers.FocusedImage(
     20, np.arange(4.0), np.arange(3.0), np.arange(2.0), LEVELS, candidate_list([candidate()])
 )
 
@@ -52,8 +45,8 @@ def test_a_focused_image():
     levels = LEVELS.copy()
     levels[0, 0, 0] = np.nan
     image = replace(IMAGE, levels_db=levels)
-    answer = FocusSurveyResponse(**focus_fields(image))
-    received = image_from(sent(answer))
+    answer = FocusSurveyResponse(**answers.focus_fields(image))
+    received = answers.image_from(sent(answer))
     assert (received.traces, received.found) == (20, image.found)
     for name in ("x_mm", "y_mm", "depth_mm", "levels_db"):
         np.testing.assert_array_equal(getattr(received, name), getattr(image, name))
@@ -71,7 +64,7 @@ def test_a_focused_image():
 )
 def test_a_broken_image_is_refused(wrong):
     with pytest.raises(InvalidValueError):
-        image_from(FocusSurveyResponse(**{**focus_fields(IMAGE), **wrong}))
+        answers.image_from(FocusSurveyResponse(**{**answers.focus_fields(IMAGE), **wrong}))
 
 
 @st.composite
@@ -96,7 +89,9 @@ def test_a_summary(summary):
 
 
 @given(
-    st.builds(AnalyzerTest, WORDS, WORDS, WORDS, COUNTS, numbers(0.0), numbers(), failure=MESSAGES)
+    st.builds(
+        answers.AnalyzerTest, WORDS, WORDS, WORDS, COUNTS, numbers(0.0), numbers(), failure=MESSAGES
+    )
 )
 def test_a_test_of_the_analyzer(test):
     assert analyzer_test_of(sent(TestAnalyzerResponse(**analyzer_test_fields(test)))) == test
@@ -104,14 +99,14 @@ def test_a_test_of_the_analyzer(test):
 
 def test_why_a_test_of_the_analyzer_failed():
     failure = Message("no VNA").with_fault(VNA_FAILED)
-    fields = analyzer_test_fields(AnalyzerTest("a", failure=failure))
+    fields = analyzer_test_fields(answers.AnalyzerTest("a", failure=failure))
     received = analyzer_test_of(sent(TestAnalyzerResponse(**fields))).failure
     assert (received, received.cause) == (failure, VNA_FAILED)
 
 
 @given(
     st.builds(
-        ReopenedSurvey,
+        answers.ReopenedSurvey,
         *(WORDS, WORDS, WORDS, WORDS),
         st.lists(COUNTS).map(tuple),
         st.sampled_from([None, make_trace()]),
@@ -121,4 +116,4 @@ def test_why_a_test_of_the_analyzer_failed():
 def test_a_reopened_survey(reopened):
     fields = {**fields_of(reopened, ReopenSurveyResponse), "recent": []}
     answer = sent(ReopenSurveyResponse(**fields))
-    assert record_of(ReopenedSurvey, answer, recent=reopened.recent) == reopened
+    assert record_of(answers.ReopenedSurvey, answer, recent=reopened.recent) == reopened

@@ -14,7 +14,7 @@ from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported, Imaging, Sticks, StoredSurvey
-from gpr20_survey.folder.log_record import SOIL_KIND, Kind, log_values, soil_values
+from gpr20_survey.folder.log_record import Kind, log_values, soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND_FORMAT
@@ -285,7 +285,7 @@ class SurveyResult:
         """Store another permittivity, None: not known; once it is stored, search with it."""
         if self.record is not None and permittivity != self.permittivity and not self.soil.running:
             values = soil_values(permittivity, self._time_us())
-            self.soil.ask(survey=self.record.survey_id, kind=SOIL_KIND, values=values)
+            self.soil.ask(survey=self.record.survey_id, kind=Kind.DECISION, values=values)
 
     def choose_target(self, target: Targets) -> None:
         """Ask where a target could hide."""

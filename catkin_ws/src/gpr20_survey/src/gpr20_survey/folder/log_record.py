@@ -187,7 +187,6 @@ def log_values(values: Mapping[str, Any], kind: Kind) -> List[Dict[str, Any]]:
 PLANNED_PERMITTIVITY = "permittivity"
 """Key of the description; only in a survey whose plan names the permittivity."""
 SOIL_FORMAT = "gpr20-soil/1"
-SOIL_KIND = Kind.DECISION
 OF_PLAN, ENTERED = "of the plan", "entered later"
 """Where the permittivity of a survey is from."""
 
@@ -210,7 +209,7 @@ def soil_of_survey(description: Mapping[str, Any]) -> Optional[KnownSoil]:
     Of its records the decisions are enough. None: it is not known, or not known after all.
     """
     found, source = description.get(PLANNED_PERMITTIVITY), OF_PLAN
-    for values in log_values(description, SOIL_KIND):
+    for values in log_values(description, Kind.DECISION):
         if values.get("format") == SOIL_FORMAT:
             found, source = values.get("permittivity"), ENTERED
     if isinstance(found, bool) or not isinstance(found, (int, float)):
