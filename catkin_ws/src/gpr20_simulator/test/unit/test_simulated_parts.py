@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from gpr20_common.low.clock import Clock
 from gpr20_height_sensor.adc_interface import AdcInterface
 from gpr20_height_sensor.height_driver import HeightDriver, HeightParameters
+from gpr20_simulator.low import shared_state
 from gpr20_simulator.low.shared_state import GRACE_S, AdcFault, remove_stale_states
 from gpr20_simulator.mid.world.range_sensor import RangeSensor, SimulatedSpi, sensor_voltage_v
 from gpr20_simulator.mid.world.scene import Adc
@@ -53,6 +54,15 @@ def test_the_driver_finds_the_true_height_within_5_mm(height_m):
 def test_the_driver_reads_the_code_of_the_channel_it_asks_for(code, channel):
     spi = SimulatedSpi(lambda asked: code if asked == channel else 1023 - code)
     assert AdcInterface(spi, channel).read_code() == code
+
+
+def test_a_faster_clock_lets_as_many_seconds_pass_in_one_of_the_computer(monkeypatch):
+    waited_s = []
+    monkeypatch.setattr(shared_state.time, "monotonic", lambda: 3.0)
+    monkeypatch.setattr(shared_state.time, "sleep", waited_s.append)
+    clock = shared_state.ScaledClock(50.0)
+    clock.sleep_until_s(clock.now_s() + 25.0)
+    assert (clock.now_s(), waited_s) == (150.0, [0.5])
 
 
 # The states of launches that have ended are cleared away; those that are in use never.
