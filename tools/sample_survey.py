@@ -1,4 +1,10 @@
-"""Record the sample survey of gpr20_analysis; started by sample_survey.sh."""
+"""Record the survey that gpr20_analysis ships as a sample, on the simulated robot, and verify it.
+
+    source scripts/environment.sh; gpr20_use_workspace
+    ROS_IP=127.0.0.1 PYTHONPATH="$GPR20_TOOLS:$PYTHONPATH" python tools/sample_survey.py [FILE.mcap]
+
+Without a file it goes into the sources of gpr20_analysis.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +18,9 @@ from gpr20_analysis import verify_survey
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile
 
-SCENES = Path(__file__).resolve().parents[1] / "catkin_ws" / "src" / "gpr20_simulator" / "scenes"
-SCENE = SCENES / "imaging_targets.yaml"
+PACKAGES = Path(__file__).resolve().parents[1] / "catkin_ws/src"
+SCENE = PACKAGES / "gpr20_simulator/scenes/imaging_targets.yaml"
+SAMPLE = PACKAGES / "gpr20_analysis/src/gpr20_analysis/sample/survey.mcap"
 SURVEY = (
     *("--x-start-mm", "60", "--x-stop-mm", "420", "--x-points", "21"),
     *("--y-start-mm", "60", "--y-stop-mm", "420", "--y-points", "21"),
@@ -36,8 +43,8 @@ def copy_traces(recorded: Path, output: Path) -> None:
 
 
 def main() -> None:
-    """Record the survey and copy its traces into the file that is named."""
-    output = Path(sys.argv[1])
+    """Record the survey and copy its traces into a file."""
+    output = Path(sys.argv[1]) if sys.argv[1:] else SAMPLE
     with simulated_robot(f"scene:={SCENE}", "time_scale:=50") as robot:
         if robot.client(*SURVEY).wait():
             raise SystemExit("the survey did not finish")

@@ -18,7 +18,7 @@ from gpr20_common.sent_message import received_message
 from gpr20_launch.faults import NOT_CHECKED
 from gpr20_launch.mid import robot_check
 from gpr20_launch.mid.robot_files import FILES, Before, WithRobot
-from gpr20_vna_acquisition.mid.analyzer_record import Result, Status, store
+from gpr20_vna_acquisition.mid.analyzers import Result, Status, store
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 SENSOR = "topic: soil/values, message: std_msgs/Float64, field: data"

@@ -24,14 +24,7 @@ from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import LOCKED
 from gpr20_vna_acquisition.high import check_analyzer
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, connect
-from gpr20_vna_acquisition.mid.analyzer_record import (
-    FILE,
-    Result,
-    Status,
-    has_passed,
-    passed,
-    store,
-)
+from gpr20_vna_acquisition.mid.analyzers import FILE, Result, Status, has_passed, passed, store
 from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 

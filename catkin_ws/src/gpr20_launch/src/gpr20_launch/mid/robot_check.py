@@ -253,8 +253,7 @@ def _extensions(reading: Reading, use: Use) -> Iterator[Problem]:
             file = reading.folder / AXES_FILE
             yield from _missing(file, f"{axis}/controller", check_controller, own)
     if is_extension(vna.analyzer) and use.real and use.part != ROBOT:
-        from gpr20_vna_acquisition.mid.analyzer_record import has_passed
-        from gpr20_vna_acquisition.mid.analyzers import make_foreign_analyzer
+        from gpr20_vna_acquisition.mid.analyzers import has_passed, make_foreign_analyzer
         from gpr20_vna_acquisition.mid.exchanges import RequestDeadline
 
         deadline = RequestDeadline(Clock())

@@ -17,7 +17,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
 from gpr20_vna_acquisition.low.vxi11_transport import LinkLimits, Vxi11Transport, connect
-from gpr20_vna_acquisition.mid.analyzer_record import Result, passed, store
+from gpr20_vna_acquisition.mid.analyzers import Result, passed, store
 from gpr20_vna_acquisition.mid.conformance import Bench, Extent, results
 from gpr20_vna_acquisition.mid.exchanges import WATCH_PERIOD_S, RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters

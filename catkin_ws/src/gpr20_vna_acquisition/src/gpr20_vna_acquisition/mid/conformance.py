@@ -19,8 +19,7 @@ from gpr20_common.message import Message, verbatim
 from gpr20_survey.trace.sweep import AnalyzerSettings, Sweep, SweepSettings
 from gpr20_vna_acquisition import errors
 from gpr20_vna_acquisition.errors import VnaError, old_data
-from gpr20_vna_acquisition.mid.analyzer_record import Result, Status
-from gpr20_vna_acquisition.mid.analyzers import Analyzer, make_analyzer
+from gpr20_vna_acquisition.mid.analyzers import Analyzer, Result, Status, make_analyzer
 from gpr20_vna_acquisition.mid.exchanges import RequestDeadline, Transport
 from gpr20_vna_acquisition.mid.ms2026c_commands import (
     DATA_QUERY,
