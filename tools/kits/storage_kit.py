@@ -10,7 +10,7 @@ import struct
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Optional, Tuple
+from typing import Any, Callable, Container, Dict, Iterable, Iterator, List, Optional
 
 import zstandard
 from mcap.exceptions import McapError
@@ -211,23 +211,3 @@ def signers_line(path: Path, signer: str = "robot") -> str:
     """Return the line of a signers file that accepts a key."""
     kind, key = signature.use_key(path, ("-y", "-P", "")).split()[:2]
     return f'{signer} namespaces="{NAMESPACE}" {kind} {key}\n'
-
-
-class AskedStorage:
-    """Answers nothing, remembers what it was asked."""
-
-    def __init__(self) -> None:
-        self.asked: List[Tuple[Any, ...]] = []
-
-    def of(self, kind: str) -> List[Tuple[Any, ...]]:
-        """Return what was asked of a kind."""
-        return [one[1:] for one in self.asked if one[0] == kind]
-
-    def list_surveys(self, before: str) -> None:
-        self.asked.append(("list", before))
-
-    def read_survey(self, folder: str) -> None:
-        self.asked.append(("survey", folder))
-
-    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
-        self.asked.append(("traces", survey, indices))

@@ -11,9 +11,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from asked_storage import Storage
 from matplotlib.figure import Figure
 from result_kit import Now
-from storage_kit import AskedStorage, Kit
+from storage_kit import Kit
 from surveys_kit import Services
 from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
@@ -163,7 +164,7 @@ def check_page(folder, services, window):
     assert listed["headline"] == str(texts.headline(found))
     assert listed["weaker"] == str(texts.weaker_line(found))
     now = Now()
-    ground = GroundPage(AskedStorage(), AtOnce(services), now, print)
+    ground = GroundPage(Storage(), AtOnce(services), now, print)
     got(ground, "/api/ground", **here)
     stored = services.ask(Service.READ, survey=folder.name)
     indices = tuple(range(stored.stored_traces))

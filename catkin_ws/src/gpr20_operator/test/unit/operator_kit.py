@@ -3,9 +3,9 @@
 import queue
 
 import pytest
+from asked_storage import Storage
 from fake_clock import FakeClock
 from result_kit import Now, Requests
-from storage_kit import AskedStorage
 
 
 @pytest.fixture
@@ -15,7 +15,7 @@ def clock() -> FakeClock:
 
 @pytest.fixture
 def storage():
-    return AskedStorage()
+    return Storage()
 
 
 @pytest.fixture

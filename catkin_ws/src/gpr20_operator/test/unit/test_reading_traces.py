@@ -4,8 +4,8 @@ import dataclasses
 import random
 
 import pytest
+from asked_storage import Storage
 from run_seed import draws
-from storage_kit import AskedStorage
 from view_kit import (
     FOLDER,
     PAST,
@@ -106,7 +106,7 @@ class Course:
     """What the robot and people do, in any order, and what every page must show then."""
 
     def __init__(self):
-        self.storage, self.problems = AskedStorage(), []
+        self.storage, self.problems = Storage(), []
         self.traces = TracePresenter(self.storage, self.problems.append)
         self.stored = {SURVEY: 0, NEXT: 0, PAST: 12}
         self.running, self.measuring, self.live = "", False, ""

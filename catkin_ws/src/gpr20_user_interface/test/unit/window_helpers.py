@@ -3,12 +3,12 @@
 import time
 from types import SimpleNamespace
 
+from asked_storage import Storage
 from fake_clock import FakeClock
 from PyQt5 import sip
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from result_kit import Requests, ServiceTools
-from storage_kit import AskedStorage
 from view_kit import snapshot
 
 from gpr20_common.catalogue import Language
@@ -89,7 +89,7 @@ def opened_window(
     window = MainWindow(
         Presenters(
             survey or Survey(),
-            TracePresenter(storage or AskedStorage(), problems.append),
+            TracePresenter(storage or Storage(), problems.append),
             Imaging(node, time.monotonic),
             ServiceModel(tools, tools.examine, clock),
             PlanMemory(

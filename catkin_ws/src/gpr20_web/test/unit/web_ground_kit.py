@@ -5,9 +5,9 @@ import json
 
 import numpy as np
 import view_kit
+from asked_storage import Storage
 from PIL import Image
 from result_kit import Requests
-from storage_kit import AskedStorage
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
 from web_kit import route_of
 
@@ -34,7 +34,7 @@ class Server:
 
     def __init__(self):
         self.now_s = 1000.0
-        self.storage, self.node, self.problems = AskedStorage(), Requests(), []
+        self.storage, self.node, self.problems = Storage(), Requests(), []
         self.page = GroundPage(
             self.storage, self.node, lambda: self.now_s, lambda one: self.problems.append(str(one))
         )

@@ -10,8 +10,8 @@ import socket
 from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
+from asked_storage import Storage
 from result_kit import Requests
-from storage_kit import AskedStorage
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
@@ -61,7 +61,7 @@ class WholePage:
     def __init__(self, folder: Path) -> None:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
-        self.control, self.storage, self.requests = Control(), AskedStorage(), Requests()
+        self.control, self.storage, self.requests = Control(), Storage(), Requests()
         self.accounts = make_accounts(folder)
         self.logins = make_logins(self.accounts, self.clock)
         self._tokens: Dict[Role, str] = {}
