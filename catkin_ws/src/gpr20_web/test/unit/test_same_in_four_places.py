@@ -29,7 +29,7 @@ HANDS_OFF = {
     Language.SPANISH: "Mantenga las manos alejadas: el robot puede seguir en movimiento. ",
 }
 FIRST = {Language.ENGLISH: "Do this first: ", Language.SPANISH: "Haga esto primero: "}
-MODULES = [one for one in module_files() if one.endswith(".faults")]
+MODULES = [one for one in module_files() if one.endswith((".faults", ".errors"))]
 FAULTS: List[Tuple[str, Fault]] = [
     (f"{module} {name}", fault)
     for module in MODULES
