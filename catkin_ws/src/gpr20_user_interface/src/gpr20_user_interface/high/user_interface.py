@@ -186,7 +186,7 @@ def _run(options: argparse.Namespace) -> int:
             "would end; show the replay in another namespace, as in ns:=replay"
         )
         return EXIT_WRONG_PARAMETER
-    with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
+    with StopSignals(_quit_soon, lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
@@ -206,7 +206,7 @@ def _say(sentence: str) -> None:
     say(f"user_interface: {sentence}", file=sys.stderr, flush=True)
 
 
-def _quit_soon(_name: str = "") -> None:
+def _quit_soon() -> None:
     application = QApplication.instance()
     if application is not None:
         # A quit() before the event loop runs would be lost; this waits for the loop.
