@@ -23,7 +23,7 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 NO_MINE = "No echo does not mean no mine."
 

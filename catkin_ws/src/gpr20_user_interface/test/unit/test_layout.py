@@ -40,11 +40,11 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
 from gpr20_user_interface.pages.alerts import NoticeView
 from gpr20_user_interface.touch.hold import HoldButton
+from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 PICTURES = os.environ.get("GPR20_PICTURES")
 # Of a number: addresses and versions have more points.

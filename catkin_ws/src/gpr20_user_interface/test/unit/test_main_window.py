@@ -30,9 +30,8 @@ from gpr20_operator.robot.events import Answer, Progress, Request, TargetPositio
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.top_bar import StateBand
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import StateBand, TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 DETAILS = [FULL.fault_code, FULL.details]
 

@@ -24,8 +24,8 @@ from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 TOUCHES = int(os.environ.get("GPR20_TOUCHES", draws(1000)))
 SEED = int(os.environ.get("GPR20_TOUCH_SEED", "0"))

@@ -18,7 +18,7 @@ from gpr20_operator.robot.remote_control import (
 )
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
 ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")

@@ -18,7 +18,7 @@ from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 from gpr20_survey.results.found import What
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
 RUNS = snapshot(SurveyState.SURVEYING, state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))

@@ -24,7 +24,7 @@ from gpr20_survey.results.candidates import Flag
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys import map_picture
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))

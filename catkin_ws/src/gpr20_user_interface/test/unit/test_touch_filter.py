@@ -17,8 +17,8 @@ from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.touch.guard import QUIET_S, TouchGuard, TouchTarget
 from gpr20_user_interface.touch.hold import HOLD_S, MAX_STEP_S, Hold, HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 # Mostly ticks: a hold needs ten of them without a break.
 TICKS = st.sampled_from(["begin", "cancel", *["tick"] * 18])

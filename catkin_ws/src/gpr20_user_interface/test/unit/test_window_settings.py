@@ -26,13 +26,13 @@ from gpr20_operator.palette import Theme
 from gpr20_operator.plan.fields import Tile
 from gpr20_operator.settings_file import SettingsFile
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.settings import (
+from gpr20_user_interface.pages.settings import (
     WindowMemory,
     WindowSettings,
     settings_from,
     values_of,
 )
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 
 def test_a_damaged_file_never_gives_settings_that_nobody_chose():

@@ -45,9 +45,9 @@ from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
-from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
+from gpr20_user_interface.pages.settings import WindowMemory
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0

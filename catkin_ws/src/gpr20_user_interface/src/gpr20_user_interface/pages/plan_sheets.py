@@ -33,9 +33,9 @@ from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock, Pad
-from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.tile import ElidedLabel, TileButton
 from gpr20_user_interface.widgets.widgets import (
+    Overlay,
     column,
     grid,
     holding,
