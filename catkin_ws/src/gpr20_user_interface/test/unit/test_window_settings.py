@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
-from pseudo_language import PSEUDO, write_pseudo_catalogue
 from PyQt5.QtTest import QTest
 from run_seed import draws
 from tutorial_code import code_blocks
@@ -98,7 +97,6 @@ ROOT = Path(__file__).parents[5]
 PAGE = ROOT / "docs/extend/language.md"
 TRANSLATIONS = ROOT / "scripts/translations.sh"
 PORTUGUESE = Language("pt", "Português")
-LEFT_OUT = "Colours"
 
 
 @pytest.fixture
@@ -106,12 +104,11 @@ def folder(tmp_path, monkeypatch):
     """The catalogues of this computer."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))
     (tmp_path / "pt.po").write_text(code_blocks(PAGE, "po")["pt.po"], encoding="utf-8")
-    write_pseudo_catalogue(tmp_path, leave_out=LEFT_OUT)
     return tmp_path
 
 
 def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(folder):
-    assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE, PSEUDO]
+    assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE]
     portuguese = read_catalogue(PORTUGUESE)
     assert portuguese.template("START") == "INICIAR"
     assert portuguese.template("Colours") == "Colours"
@@ -122,31 +119,29 @@ def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(fo
     spanish = read_catalogue(Language.SPANISH)
     # Other words on this computer; the rest is that of the project.
     assert (spanish.template("START"), spanish.template("Settings")) == ("¡YA!", "Ajustes")
-
-
-def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
+    # A translation with other values than its template is not used.
     entries = {"one {a}": "um {c}", "two {a}": "dois {", "three {a} {b}": "três {b} {a}"}
     lines = [f'msgid "{template}"\nmsgstr "{text}"\n' for template, text in entries.items()]
-    (folder / "pt.po").write_text("\n".join(lines))
-    catalogue = read_catalogue(PORTUGUESE)
-    shown = {one: catalogue.text(Message(one, a=1, b=2)) for one in entries}
-    assert shown == {"one {a}": "one 1", "two {a}": "two 1", "three {a} {b}": "três 2 1"}
+    (folder / "fr.po").write_text("\n".join(lines))
+    catalogue = read_catalogue(Language("fr", "Français"))
+    shown = [catalogue.text(Message(one, a=1, b=2)) for one in entries]
+    assert shown == ["one 1", "two 1", "três 2 1"]
 
 
 def test_the_window_uses_another_language_and_keeps_its_own_for_a_damaged_one(opened, folder):
     memory = WindowMemory(SettingsFile(folder / "window.yaml"))
-    sheet = (window := opened(memory=memory)).settings
+    window = opened(memory=memory)
+    sheet = window.settings
     click(window.rail.settings)
-    assert sheet.languages[PSEUDO].text() == PSEUDO.own_name
-    click(sheet.languages[PSEUDO])
-    assert until(lambda: sheet.title.text().startswith("Séttîñgš"))
-    assert sheet.labels[1].text() == LEFT_OUT
-    assert memory.close(30.0)
-    assert WindowMemory(SettingsFile(folder / "window.yaml")).settings.language == PSEUDO
-    (folder / "pt.po").write_text('msgid "START"\nmsgstr\n')
     click(sheet.languages[PORTUGUESE])
-    assert f"{folder}/pt.po" in sheet.hint.text()
-    assert sheet.languages[PSEUDO].isChecked() and memory.settings.language == PSEUDO
+    assert until(lambda: window.control.start.title.text() == "INICIAR")
+    assert sheet.labels[1].text() == "Colours"
+    assert memory.close(30.0)
+    assert WindowMemory(SettingsFile(folder / "window.yaml")).settings.language == PORTUGUESE
+    (folder / "es.po").write_text('msgid "START"\nmsgstr\n')
+    click(sheet.languages[Language.SPANISH])
+    assert f"{folder}/es.po" in sheet.hint.text()
+    assert sheet.languages[PORTUGUESE].isChecked() and memory.settings.language == PORTUGUESE
 
 
 @pytest.mark.release
