@@ -12,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from finger import place_of
 from layout_tour import LARGEST, STOPS, busiest, results
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import (
@@ -32,7 +31,7 @@ from PyQt5.QtWidgets import (
 )
 from translation_kit import english_words
 from view_kit import snapshot
-from window_helpers import close, opened_window, show
+from window_helpers import close, opened_window, place_of, show
 
 from gpr20_common.catalogue import Language, languages
 from gpr20_operator.plan.fields import default_parameters, texts_of

@@ -4,7 +4,6 @@ import itertools
 from dataclasses import replace
 
 import pytest
-from finger import Finger, place_of
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
@@ -21,7 +20,7 @@ from view_kit import (
     snapshot,
     state_of,
 )
-from window_helpers import click, hold, hold_to_start, show, start, until, wishes
+from window_helpers import Finger, click, hold, hold_to_start, place_of, show, start, until, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveyDescribed

@@ -4,7 +4,6 @@ import dataclasses
 
 import pytest
 from candidate_examples import candidate
-from finger import AFTER_S
 from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import focused
@@ -12,7 +11,7 @@ from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
-from window_helpers import click, show
+from window_helpers import AFTER_S, click, show
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import PastSurveys
