@@ -46,19 +46,6 @@ def refreshed(page):
     return page
 
 
-def test_the_page_is_there_when_a_survey_has_ended_until_the_next_one_is_planned(window):
-    page = window.result
-    show(window, snapshot())
-    assert window.survey_tab.currentWidget() is window.control
-    show(window, RUNS)
-    assert window.survey_tab.currentWidget() is window.job
-    show(window, ENDED)
-    assert window.survey_tab.currentWidget() is page
-    click(page.plan)
-    show(window, ENDED)
-    assert window.survey_tab.currentWidget() is window.control
-
-
 def test_the_search_begins_when_the_page_is_seen_and_ends_with_the_window(window, ended, node):
     assert node.of("read") == [(SURVEY,)]
     node.ticket("read").done(stored())
@@ -140,14 +127,6 @@ def test_a_sure_place_a_doubted_one_and_a_weaker_echo_differ_in_card_and_words(e
     ]
 
 
-def test_nothing_found_says_what_that_does_not_mean(ended, node):
-    search(ended.result, node, [])
-    view = refreshed(ended)
-    assert view.title.text() == shown_text(NOTHING_FOUND)
-    assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
-    assert not view.more.isVisible() and not shown_rows(view)
-
-
 def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(ended, node):
     search(ended.result, node)
     assert not refreshed(ended).doubts.isVisible()
@@ -159,6 +138,18 @@ def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(
     said = ended.doubts_sheet.text.text()
     assert "agree with every" in said and "drifted" in said and said.count(shown_text(REMEDY)) == 2
     assert "heights" not in said
+
+
+def test_nothing_found_says_what_that_does_not_mean(window, ended, node):
+    search(ended.result, node, [])
+    view = refreshed(ended)
+    assert view.title.text() == shown_text(NOTHING_FOUND)
+    assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
+    assert not view.more.isVisible() and not shown_rows(view)
+    # The page is there until the next survey is planned.
+    click(view.plan)
+    show(window, ENDED)
+    assert window.survey_tab.currentWidget() is window.control
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):

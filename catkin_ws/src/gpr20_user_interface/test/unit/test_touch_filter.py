@@ -73,15 +73,6 @@ def resting(button, clock):
     return Finger(button.window(), clock)
 
 
-def test_a_finger_that_rests_acts_once_and_not_before_its_time(button, held, resting):
-    for _bounce in range(3):
-        resting.tap(button, 0.9 * HOLD_S)
-    assert len(held) == 0
-    resting.tap(button, 2.0 * HOLD_S)
-    resting.wait(2.0 * HOLD_S)
-    assert len(held) == 1
-
-
 def open_over_it(button, _finger):
     cover = QFrame(button.window())
     cover.setGeometry(0, 0, 400, 300)
@@ -104,15 +95,6 @@ def test_a_touch_that_is_broken_does_nothing(button, held, resting, end):
     end(button, resting)
     resting.wait(2.0 * HOLD_S)
     assert len(held) == 0
-
-
-def test_time_as_it_passes_completes_a_hold(application):
-    button = HoldButton()
-    held = QSignalSpy(button.held)
-    button.show()
-    QTest.mousePress(button, Qt.LeftButton)
-    assert len(held) or held.wait(30_000)
-    button.close()
 
 
 NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
@@ -313,15 +295,6 @@ def test_a_window_is_not_larger_than_the_screen(window):
     window.resize(10_000, 10_000)
     window.show_on_screen(full_screen=False)
     assert window.size() == free
-
-
-def test_an_open_sheet_follows_the_window_and_leaves_the_top_bar_free(window):
-    window.settings.open()
-    for width, height in ((1280, 800), (640, 384), (800, 480)):
-        window.resize(width, height)
-        QApplication.processEvents()
-        bar, sheet = window.top_bar.geometry(), window.settings.geometry()
-        assert sheet == QRect(0, bar.bottom() + 1, width, height - bar.height())
 
 
 DIM_S = 120.0
