@@ -317,7 +317,8 @@ class SurveyFollower:
         if state is not None and own and answered_s >= 0.0:
             status = (_ENDS_AFTER_STOP if stopping else _ENDS).get(state.shown)
         if state is not None and status is not None:
-            self._end(status, _headline(state.title, state.message))
+            # After another plan was set the message is about that one.
+            self._end(status, state.message if state.code is state.shown else state.title)
         elif (self._silent_s > LOST_S and not stopping) or now_s - self._stopped_s > STOP_S:
             self._end(ExitStatus.FAILED, condition.message)
         elif alive and not own and answered_s > CONTROL_SILENCE_S:
@@ -332,16 +333,14 @@ class SurveyFollower:
         known = code, condition.level, condition.message.fault_code
         if known != self._said:
             self._said = known
-            self._display.note(_headline(condition.title, condition.message))
+            self._display.note(
+                Message("{state}: {message}", state=condition.title, message=condition.message)
+            )
             if condition.asked is not None:
                 self._display.note(first_step(condition.message))
 
     def _end(self, status: ExitStatus, message: Message) -> None:
         self.status, self.message = status, message
-
-
-def _headline(state: Message, message: Message) -> Message:
-    return Message("{state}: {message}", state=state, message=message)
 
 
 def first_step(message: Message) -> Message:

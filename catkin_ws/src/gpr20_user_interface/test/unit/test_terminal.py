@@ -1,6 +1,7 @@
 """The terminal client: its command line, how it follows a survey, its lines and exit statuses."""
 
 import contextlib
+import dataclasses
 import io
 import os
 import signal
@@ -180,7 +181,7 @@ def test_the_end_of_the_survey_is_the_exit_status_and_says_how_to_continue(
 ):
     client = Client(*BEGIN, progress(), state(code, message=message))
     assert (client.status, client.requests) == (status, ["start"])
-    assert f"{code}: {message}" in client.last_words and "Survey id: ours" in client.last_words
+    assert str(message) in client.last_words and "Survey id: ours" in client.last_words
     assert ("run_survey --resume ours" in client.last_words) is resumed
     assert ("Do this first" in client.last_words) is (message is LOST)
 
@@ -191,6 +192,10 @@ def test_the_end_of_a_former_survey_is_not_taken_for_ours_and_ours_is_not_missed
     assert client.status is None
     client.say(state("CHECKING"), state("FAILED", message="VNA absent"))
     assert client.status is ExitStatus.FAILED
+    # It ended, and another plan was set, while the client heard nothing.
+    later = dataclasses.replace(state("CONFIGURED"), end=SurveyState.FINISHED)
+    client = Client(*BEGIN).wait(20).say(later)
+    assert client.status is ExitStatus.FINISHED and client.last_words.startswith("FINISHED\n")
     # It ended before the answer came.
     client = Client(IDLE, state("SURVEYING"), state("FINISHED"))
     assert client.status is None and client.say(STARTED).status is ExitStatus.FINISHED
