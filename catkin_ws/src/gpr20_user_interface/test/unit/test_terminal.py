@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import io
+import itertools
 import os
 import signal
 from types import SimpleNamespace
@@ -229,19 +230,23 @@ def test_silence_is_waited_for_within_its_limit_and_said():
     assert client.say(None).status is None
 
 
-@each_case("events", [BEGIN, BEGIN[:2], (IDLE, RESUMED), (state("PAUSED"), RESUMED)])
-def test_a_main_control_that_was_restarted_does_not_know_the_survey(events):
-    for spoken in (IDLE, state("CONFIGURED", ""), state("SURVEYING", "of another")):
-        for silent_s in (0, 20):
-            client = Client(*events).wait(silent_s)
-            if spoken is not IDLE and RESUMED in events:
-                continue  # it may be the one that is resumed
-            client.wait(9, spoken)
-            assert client.status is ExitStatus.FAILED, (spoken, silent_s)
-            assert "main control was restarted" in client.last_words
-            assert client.code in (PART_LOST.code, CAN_RESUME.code)
-            begun = STARTED in events
-            assert ("run_survey --resume ours" in client.last_words) is begun
+OF_OTHERS = (IDLE, state("CONFIGURED", ""), state("SURVEYING", "of another"))
+RESUMES = (IDLE, RESUMED), (state("PAUSED"), RESUMED)
+
+
+@each_case(
+    "events, spoken, silent_s",
+    [
+        *itertools.product((BEGIN, BEGIN[:2]), OF_OTHERS, (0, 20)),
+        *itertools.product(RESUMES, (IDLE,), (0, 20)),
+    ],
+)
+def test_a_main_control_that_was_restarted_does_not_know_the_survey(events, spoken, silent_s):
+    client = Client(*events).wait(silent_s).wait(9, spoken)
+    assert client.status is ExitStatus.FAILED
+    assert "main control was restarted" in client.last_words
+    assert client.code in (PART_LOST.code, CAN_RESUME.code)
+    assert ("run_survey --resume ours" in client.last_words) is (STARTED in events)
 
 
 def test_ctrl_c_stops_the_survey_and_waits_for_its_end():
