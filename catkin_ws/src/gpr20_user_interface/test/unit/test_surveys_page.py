@@ -226,10 +226,11 @@ def test_a_shaking_tap_chooses_the_survey_below_it_and_a_pull_none(window, finge
         pull(window, finger, place, [shake])
         assert page.chosen == page.model.surveys[row]
         page.choose(None)
-        # Farther than a finger that shakes, even if it comes back.
-        pull(window, finger, place, [(0, 60), (0, -60), *moves])
-        QTest.qWait(1)
-        assert page.chosen is None
+        # Farther than a finger that shakes, even if it comes back; and aside.
+        for steps in ([(0, 60), (0, -60), *moves], [(40, 0), (-20, 0)]):
+            pull(window, finger, place, steps)
+            QTest.qWait(1)
+            assert page.chosen is None
 
     check()
 
