@@ -13,6 +13,7 @@ from gpr20_common.catalogue import Catalogue
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
+from gpr20_common.mid.checks import number_between
 from gpr20_common.terminal_text import printable
 from gpr20_operator.plan.fields import (
     PARAMETERS,
@@ -54,7 +55,7 @@ EXIT_STATUS = Message(
 )
 SOIL = SPECS["permittivity"]
 # For the main control, and between two looks at the clock [s].
-WAIT_S, TICK_S = 15.0, 0.2
+WAIT_S, MAX_WAIT_S, TICK_S = 15.0, 3600.0, 0.2
 # The client ends after this silence of the main control; after a STOP, which it repeats until that
 # is answered, it ends this much later at the latest [s].
 LOST_S, STOP_S = 35.0, 900.0
@@ -132,8 +133,8 @@ def _parser(catalogue: Catalogue) -> argparse.ArgumentParser:
     resume = tr("resume the paused survey, or the one with this id or folder, and follow it")
     parser.add_argument("--resume", nargs="?", const="", metavar="SURVEY", help=resume)
     wait = tr("seconds to wait for the main control (default {default:g})", default=WAIT_S)
-    number = reader(number_from_text)
-    parser.add_argument("--wait", type=number, default=WAIT_S, metavar="S", help=wait)
+    read_wait = reader(lambda text: number_between("S", number_from_text(text), 0, MAX_WAIT_S, "s"))
+    parser.add_argument("--wait", type=read_wait, default=WAIT_S, metavar="S", help=wait)
     return parser
 
 

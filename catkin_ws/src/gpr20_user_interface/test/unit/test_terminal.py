@@ -56,6 +56,7 @@ def test_the_defaults_can_be_run_and_assume_no_soil():
 def test_a_wrong_command_line_has_status_2_and_names_the_fault(capsys):
     for line, words in (
         ("--wait nan", "'nan' is not a number"),
+        ("--wait -1", "S is -1 s; it must lie between 0 and 3600 s"),
         ("--position 91,0", "latitude is 91 deg; it must lie between -90 and 90 deg"),
         ("--resume --site=", "--site cannot be given with --resume"),
         ("--resume --permittivity 4", "--permittivity cannot be given with --resume"),
