@@ -43,7 +43,7 @@ from gpr20_simulator.low.shared_state import open_shared_state
 from gpr20_survey.axes import AxisId
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 LIMIT_S = 60.0
 # An axis that has made no step for so long has stopped.

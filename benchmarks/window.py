@@ -38,7 +38,7 @@ from gpr20_msgs.msg import ControlStatus, Trace
 from gpr20_operator.ground.patterns import NOT_MEASURED
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 HEARTBEAT_MS = 10
 FRAME_S = 0.05

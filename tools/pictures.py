@@ -40,8 +40,8 @@ from gpr20_operator.ground.sources import Layer
 from gpr20_operator.jobs.job import Job, JobState
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.window.main_window import MainWindow
-from gpr20_user_interface.window.rail import TabName
 from gpr20_viewer.picks_file import PicksFile, SurveyIdentity
 from gpr20_viewer.positions import Place
 from gpr20_viewer.session import ViewSession

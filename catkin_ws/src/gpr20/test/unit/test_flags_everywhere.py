@@ -32,7 +32,7 @@ WEAKER = {"clutter", "sidelobe"}
 LABELS = {
     "surface-residue": "surface residue",
     "edge": "edge",
-    "one-polarization": "one polarization",
+    "one-polarization": "in one rotation only",
     "clutter": "clutter",
     "sidelobe": "sidelobe",
     "brightest": "only the brightest",

@@ -16,7 +16,8 @@ UNKNOWN_SURVEY = Fault(
     "survey.unknown", Message("Check the name, and choose what the list in ARCHIVE shows.")
 )
 NONE_OPEN = Fault(
-    "survey.none_open", Message("Start a survey, or choose one in ARCHIVE to resume.")
+    "survey.none_open",
+    Message("Start a survey, or resume one: in ARCHIVE, or by the name of its folder."),
 )
 TAKES_LONG = Fault(
     "survey.takes_long",

@@ -14,9 +14,11 @@ import re
 import shutil
 import signal
 import socket
+import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, List
@@ -26,16 +28,17 @@ import rosgraph
 import rospkg
 import rospy
 import rostest
-from touched_window import LIMIT_S, Screen, TouchedWindow
-from wait_kit import wait_until
 
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
 from gpr20_operator.settings_file import RememberedPlan, SettingsFile
 from gpr20_survey.axes import AxisId
 
+sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))
 from survey_client import SurveyClient, node_pid
+from wait_kit import wait_until
+from window_kit import virtual_screen
 
 TOUCHES = int(os.environ.get("GPR20_REAL_TOUCHES", "20"))
 WIDTH_PX, HEIGHT_PX = 800, 480
@@ -57,6 +60,121 @@ MOVING = {
     ControlStatus.SURVEYING,
     ControlStatus.PAUSING,
 }
+
+
+# As long as the window takes no touch after something has opened or closed, and a little more.
+QUIET_S = 0.5
+# How long a finger touches.
+TAP_S = 0.06
+HOLD_S = 1.3
+LIMIT_S = 200.0
+
+
+class TouchedWindow:
+    """A window, and the finger on it.
+
+    Args:
+        arguments: Options of the window's program.
+        environment: Variables of the window alone.
+    """
+
+    def __init__(self, *arguments: str, **environment: str) -> None:
+        program = Path(__file__).with_name("window_process.py")
+        self.process = subprocess.Popen(
+            [sys.executable, str(program), *arguments],
+            env={**os.environ, **environment},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        wait_until(lambda: self.takes_touches("top_bar.stop"), "the window is there")
+
+    def find(self, name: str = "") -> Dict[str, Any]:
+        """Return where a part of the window is on the screen, and how it is; empty: all of it."""
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.process.stdin.write(f"{name}\n")
+        self.process.stdin.flush()
+        line = self.process.stdout.readline()
+        if not line:
+            raise AssertionError(f"the window has ended with {self.process.wait()}")
+        return json.loads(line)
+
+    def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
+        """Wait for what the window shows; return it."""
+        seen: Dict[str, Any] = {}
+
+        def holds() -> bool:
+            seen.update(self.find())
+            return condition(seen)
+
+        try:
+            wait_until(holds, what)
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {seen}") from error
+        return seen
+
+    def takes_touches(self, name: str) -> bool:
+        """Return whether a part of the window is seen and can be touched."""
+        found = self.find(name)
+        return bool(found["visible"] and found["enabled"])
+
+    def tap(self, name: str, for_s: float = TAP_S) -> None:
+        """Touch a part of the window when it takes touches."""
+        wait_until(lambda: self.takes_touches(name), f"{name} takes touches")
+        time.sleep(QUIET_S)
+        found = self.find(name)
+        middle = found["x"] + found["width"] // 2, found["y"] + found["height"] // 2
+        self.tap_at(*middle, for_s)
+
+    def tap_for(self, wanted: str, name: str) -> None:
+        """Touch a part until it has opened another one: a touch is dropped where one closes."""
+
+        def is_open() -> bool:
+            if self.find(wanted)["visible"]:
+                return True
+            if self.takes_touches(name):
+                self.tap(name)
+            return False
+
+        wait_until(is_open, f"{name} opens {wanted}")
+
+    def hold(self, name: str) -> None:
+        """Touch a part of the window for long: again if a busy one has noticed a break."""
+
+        def has_acted() -> bool:
+            self.tap(name, HOLD_S)
+            with contextlib.suppress(AssertionError):
+                wait_until(lambda: not self.takes_touches(name), limit_s=5.0)
+                return True
+            return False
+
+        wait_until(has_acted, f"{name} acts")
+
+    def tap_at(self, x: int, y: int, for_s: float = TAP_S) -> None:
+        """Touch a place on the screen, whatever is there."""
+        words = f"xdotool mousemove {x} {y} mousedown 1 sleep {for_s:g} mouseup 1"
+        subprocess.run(words.split(), check=True, timeout=LIMIT_S)
+
+    @contextlib.contextmanager
+    def stalled(self) -> Iterator[None]:
+        """Let the window do nothing for a time; touches meanwhile wait for it."""
+        self.process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            self.process.send_signal(signal.SIGCONT)
+
+    def end(self, end: Callable[[], None]) -> int:
+        """Let something end the window; return how it ended."""
+        if self.process.poll() is None:
+            end()
+        # Both streams are closed; waits for the end.
+        self.process.communicate(timeout=LIMIT_S)
+        return self.process.returncode
+
+    def kill(self) -> int:
+        """End it as a crash does; more than once does nothing."""
+        return self.end(self.process.kill)
 
 
 class Link:
@@ -117,7 +235,8 @@ class Window(unittest.TestCase):
             for axis in AxisId
         ]
         cls.link = Link(int(rosgraph.get_master_uri().rstrip("/").rsplit(":", 1)[1]))
-        cls.screen = Screen()
+        cls.screen = contextlib.ExitStack()
+        cls.screen.enter_context(virtual_screen())
         cls.folder = Path(tempfile.mkdtemp())
         texts = {f"{axis}_{name}": text for axis in "xy" for name, text in LONG.items()}
         plan = RememberedPlan({**texts, "frequency_points": "101"})
@@ -127,13 +246,13 @@ class Window(unittest.TestCase):
     @classmethod
     def tearDownClass(cls) -> None:
         cls.window.kill()
-        cls.screen.kill()
+        cls.screen.close()
         shutil.rmtree(cls.folder)
         shutil.rmtree(cls.data)
 
     @classmethod
     def opened(cls, *arguments: str) -> TouchedWindow:
-        return TouchedWindow(cls.screen, *arguments, ROS_MASTER_URI=cls.link.uri)
+        return TouchedWindow(*arguments, ROS_MASTER_URI=cls.link.uri)
 
     def wait_for(self, condition: Callable[[Dict[str, Any]], bool], what: str) -> Dict[str, Any]:
         return self.window.wait_for(condition, what)
@@ -298,7 +417,7 @@ class Window(unittest.TestCase):
         self.wait_for(lambda one: one["condition"] == "robot.master_lost", "the loss is said")
 
     def test_5_a_display_that_is_lost_never_crashes_it(self) -> None:
-        self.assertEqual(self.window.end(self.screen.kill), 4)
+        self.assertEqual(self.window.end(self.screen.close), 4)
 
 
 def is_all_seen(shown: Dict[str, Any]) -> bool:

@@ -23,7 +23,7 @@ from gpr20_operator.plan.fields import Tile
 from gpr20_operator.robot.condition import JobLevel, condition_of
 from gpr20_operator.robot.events import StartPlan
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 TAB = "tab:"
 WINDOW = "window"

@@ -34,6 +34,6 @@ def window(opened, storage, node):  # noqa: F811
 
 @pytest.fixture
 def finger(window, clock):  # noqa: F811
-    from finger import Finger
+    from window_helpers import Finger
 
     return Finger(window, clock)

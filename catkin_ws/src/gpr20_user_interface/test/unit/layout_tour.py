@@ -38,7 +38,7 @@ from gpr20_survey.plan.markers import What
 from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 LONG = "el VNA en 192.168.100.100 no contesta; revise el cable y la dirección. " * 9
 LARGEST = SurveyPreview(

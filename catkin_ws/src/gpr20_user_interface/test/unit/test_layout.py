@@ -12,7 +12,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from finger import place_of
 from layout_tour import LARGEST, STOPS, busiest, results
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import (
@@ -23,7 +22,6 @@ from PyQt5.QtWidgets import (
     QLineEdit,
     QPlainTextEdit,
     QProgressBar,
-    QPushButton,
     QScrollArea,
     QStackedWidget,
     QTextEdit,
@@ -31,29 +29,19 @@ from PyQt5.QtWidgets import (
     QWidget,
 )
 from translation_kit import english_words
-from view_kit import snapshot
-from window_helpers import close, opened_window, show
+from window_helpers import close, opened_window, place_of, show
 
 from gpr20_common.catalogue import Language, languages
 from gpr20_operator.plan.fields import default_parameters, texts_of
-from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import BORDER_PX, Theme
-from gpr20_user_interface.pages.alerts import NoticeView
-from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.overlay import Overlay
+from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.widgets.plot import Plot
 from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 PICTURES = os.environ.get("GPR20_PICTURES")
 # Of a number: addresses and versions have more points.
 DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d{1,5}(?![\w.])|\d{4}-\d\d-\d\d")
-# How sheets call the buttons that close them or open the one with a button to hold.
-CLOSING = (
-    *("accept_button", "cancel", "close_button", "delete", "done", "drop", "load", "save"),
-    *("show_button", "undo", "use"),
-)
 # These leave out what has no room, and say so.
 CUT = (ElidedLabel, LinesLabel)
 # A finger in a glove, on a screen of 800x480.
@@ -271,41 +259,3 @@ def close_sheets(window):
 def test_every_page_and_sheet_fits(window):
     wrong = every_problem(window)
     assert not wrong, "\n".join(f"{what}: {one}" for one, what in wrong.items())
-
-
-def places(window, part, closing=()):
-    """Return where the buttons to hold of a part are, but for those that close it."""
-    held = [one for one in part.findChildren(HoldButton) if one.isVisible()]
-    return [(one, place_of(window, one)) for one in held if one not in closing]
-
-
-def assert_apart(window, held, closing):
-    for button, place in held:
-        assert window.rect().contains(place), button.text()
-        for overlay, closer, below in closing:
-            words = f"{type(overlay).__name__}: {closer.text()} lies over {button.text()}"
-            assert not place.intersects(below), words
-
-
-def test_a_touch_that_comes_twice_never_reaches_a_button_to_hold(window):
-    show(window, snapshot(SurveyState.IDLE))
-    closing, held = [], []
-    for overlay in window.findChildren(Overlay):
-        named = [getattr(overlay, name, None) for name in CLOSING]
-        own = [one for one in named if isinstance(one, QPushButton)]
-        assert own, f"{type(overlay).__name__}: how is it closed?"
-        overlay.open()
-        settle()
-        # One that closes by a hold takes no bounce.
-        taps = [one for one in own if one.isVisible() and not isinstance(one, HoldButton)]
-        closing += [(overlay, button, place_of(window, button)) for button in taps]
-        held += places(window, overlay, own)
-        overlay.hide()
-    assert {window.start_sheet.hold, window.annotation.confirm.hold} <= {one for one, _ in held}
-    assert_apart(window, held, closing)
-    # Below a tab's own sheets there is that tab, below the others any tab.
-    anywhere = [one for one in closing if isinstance(one[0], (NoticeView, StartSheet))]
-    for tab in TabName:
-        for _page in every_page(window, tab):
-            settle()
-            assert_apart(window, places(window, window.tabs.currentWidget()), anywhere)

@@ -1,10 +1,9 @@
-"""What the window shows of the robot: band, motion, job, cards of faults, the STOP warning."""
+"""What the window shows of the robot, and asks it for: band, job, cards, the STOP warning."""
 
 import itertools
 from dataclasses import replace
 
 import pytest
-from finger import Finger, place_of
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QLabel
@@ -21,18 +20,19 @@ from view_kit import (
     snapshot,
     state_of,
 )
-from window_helpers import click, hold, hold_to_start, show, until, wishes
+from window_helpers import Finger, click, hold, hold_to_start, place_of, show, start, until, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
+from gpr20_operator.robot.survey_control import WindowPresenter
+from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.top_bar import StateBand
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import StateBand, TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 DETAILS = [FULL.fault_code, FULL.details]
 
@@ -88,16 +88,16 @@ def test_the_band_says_ready_where_start_would_start(window, band):
             assert band.level is (JobLevel.DONE if title == "FINISHED" else JobLevel.REST)
 
 
-def test_a_refusal_is_a_card_with_reason_next_step_and_details_that_leaves_stop_free(window):
+def test_a_refusal_is_a_card_with_reason_next_step_and_details(window):
     notice = window.notice
-    show(window, snapshot(SurveyState.SURVEYING))
-    notice.show_notice(refusal_notice(Refused.RESUME, verbatim("<b>the reason</b>")))
-    assert notice.isVisible() and notice.reason.toPlainText() == "<b>the reason</b>"
-    assert notice.first.isVisible() and notice.first.text()
-    assert not notice.details_button.isVisible()
-    click(window.top_bar.stop)
-    click(notice.close_button)
-    assert not notice.isVisible() and wishes(window) == ["stop"]
+    for refused, reason in ((Refused.RESUME, verbatim("<b>the reason</b>")), (Refused.START, FULL)):
+        notice.show_notice(refusal_notice(refused, reason))
+        shown = reason.sentence()
+        assert notice.isVisible() and notice.reason.toPlainText().lower() == shown.lower()
+        assert notice.first.isVisible() and notice.first.text()
+        assert notice.details_button.isVisible() is (reason is FULL)
+        click(notice.close_button)
+        assert not notice.isVisible()
     notice.show_notice(refusal_notice(Refused.START, FULL))
     click(notice.details_button)
     assert notice.details.isVisible() and notice.details.toPlainText().splitlines() == DETAILS
@@ -142,7 +142,7 @@ def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
 
 
 def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(window, band):
-    received, notice = wishes(window), window.notice
+    notice = window.notice
     show(window, SURVEYING)
     for touched in (None, band.sign, band.message):
         show(window, FAULTY)
@@ -156,16 +156,12 @@ def test_a_fault_opens_a_card_once_and_its_resume_asks_like_the_one_of_the_bar(w
     click(band.message)
     click(notice.resume)
     # It resumes nothing by itself.
-    assert received == [] and window.start_sheet.isVisible()
-    assert not notice.isVisible()
+    assert wishes(window) == [] and window.start_sheet.isVisible() and not notice.isVisible()
     hold_to_start(window)
-    assert received == ["resume"]
-    # The same sentence, but now something may move, or another survey needs another step.
-    for fault in (FULL.fault, MOVING.fault, replace(FULL.fault, remedy=verbatim("Lower it."))):
-        card = fault_notice(paused(FULL.with_fault(fault)))
-        show(window, job(SurveyState.PAUSED, state=paused(FULL.with_fault(fault))))
-        assert notice.notice == card
-    show(window, SURVEYING)
+    assert wishes(window) == ["resume"]
+    # The same sentence, but now something may move.
+    show(window, job(SurveyState.PAUSED, state=paused(FULL.with_fault(MOVING.fault))))
+    assert notice.notice == fault_notice(paused(FULL.with_fault(MOVING.fault)))
     # A card goes with its fault, and no other card does.
     for shown in (SURVEYING, FAULTY, SURVEYING, FAULTY):
         show(window, shown)
@@ -275,3 +271,95 @@ def is_free(window, widget):
     """Return whether a finger on a part of the window meets nothing else."""
     found = window.childAt(place_of(window, widget).center())
     return found is widget or widget.isAncestorOf(found)
+
+
+class Asked:
+    """In place of a client: remembers what it is asked for."""
+
+    def __init__(self):
+        self.asked = []
+
+    def __getattr__(self, name):
+        return lambda *given, **more: self.asked.append((name, *given, *filter(more.get, more)))
+
+
+@pytest.fixture
+def parts(opened, clock):
+    control = Asked()
+    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked()))
+    window.begin()
+    yield window, control
+    window.end()
+
+
+def say(window, code):
+    window.on_event(state_of(code))
+    window.refresh()
+
+
+def test_one_press_of_start_is_one_request(parts):
+    window, control = parts
+    assert control.asked == [("check_master",)]
+    say(window, SurveyState.IDLE)
+    start(window)
+    start(window)
+    assert len(control.asked) == 2
+    _name, plan = control.asked[1]
+    assert plan.parameters.x_points == 11 and plan.permittivity == 4.0
+    assert window.top_bar.stop.isEnabled()
+
+
+def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
+    window, control = parts
+    say(window, SurveyState.SURVEYING)
+    click(window.top_bar.pause)
+    window.on_event(Answer(Request.PAUSE, True, verbatim("")))
+    say(window, SurveyState.PAUSED)
+    click(window.top_bar.pause)
+    hold_to_start(window)
+    click(window.top_bar.stop)
+    click(window.top_bar.stop)
+    resumed = ("resume_survey", "")
+    assert control.asked[1:] == [("pause_survey",), resumed, ("stop",), ("stop",)]
+
+
+OTHER = "Anritsu,MS2026C/2,62011033,1.23"
+REFUSED = Answer(
+    Request.RESUME,
+    False,
+    verbatim(f"the VNA is {OTHER}, but the survey was measured with Anritsu,MS2026C/2,1,1.23"),
+    other_analyzer=OTHER,
+)
+
+
+def test_another_vna_is_a_question_that_resumes_the_same_survey_with_it(parts):
+    window, control = parts
+    folder, asked = "20260921T141320_0f8fad5b", [("check_master",)]
+    window.on_event(state_of(SurveyState.PAUSED))
+    for accepted in (False, True):
+        window.survey.resume(folder)
+        # The status of the failed check may come first.
+        window.on_event(state_of(SurveyState.CHECKING))
+        window.on_event(state_of(SurveyState.PAUSED))
+        window.on_event(REFUSED)
+        asked.append(("resume_survey", folder))
+        assert window.question.isVisible() and not window.notice.isVisible()
+        assert window.question.reason.toPlainText()[1:] == str(REFUSED.message)[1:]
+        assert OTHER in window.question.details.toPlainText()
+        click(window.question.accept_button if accepted else window.question.close_button)
+        assert not window.question.isVisible() and control.asked == asked
+    hold_to_start(window)
+    assert control.asked == [*asked, ("resume_survey", folder, OTHER)]
+    # Another refusal after the question is a notice.
+    window.on_event(Answer(Request.RESUME, False, verbatim("the VNA does not answer")))
+    assert window.notice.reason.toPlainText() == "The VNA does not answer"
+    assert window.notice.isVisible() and not window.question.isVisible()
+
+
+def test_the_band_names_the_robot_that_stop_stops(opened):
+    window = opened()
+    for name, begin in (("", ""), ("robot1", "robot1: "), ("a" * 20 + "/1", f"…{'a' * 13}/1: ")):
+        window.top_bar.show_robot(name)
+        show(window, snapshot(SurveyState.SURVEYING))
+        shown = window.top_bar.band.message.text()
+        assert shown.startswith(begin) and (": " in shown) is bool(name)

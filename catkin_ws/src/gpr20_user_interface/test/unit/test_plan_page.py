@@ -3,9 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from candidate_examples import candidate, candidate_list
 from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
-from view_kit import FOLDER, configured, past_survey, snapshot
+from result_kit import BLUE, image_of, plug_in, stored
+from view_kit import FOLDER, SURVEY, configured, past_survey, snapshot, state_of
 from window_helpers import (
     click,
     enter,
@@ -25,6 +27,7 @@ from gpr20_operator.plan.form import preview
 from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import Mark
+from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.widgets.keys import ERASE
 
 
@@ -194,46 +197,67 @@ def test_a_survey_that_ended_early_is_resumed_by_a_hold_and_start_comes_second(w
     assert wishes(window) == [f"resume {FOLDER}", control.parameters]
 
 
-class Finger:
-    """Touches what is seen, and counts."""
+class Walk:
+    """Touches what is seen in a window just opened, and counts."""
 
-    def __init__(self):
-        self.touches = 0
+    def __init__(self, opened, **parts):
+        self.touches, self.window = 0, opened(**parts)
+        self.window.control.begin()
+        show(self.window, snapshot(SurveyState.IDLE, robot=configured("")))
 
     def touch(self, *widgets):
         for widget in widgets:
             assert widget.isVisible() and widget.isEnabled()
             self.touches += 1
-            QTest.mouseClick(widget, Qt.LeftButton)
+            click(widget)
 
-    def start(self, window):
+    def start(self):
         """START opens a summary; holding its button begins the survey."""
-        self.touch(window.control.start)
+        self.touch(self.window.control.start)
         self.touches += 1
-        hold_to_start(window)
-
-
-def begun(opened):
-    window = opened()
-    window.control.begin()
-    show(window, snapshot(SurveyState.IDLE, robot=configured("")))
-    return window, Finger()
+        hold_to_start(self.window)
+        return self.window.survey.asked
 
 
 def test_a_survey_takes_two_touches_and_with_another_area_five_and_is_remembered(opened):
-    window, finger = begun(opened)
-    finger.start(window)
-    assert window.survey.asked == [default_parameters()] and finger.touches == 2
-    window, finger = begun(opened)
-    finger.touch(window.control.area, window.values.presets[1], window.values.done)
-    finger.start(window)
-    (started,) = window.survey.asked
+    walk = Walk(opened)
+    assert walk.start() == [default_parameters()] and walk.touches == 2
+    walk = Walk(opened)
+    window = walk.window
+    walk.touch(window.control.area, window.values.presets[1], window.values.done)
+    (started,) = walk.start()
     assert (started.x_start_mm, started.x_stop_mm) == (175.0, 475.0)
     assert (started.y_start_mm, started.y_stop_mm) == (250.0, 550.0)
-    assert finger.touches == 5
+    assert walk.touches == 5
     window.on_event(Answer(Request.START, True, verbatim("Survey started"), "id"))
     window.refresh()
     assert window.plans.wait(30.0)
-    window, finger = begun(opened)
-    finger.start(window)
-    assert window.survey.asked == [started] and finger.touches == 2
+    walk = Walk(opened)
+    assert walk.start() == [started] and walk.touches == 2
+
+
+def test_the_answer_takes_no_touch_or_of_a_stored_survey_two_and_a_report_two_more(opened, node):
+    ended = snapshot(state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
+    listed = past_survey(stored_traces=40, complete=True, outcome="finished")
+    for touches in (0, 2):
+        walk = Walk(opened, imaging=node)
+        window, page = walk.window, walk.window.result
+        show(window, ended)
+        if touches:
+            walk.touch(window.rail.tabs[TabName.SURVEYS])
+            window.on_event(SurveysListed("", (listed,), False))
+            walk.touch(window.past.result)
+            show(window, ended)
+            assert node.of("read")[-1] == (listed.folder,)
+        node.ticket("read").done(stored())
+        show(window, ended)
+        found = candidate_list([candidate()], survey_id=SURVEY)
+        node.ticket("focus").done(image_of(found))
+        show(window, ended)
+        assert page.rows[0].isVisible() and walk.touches == touches
+        walk.touch(page.stick)
+        plug_in(node, BLUE)
+        show(window, ended)
+        walk.touch(page.stick_sheet.sticks[0])
+        assert len(node.of("export")) == 1 and walk.touches == touches + 2
+        node.asked.clear()

@@ -29,7 +29,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import AnalyzerTest, Part
 from gpr20_user_interface.look.look import TOUCH_PX
 from gpr20_user_interface.pages.robot import LEVEL_LOOKS
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 AT_REST = replace(snapshot(SurveyState.FINISHED), current=CurrentPosition(650.0, 800.0, -90.0))
 

@@ -4,7 +4,6 @@ import dataclasses
 
 import pytest
 from candidate_examples import candidate
-from finger import AFTER_S
 from hypothesis import given
 from hypothesis import strategies as st
 from map_kit import focused
@@ -12,7 +11,7 @@ from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
-from window_helpers import click, show
+from window_helpers import AFTER_S, click, show
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import PastSurveys
@@ -24,7 +23,7 @@ from gpr20_survey.results.candidates import Flag
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.surveys import map_picture
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 RUNS, ENDED = (
     snapshot(state=state_of(code, survey_id=SURVEY))
@@ -227,10 +226,11 @@ def test_a_shaking_tap_chooses_the_survey_below_it_and_a_pull_none(window, finge
         pull(window, finger, place, [shake])
         assert page.chosen == page.model.surveys[row]
         page.choose(None)
-        # Farther than a finger that shakes, even if it comes back.
-        pull(window, finger, place, [(0, 60), (0, -60), *moves])
-        QTest.qWait(1)
-        assert page.chosen is None
+        # Farther than a finger that shakes, even if it comes back; and aside.
+        for steps in ([(0, 60), (0, -60), *moves], [(40, 0), (-20, 0)]):
+            pull(window, finger, place, steps)
+            QTest.qWait(1)
+            assert page.chosen is None
 
     check()
 

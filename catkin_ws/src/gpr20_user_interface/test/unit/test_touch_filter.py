@@ -1,24 +1,25 @@
-"""Touches as the screen sends them: bounces, holds, a locked screen, STOP."""
+"""Touches as the screen sends them, and what is seen: bounces, holds, lock, dimming, contrast."""
 
 import pytest
 from case_kit import each_case
 from fake_clock import FakeClock
-from finger import AFTER_S, Finger, place_of
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QPoint, Qt
+from PyQt5.QtCore import QPoint, QRect, Qt
+from PyQt5.QtGui import QGuiApplication
 from PyQt5.QtTest import QSignalSpy, QTest
 from PyQt5.QtWidgets import QApplication, QFrame, QPushButton, QWidget
 from view_kit import snapshot
-from window_helpers import show, wishes
+from window_helpers import AFTER_S, Finger, place_of, show, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.look.look import Mark, TextColours, Theme
 from gpr20_user_interface.touch.guard import QUIET_S, TouchGuard, TouchTarget
 from gpr20_user_interface.touch.hold import HOLD_S, MAX_STEP_S, Hold, HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
+from gpr20_user_interface.widgets.widgets import Overlay
 
 # Mostly ticks: a hold needs ten of them without a break.
 TICKS = st.sampled_from(["begin", "cancel", *["tick"] * 18])
@@ -72,15 +73,6 @@ def resting(button, clock):
     return Finger(button.window(), clock)
 
 
-def test_a_finger_that_rests_acts_once_and_not_before_its_time(button, held, resting):
-    for _bounce in range(3):
-        resting.tap(button, 0.9 * HOLD_S)
-    assert len(held) == 0
-    resting.tap(button, 2.0 * HOLD_S)
-    resting.wait(2.0 * HOLD_S)
-    assert len(held) == 1
-
-
 def open_over_it(button, _finger):
     cover = QFrame(button.window())
     cover.setGeometry(0, 0, 400, 300)
@@ -103,15 +95,6 @@ def test_a_touch_that_is_broken_does_nothing(button, held, resting, end):
     end(button, resting)
     resting.wait(2.0 * HOLD_S)
     assert len(held) == 0
-
-
-def test_time_as_it_passes_completes_a_hold(application):
-    button = HoldButton()
-    held = QSignalSpy(button.held)
-    button.show()
-    QTest.mousePress(button, Qt.LeftButton)
-    assert len(held) or held.wait(30_000)
-    button.close()
 
 
 NOTICE = refusal_notice(Refused.PAUSE, verbatim("the reason"))
@@ -292,3 +275,98 @@ def test_in_any_order_nothing_counts_within_the_quiet_time_or_while_locked_but_s
                 began_s = None
         assert guard.taken is (began_s is not None and (on_stop or began_s > changed_s))
         assert guard.locked is locked
+
+
+def test_a_full_screen_has_no_frame_and_follows_the_screen(window):
+    window.show_on_screen(full_screen=True)
+    screen = QGuiApplication.primaryScreen()
+    assert window.isFullScreen() and window.windowFlags() & Qt.FramelessWindowHint
+    for change in (
+        lambda: screen.geometryChanged.emit(screen.geometry()),
+        lambda: QGuiApplication.instance().primaryScreenChanged.emit(screen),
+    ):
+        window.setGeometry(QRect(5, 5, 500, 400))
+        change()
+        assert window.geometry() == screen.geometry()
+
+
+def test_a_window_is_not_larger_than_the_screen(window):
+    free = QGuiApplication.primaryScreen().availableGeometry().size()
+    window.resize(10_000, 10_000)
+    window.show_on_screen(full_screen=False)
+    assert window.size() == free
+
+
+DIM_S = 120.0
+# WCAG 2.1: 1.4.6 for text (level AAA), 1.4.11 for what distinguishes a mark from its surroundings.
+TEXT_CONTRAST = 7.0
+MARK_CONTRAST = 3.0
+
+
+def luminance(colour):
+    channels = [int(colour[start : start + 2], 16) / 255.0 for start in (1, 3, 5)]
+    linear = [one / 12.92 if one <= 0.03928 else ((one + 0.055) / 1.055) ** 2.4 for one in channels]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one, other):
+    lighter, darker = sorted((luminance(one), luminance(other)), reverse=True)
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def test_every_text_and_every_mark_is_seen():
+    for theme in Theme:
+        for colours in TextColours:
+            assert contrast(*colours.of(theme)) >= TEXT_CONTRAST, colours
+        for mark in set(Mark) - {Mark.PAPER}:
+            assert contrast(mark.of(theme), Mark.PAPER.of(theme)) >= MARK_CONTRAST, mark
+
+
+@pytest.fixture
+def dimming(window):
+    window.settings.dim_choices[2].click()
+    show(window, snapshot(SurveyState.SURVEYING))
+    return window
+
+
+def dim(window, clock, shown=None):
+    clock.advance(DIM_S)
+    show(window, shown or snapshot(SurveyState.SURVEYING))
+    return window.touch_binding.cover.isVisible()
+
+
+def test_the_first_touch_only_wakes_and_the_next_one_acts(dimming, finger, clock):
+    window = dimming
+    assert dim(window, clock)
+    finger.tap(window.rail.settings)
+    assert not window.touch_binding.cover.isVisible()
+    assert not window.settings.isVisible()
+    finger.tap(window.rail.settings)
+    assert window.settings.isVisible()
+
+
+def test_stop_is_seen_and_acts_on_a_dimmed_screen(dimming, finger, clock):
+    window = dimming
+    stop, bright = window.top_bar.stop, window.grab().toImage()
+    assert dim(window, clock)
+    dimmed = window.grab().toImage()
+    inside = stop.mapTo(window, QPoint(10, stop.height() // 2))
+    assert dimmed.pixelColor(inside) == bright.pixelColor(inside)
+    outside = QPoint(window.width() // 2, window.height() - 10)
+    assert dimmed.pixelColor(outside).lightness() < 0.3 * bright.pixelColor(outside).lightness()
+    finger.tap(stop)
+    assert wishes(window) == ["stop"]
+
+
+def test_an_alarm_a_fault_or_a_notice_is_never_dimmed(dimming, clock):
+    window = dimming
+    for shown in (snapshot(SurveyState.SURVEYING, alive=False), snapshot(SurveyState.PAUSED)):
+        assert not dim(window, clock, shown)
+        window.notice.hide()
+        assert not dim(window, clock, shown)
+        assert dim(window, clock)
+        show(window, shown)
+        assert not window.touch_binding.cover.isVisible()
+        window.notice.hide()
+    window.notice.show_notice(refusal_notice(Refused.START, verbatim("no")))
+    assert not dim(window, clock)

@@ -6,7 +6,6 @@ import signal
 import subprocess
 import sys
 from pathlib import Path
-from queue import SimpleQueue
 from types import SimpleNamespace
 
 import pytest
@@ -19,24 +18,20 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import MasterUnavailableError
 from gpr20_user_interface.high import user_interface
-from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, problem_of
-from gpr20_user_interface.terminal.follower import StopRequested
+from gpr20_user_interface.low.process import StopSignals, problem_of
 
 
-@pytest.mark.parametrize(
-    ("number", "name"), [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM")]
-)
-def test_first_signal_is_a_wish_and_the_second_leaves(number, name):
-    events, before = SimpleQueue(), signal.getsignal(number)
-    with StopSignals(lambda reason: events.put(StopRequested(reason))) as signals:
-        assert not signals.received
-        os.kill(os.getpid(), number)
-        assert events.get(timeout=LIMIT_S) == StopRequested(name)
-        assert signals.received
-        with pytest.raises(SecondStopSignal):
-            os.kill(os.getpid(), signal.SIGINT)
-            events.get(timeout=LIMIT_S)
-    assert signal.getsignal(number) is before
+def test_the_first_signal_and_those_after_it_call_what_they_are_for():
+    called = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        before = signal.getsignal(number)
+        with StopSignals(lambda: called.append("first"), lambda: called.append("next")) as signals:
+            assert not signals.received
+            for sent in (number, signal.SIGTERM, signal.SIGINT):
+                os.kill(os.getpid(), sent)
+            assert signals.received
+        assert signal.getsignal(number) is before
+    assert called == ["first", "next", "next"] * 2
 
 
 @each_case(

@@ -1,4 +1,4 @@
-"""Settings, plans and languages on the disk: remembered, and damage is said."""
+"""Settings, languages and remote control: remembered, damage is said; any touch ends control."""
 
 import random
 import subprocess
@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
-from pseudo_language import PSEUDO, write_pseudo_catalogue
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QTest
 from run_seed import draws
 from tutorial_code import code_blocks
 from view_kit import make_grid, snapshot
-from window_helpers import click, show, until
+from window_helpers import AFTER_S, Finger, click, place_of, show, start, until, wishes
 
 from gpr20_common.catalogue import (
     VARIABLE,
@@ -20,19 +20,26 @@ from gpr20_common.catalogue import (
     languages,
     read_catalogue,
 )
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
+from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator import faults
 from gpr20_operator.palette import Theme
-from gpr20_operator.plan.fields import Tile
+from gpr20_operator.plan.fields import Tile, default_parameters
+from gpr20_operator.robot.events import StartPlan
+from gpr20_operator.robot.remote_control import (
+    Arming,
+    WebStatusReported,
+)
 from gpr20_operator.settings_file import SettingsFile
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_user_interface.look.settings import (
+from gpr20_user_interface.pages.settings import (
     WindowMemory,
     WindowSettings,
     settings_from,
     values_of,
 )
-from gpr20_user_interface.window.rail import TabName
+from gpr20_user_interface.widgets.bars import TabName
 
 
 def test_a_damaged_file_never_gives_settings_that_nobody_chose():
@@ -98,7 +105,6 @@ ROOT = Path(__file__).parents[5]
 PAGE = ROOT / "docs/extend/language.md"
 TRANSLATIONS = ROOT / "scripts/translations.sh"
 PORTUGUESE = Language("pt", "Português")
-LEFT_OUT = "Colours"
 
 
 @pytest.fixture
@@ -106,12 +112,11 @@ def folder(tmp_path, monkeypatch):
     """The catalogues of this computer."""
     monkeypatch.setenv(VARIABLE, str(tmp_path))
     (tmp_path / "pt.po").write_text(code_blocks(PAGE, "po")["pt.po"], encoding="utf-8")
-    write_pseudo_catalogue(tmp_path, leave_out=LEFT_OUT)
     return tmp_path
 
 
 def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(folder):
-    assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE, PSEUDO]
+    assert languages() == [Language.ENGLISH, Language.SPANISH, PORTUGUESE]
     portuguese = read_catalogue(PORTUGUESE)
     assert portuguese.template("START") == "INICIAR"
     assert portuguese.template("Colours") == "Colours"
@@ -122,31 +127,29 @@ def test_the_languages_are_the_catalogues_found_and_what_one_lacks_is_english(fo
     spanish = read_catalogue(Language.SPANISH)
     # Other words on this computer; the rest is that of the project.
     assert (spanish.template("START"), spanish.template("Settings")) == ("¡YA!", "Ajustes")
-
-
-def test_a_translation_with_other_values_than_its_template_is_not_used(folder):
+    # A translation with other values than its template is not used.
     entries = {"one {a}": "um {c}", "two {a}": "dois {", "three {a} {b}": "três {b} {a}"}
     lines = [f'msgid "{template}"\nmsgstr "{text}"\n' for template, text in entries.items()]
-    (folder / "pt.po").write_text("\n".join(lines))
-    catalogue = read_catalogue(PORTUGUESE)
-    shown = {one: catalogue.text(Message(one, a=1, b=2)) for one in entries}
-    assert shown == {"one {a}": "one 1", "two {a}": "two 1", "three {a} {b}": "três 2 1"}
+    (folder / "fr.po").write_text("\n".join(lines))
+    catalogue = read_catalogue(Language("fr", "Français"))
+    shown = [catalogue.text(Message(one, a=1, b=2)) for one in entries]
+    assert shown == ["one 1", "two 1", "três 2 1"]
 
 
 def test_the_window_uses_another_language_and_keeps_its_own_for_a_damaged_one(opened, folder):
     memory = WindowMemory(SettingsFile(folder / "window.yaml"))
-    sheet = (window := opened(memory=memory)).settings
+    window = opened(memory=memory)
+    sheet = window.settings
     click(window.rail.settings)
-    assert sheet.languages[PSEUDO].text() == PSEUDO.own_name
-    click(sheet.languages[PSEUDO])
-    assert until(lambda: sheet.title.text().startswith("Séttîñgš"))
-    assert sheet.labels[1].text() == LEFT_OUT
-    assert memory.close(30.0)
-    assert WindowMemory(SettingsFile(folder / "window.yaml")).settings.language == PSEUDO
-    (folder / "pt.po").write_text('msgid "START"\nmsgstr\n')
     click(sheet.languages[PORTUGUESE])
-    assert f"{folder}/pt.po" in sheet.hint.text()
-    assert sheet.languages[PSEUDO].isChecked() and memory.settings.language == PSEUDO
+    assert until(lambda: window.control.start.title.text() == "INICIAR")
+    assert sheet.labels[1].text() == "Colours"
+    assert memory.close(30.0)
+    assert WindowMemory(SettingsFile(folder / "window.yaml")).settings.language == PORTUGUESE
+    (folder / "es.po").write_text('msgid "START"\nmsgstr\n')
+    click(sheet.languages[Language.SPANISH])
+    assert f"{folder}/es.po" in sheet.hint.text()
+    assert sheet.languages[PORTUGUESE].isChecked() and memory.settings.language == PORTUGUESE
 
 
 @pytest.mark.release
@@ -166,3 +169,125 @@ def test_the_commands_of_the_page_begin_check_and_update_a_catalogue(tmp_path):
     assert checked.returncode != 0 and "not used" in checked.stderr
     assert run(path).returncode == 0
     assert "no program has this" not in path.read_text()
+
+
+WEB = WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana")
+ANNOTATION = Annotation("Ana", "El Carmen", "wet", name="El Carmen 2")
+
+
+class Field:
+    """A window with a web page, and what it sends to it."""
+
+    def __init__(self, opened, clock):
+        self.clock, self.sent = clock, []
+        self.arming = Arming(clock, self.sent.append)
+        self.window = opened(arming=self.arming)
+        self.window.on_event(WEB)
+        self.say(SurveyState.CONFIGURED)
+        self.finger = Finger(self.window, self.clock)
+        self.sheet, self.mark = self.window.remote, self.window.top_bar.remote
+
+    def say(self, code, **changes):
+        show(self.window, snapshot(code, **changes))
+
+    def open(self):
+        self.window.settings.remote_button.click()
+        self.finger.wait(AFTER_S)
+
+    def allow(self):
+        self.open()
+        self.finger.hold(self.sheet.hold)
+        assert self.arming.armed
+
+
+@pytest.fixture
+def field(opened, clock):
+    return Field(opened, clock)
+
+
+def test_the_sheet_says_where_the_page_is_and_who_is_there(field):
+    assert not field.mark.isVisible()
+    field.finger.tap(field.window.rail.settings)
+    field.finger.wait(AFTER_S)
+    field.finger.tap(field.window.settings.remote_button)
+    assert field.sheet.isVisible() and not field.window.settings.isVisible()
+    texts = [value.text() for _name, value in field.sheet._rows if value.isVisible()]
+    assert texts == ["https://192.168.1.10:8443", "AB12 CD34", "3 browsers", "Ana"]
+    # Without a page there is nothing to hold.
+    assert field.sheet.hold.isVisible()
+    gone = HealthReport((NodeHealth("web", HealthLevel.STALE, verbatim("ended"), {}),))
+    field.say(SurveyState.CONFIGURED, health=gone)
+    assert not field.sheet.hold.isVisible() and "web:=true" in field.sheet.doubt.text()
+    field.window.on_event(WEB)
+    field.say(SurveyState.CONFIGURED, alive=False)
+    assert not field.sheet.hold.isVisible() and field.sheet.doubt.text()
+
+
+def test_a_tap_allows_nothing_and_the_release_of_the_hold_does_not_end_it(field):
+    field.open()
+    field.finger.tap(field.sheet.hold, 0.9)
+    assert not field.arming.armed and not field.mark.isVisible()
+    place = place_of(field.window, field.sheet.hold).center()
+    field.finger.press(place)
+    field.finger.wait(1.1)
+    assert field.arming.armed and not field.sheet.isVisible()
+    field.finger.move(place + QPoint(5, 5))
+    field.finger.release(place)
+    field.finger.wait(3.0)
+    assert field.arming.armed and field.sent[-1].armed
+
+
+def test_every_page_shows_how_long_it_is_allowed(field):
+    field.allow()
+    for left_s, text in ((600.0, "REMOTE\n10:00"), (581.5, "REMOTE\n9:42"), (0.0, "")):
+        field.clock.advance(field.arming.remaining_s - left_s)
+        for name in TabName:
+            field.window.show_tab(name)
+            field.say(SurveyState.CONFIGURED)
+            assert field.mark.isVisible() is bool(text) is field.sent[-1].armed
+            assert not text or field.mark.text() == text
+
+
+def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
+    window = field.window
+    stop = place_of(window, window.top_bar.stop).center()
+    for place in (QPoint(400, 300), place_of(window, field.mark).center(), QPoint(1, 479), stop):
+        field.allow()
+        field.finger.press(place)
+        assert not (field.arming.armed or field.mark.isVisible() or field.sent[-1].armed)
+        field.finger.release(place)
+        field.finger.wait(AFTER_S)
+        window.alerts._on_stop_warning_closed()
+    assert wishes(window) == ["stop"]
+    for end in (lambda: QTest.keyClick(window.windowHandle(), Qt.Key_Space), window.end):
+        field.allow()
+        end()
+        assert not field.arming.armed and not field.sent[-1].armed
+
+
+def test_the_plan_is_what_start_on_the_window_would_send(field):
+    window = field.window
+    window.control.show_parameters(default_parameters())
+    window.control.next_annotation.value = ANNOTATION
+    window.survey.finer = type("Finer", (), {"refined_by": lambda _self, _plan: "coarse id"})()
+    field.say(SurveyState.CONFIGURED)
+    shown = field.sent[-1].plan
+    assert shown == StartPlan(window.control.parameters, ANNOTATION, "coarse id", 4.0)
+    field.finger.wait(AFTER_S)
+    start(window)
+    assert wishes(window) == [shown.parameters] and window.survey.annotations == [ANNOTATION]
+    window.control.form.set_texts({**window.control.form.texts, "x_spacing_mm": "-"})
+    window.control.show_plan()
+    field.say(SurveyState.CONFIGURED)
+    assert field.sent[-1].plan is None
+    # A survey that the page has started uses up its name and notes.
+    window.control.show_parameters(default_parameters())
+    window.control.next_annotation.value = ANNOTATION
+    field.say(SurveyState.CONFIGURED)
+    field.allow()
+    field.say(SurveyState.SURVEYING)
+    field.say(SurveyState.SURVEYING)
+    field.say(SurveyState.FINISHED)
+    assert field.arming.armed
+    annotation = field.sent[-1].plan.annotation
+    assert (annotation.name, annotation.notes) == ("El Carmen 3", "")

@@ -20,7 +20,7 @@ from gpr20_common.high.answers import message_fields, message_from
 from gpr20_common.message import Fault, Message
 from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.notices import Refused, refusal_notice
-from gpr20_user_interface.terminal.follower import Display, first_step
+from gpr20_user_interface.terminal import Display, first_step
 from gpr20_web.calls import Call, Role, Route
 from gpr20_web.errors import NotNowError
 

@@ -76,7 +76,7 @@ class Flag(enum.Enum):
 LABELS = {
     Flag.SURFACE_RESIDUE: Message("surface residue"),
     Flag.EDGE: Message("edge"),
-    Flag.ONE_POLARIZATION: Message("one polarization"),
+    Flag.ONE_POLARIZATION: Message("in one rotation only"),
     Flag.CLUTTER: Message("clutter"),
     Flag.SIDELOBE: Message("sidelobe"),
     Flag.BRIGHTEST: Message("only the brightest"),

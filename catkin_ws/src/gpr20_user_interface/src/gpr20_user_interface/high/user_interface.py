@@ -46,9 +46,9 @@ from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
-from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
+from gpr20_user_interface.pages.settings import WindowMemory
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
@@ -187,7 +187,7 @@ def _run(options: argparse.Namespace) -> int:
             "would end; show the replay in another namespace, as in ns:=replay"
         )
         return EXIT_WRONG_PARAMETER
-    with StopSignals(_quit_soon, on_next=lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
+    with StopSignals(_quit_soon, lambda: leave_now(EXIT_BY_SIGNAL)) as signals:
         try:
             join_graph("user_interface", MASTER_WAIT_S, lambda: signals.received, Clock())
         except MasterUnavailableError as error:
@@ -207,7 +207,7 @@ def _say(sentence: str) -> None:
     say(f"user_interface: {sentence}", file=sys.stderr, flush=True)
 
 
-def _quit_soon(_name: str = "") -> None:
+def _quit_soon() -> None:
     application = QApplication.instance()
     if application is not None:
         # A quit() before the event loop runs would be lost; this waits for the loop.

@@ -13,34 +13,17 @@ from typing import Any, Callable, Dict, NoReturn, Optional
 from gpr20_common.message import Message
 from gpr20_operator.errors import DisplayUnavailableError
 
-NAMES = {signal.SIGINT: "Ctrl-C", signal.SIGTERM: "SIGTERM"}
-
-
-class SecondStopSignal(BaseException):
-    """A second signal: leave at once.
-
-    Not an Exception, so that no handler of failures catches it.
-    """
-
-
-def _raise_second() -> None:
-    raise SecondStopSignal
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class StopSignals:
     """While entered, the first signal calls one callable, each further one another.
 
     Both are called in the main thread between any two steps of the program: they may set a
-    flag, use `queue.SimpleQueue.put` or raise, but not wait for a lock.
-
-    Args:
-        on_first: Called with the name of the first signal.
-        on_next: Called at each further one; by default raises SecondStopSignal.
+    flag, use `queue.SimpleQueue.put` or end the process, but not wait for a lock.
     """
 
-    def __init__(
-        self, on_first: Callable[[str], None], on_next: Callable[[], None] = _raise_second
-    ) -> None:
+    def __init__(self, on_first: Callable[[], None], on_next: Callable[[], None]) -> None:
         self._on_first = on_first
         self._on_next = on_next
         self._count = 0
@@ -52,7 +35,7 @@ class StopSignals:
         return self._count > 0
 
     def __enter__(self) -> StopSignals:
-        for number in NAMES:
+        for number in SIGNALS:
             self._former[number] = signal.signal(number, self._receive)
         return self
 
@@ -60,12 +43,9 @@ class StopSignals:
         for number, handler in self._former.items():
             signal.signal(number, handler)
 
-    def _receive(self, number: int, _frame: Optional[FrameType]) -> None:
+    def _receive(self, _number: int, _frame: Optional[FrameType]) -> None:
         self._count += 1
-        if self._count == 1:
-            self._on_first(NAMES[signal.Signals(number)])
-        else:
-            self._on_next()
+        (self._on_first if self._count == 1 else self._on_next)()
 
 
 def leave_now(status: int) -> NoReturn:

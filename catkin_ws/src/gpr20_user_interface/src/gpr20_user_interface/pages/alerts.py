@@ -27,9 +27,17 @@ from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay, Page
-from gpr20_user_interface.widgets.top_bar import TopBar
-from gpr20_user_interface.widgets.widgets import PulledText, column, new_button, new_label, row, say
+from gpr20_user_interface.widgets.bars import TopBar
+from gpr20_user_interface.widgets.widgets import (
+    Overlay,
+    Page,
+    PulledText,
+    column,
+    new_button,
+    new_label,
+    row,
+    say,
+)
 
 
 class NoticeView(Overlay):

@@ -34,9 +34,8 @@ from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.ground_view import GroundView
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
-from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.plot import image_of
-from gpr20_user_interface.widgets.widgets import column, new_button, offer, row, say
+from gpr20_user_interface.widgets.widgets import Overlay, Page, column, new_button, offer, row, say
 
 SWATCH_PX = 24
 NAMES = {

@@ -33,9 +33,8 @@ from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet
 from gpr20_user_interface.widgets.ground_picture import AreaPicture
-from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import TileButton
-from gpr20_user_interface.widgets.widgets import grid
+from gpr20_user_interface.widgets.widgets import Page, grid
 
 COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.

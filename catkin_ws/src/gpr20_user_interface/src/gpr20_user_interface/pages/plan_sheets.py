@@ -33,14 +33,15 @@ from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import CLEAR, ERASE, KeyBlock, Pad
-from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.tile import ElidedLabel, TileButton
 from gpr20_user_interface.widgets.widgets import (
+    Overlay,
     column,
     grid,
     holding,
     new_button,
     new_label,
+    offer,
     row,
     set_look,
     tiled,
@@ -240,7 +241,7 @@ class AnnotationSheet(Overlay):
         self.tiles: Dict[str, TileButton] = {one.name: TileButton(lines=0) for one in PEOPLE}
         for name, tile in self.tiles.items():
             tile.clicked.connect(lambda _checked, name=name: self._ask(name))
-        self.save = new_button(self._on_save, Message("SAVE"))
+        self.save = new_button(self._on_save)
         self.close_button = new_button(self.hide, Message("CLOSE"))
         for button in (self.save, self.close_button):
             set_look(button, "corner", True)
@@ -267,7 +268,8 @@ class AnnotationSheet(Overlay):
             empty = SPECS[name].empty if not self.survey else None
             shown = self.texts[name] or ("" if empty is None else shown_text(empty))
             tile.show_texts(shown_text(SPECS[name].title), sentence=shown or "—")
-        self.save.setEnabled(self.texts != annotation_texts(self._before))
+        changed = self.texts != annotation_texts(self._before)
+        offer(self.save, Message("SAVE"), None if changed else Message("NOTHING\nNEW"))
 
     def _take(self, stored: StoredSurvey) -> None:
         try:

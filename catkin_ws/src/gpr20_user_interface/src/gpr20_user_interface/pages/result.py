@@ -28,10 +28,10 @@ from gpr20_user_interface.pages.result_sheets import (
     with_remedy,
 )
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import SurveyBand, TileButton
 from gpr20_user_interface.widgets.widgets import (
     EmptyState,
+    Page,
     column,
     holding,
     new_button,

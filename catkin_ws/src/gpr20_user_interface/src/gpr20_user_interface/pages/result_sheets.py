@@ -18,9 +18,16 @@ from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.hiding_map import MM_PER_M, ONLY_THIS, Targets
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
-from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.tile import SurveyBand
-from gpr20_user_interface.widgets.widgets import PulledText, column, new_button, new_label, row, say
+from gpr20_user_interface.widgets.widgets import (
+    Overlay,
+    PulledText,
+    column,
+    new_button,
+    new_label,
+    row,
+    say,
+)
 
 LONGEST_NAME = 12
 MOST_STICKS = 3

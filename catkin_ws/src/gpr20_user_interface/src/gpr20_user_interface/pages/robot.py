@@ -18,9 +18,9 @@ from gpr20_user_interface.look.look import GAP_PX, TextColours, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.service import ServiceScreen
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import (
+    Page,
     column,
     grid,
     holding,

@@ -21,9 +21,8 @@ from gpr20_operator.robot.snapshot import (
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
-from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import LinesLabel
-from gpr20_user_interface.widgets.widgets import column, new_button, new_label, row
+from gpr20_user_interface.widgets.widgets import Page, column, new_button, new_label, row
 
 
 class JobPage(QWidget, Page):

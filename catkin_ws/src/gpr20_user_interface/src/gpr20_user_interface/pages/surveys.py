@@ -23,10 +23,10 @@ from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.touch.scrolling import FingerList
 from gpr20_user_interface.widgets.ground_picture import cells_image
 from gpr20_user_interface.widgets.keys import Pad
-from gpr20_user_interface.widgets.overlay import Page
 from gpr20_user_interface.widgets.tile import ElidedLabel
 from gpr20_user_interface.widgets.widgets import (
     EmptyState,
+    Page,
     PulledText,
     column,
     holding,

@@ -24,8 +24,9 @@ from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay, Page
 from gpr20_user_interface.widgets.widgets import (
+    Overlay,
+    Page,
     column,
     grid,
     new_button,

@@ -10,8 +10,8 @@ from PyQt5.QtWidgets import QPlainTextEdit, QPushButton, QSizePolicy, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.plan.fields import Keys
-from gpr20_user_interface.widgets.overlay import Overlay
 from gpr20_user_interface.widgets.widgets import (
+    Overlay,
     column,
     grid,
     holding,

@@ -16,8 +16,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import look_of
 from gpr20_user_interface.touch.guard import TouchFilter, TouchGuard
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.overlay import Overlay
-from gpr20_user_interface.widgets.widgets import new_label, row, say
+from gpr20_user_interface.widgets.widgets import Overlay, new_label, row, say
 
 
 class DimCover(QWidget):

@@ -29,23 +29,20 @@ from gpr20_user_interface.look.look import (
     scale_for,
     style_sheet,
 )
-from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.pages.alerts import Alerts
 from gpr20_user_interface.pages.ground import GroundPage
 from gpr20_user_interface.pages.plan import PlanPage
 from gpr20_user_interface.pages.result import ResultPage
 from gpr20_user_interface.pages.robot import RobotPage
-from gpr20_user_interface.pages.settings import RemotePage, SettingsPage
+from gpr20_user_interface.pages.settings import RemotePage, SettingsPage, WindowMemory
 from gpr20_user_interface.pages.survey import JobPage, SurveyTab
 from gpr20_user_interface.pages.surveys import SurveysPage
 from gpr20_user_interface.touch.scrolling import scroll_everything
+from gpr20_user_interface.widgets.bars import Rail, TabName, TopBar
 from gpr20_user_interface.widgets.hold_sheet import StartSheet
-from gpr20_user_interface.widgets.overlay import Overlay, Page
-from gpr20_user_interface.widgets.top_bar import TopBar
-from gpr20_user_interface.widgets.widgets import column, fit_layouts, row, say_again
+from gpr20_user_interface.widgets.widgets import Overlay, Page, column, fit_layouts, row, say_again
 from gpr20_user_interface.window.lock import TouchBinding
-from gpr20_user_interface.window.rail import Rail, TabName
 
 # Topics come at up to 50 Hz; figures that change more often than these cannot be read. 99 of 100
 # traces are on the screen within 250 ms; drawing more often costs processor time.

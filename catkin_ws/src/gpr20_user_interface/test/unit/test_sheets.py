@@ -1,20 +1,23 @@
-"""Operator, site, notes and position in the window, written with fingers alone."""
-
-from __future__ import annotations
+"""Sheets: what is asked before the robot moves; what people add, written with fingers alone."""
 
 import json
+from dataclasses import replace
 
 import pytest
 from annotation_examples import EXAMPLE
+from PyQt5.QtWidgets import QLabel, QPushButton
 from view_kit import FOLDER, SURVEY, configured, snapshot, state_of
-from window_helpers import click, hold, press_keys, show, start
+from window_helpers import click, hold, press_keys, show, start, wishes
 
-from gpr20_common.message import verbatim
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
-from gpr20_operator.plan.fields import Tile
+from gpr20_operator.plan.fields import Tile, default_parameters
+from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import Answer, Request
+from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, annotation_of
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -66,6 +69,7 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey_and_who_and_wher
     window, sheet, following
 ):
     click(window.control.tiles[Tile.NAME])
+    assert not sheet.save.isEnabled() and sheet.save.text() == "NOTHING\nNEW"
     for name in ("name", "operator", "site", "notes"):
         write(sheet, name, getattr(EXAMPLE, name))
     write(sheet, "position", "4.60283,-74.06514")
@@ -145,3 +149,62 @@ def test_records_that_cannot_be_read_are_said_and_those_of_an_older_survey_are_e
     node.ticket("read").done(StoredSurvey(text, 0))
     assert sheet.isVisible() is (text == "{}") is not window.notice.isVisible()
     assert not any(sheet.texts.values())
+
+
+def texts(sheet):
+    return [label.text() for label in sheet.findChildren(QLabel) if label.isVisible()]
+
+
+def test_the_sheet_closes_when_it_is_too_late(window):
+    sheet = window.start_sheet
+    idle, paused = snapshot(SurveyState.IDLE), snapshot(SurveyState.PAUSED)
+    surveying = snapshot(SurveyState.SURVEYING)
+
+    def ask_start():
+        sheet.ask_start(default_parameters(), 4.0, Annotation())
+
+    def ask_past():
+        sheet.ask_resume_past(FOLDER)
+
+    for ask, before, after in (
+        (ask_start, idle, surveying),
+        (ask_start, idle, replace(idle, control_alive=False)),
+        (sheet.ask_resume, paused, surveying),
+        (sheet.ask_resume, paused, replace(paused, pending=frozenset([Request.RESUME]))),
+        (ask_past, idle, snapshot(SurveyState.CHECKING)),
+    ):
+        show(window, before)
+        ask()
+        show(window, before)
+        assert sheet.isVisible()
+        show(window, after)
+        assert not sheet.isVisible()
+
+
+def test_zeros_that_nothing_proves_are_accepted_only_by_holding_for_that(window):
+    paused = snapshot(SurveyState.PAUSED)
+    asked = Message("Paused: {reason}", reason=Message("turned").with_fault(OTHER_ZEROS))
+    show(window, replace(paused, state=replace(paused.state, message=asked)))
+    window.start_sheet.ask_resume()
+    assert "NOT PROVEN" in " ".join(texts(window.start_sheet))
+    hold(window.start_sheet.hold)
+    assert wishes(window) == ["resume without proof"]
+    show(window, paused)
+    window.start_sheet.ask_resume()
+    hold(window.start_sheet.hold)
+    # Each question is answered once.
+    hold(window.start_sheet.hold)
+    assert wishes(window)[1:] == ["resume"]
+    assert not any(one.isVisible() for one in window.start_sheet.findChildren(QPushButton))
+
+
+def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_hold(window):
+    show(window, snapshot(SurveyState.IDLE))
+    click(window.control.start)
+    assert "not known yet" in texts(window.start_sheet)
+    figures = SurveyPreview(25, 50, 25.0, 25.0, 1.0, SurveyCost(1080.0, 10**6))
+    window.survey.preview = figures
+    show(window, snapshot(SurveyState.IDLE))
+    assert "about 18 min, 1 MB on the disk" in texts(window.start_sheet)
+    click(window.start_sheet.cancel)
+    assert not window.start_sheet.isVisible() and wishes(window) == []
