@@ -65,6 +65,35 @@ def test_an_axis_that_does_not_stop_or_is_silent_is_said_to_move_whatever_else_i
 
 
 @pytest.mark.parametrize(
+    "part, call", [("analyzer", "sweep"), ("storage", "store"), ("y", "home"), ("x", "")]
+)
+def test_a_stop_stops_every_axis_before_the_thread_of_the_survey_looks_again(bench, part, call):
+    """It is held where it would see the stop: in a sweep, storing, in a homing, in a move."""
+    called, held, look = threading.Event(), threading.Event(), bench.nodes.check
+
+    def hang_up(*_arguments):
+        called.set()
+        assert bench.go_on.wait(LIMIT_S)
+
+    def hold():
+        if called.is_set() or bench.x.begun.is_set() and not call:
+            held.set()
+            assert bench.go_on.wait(LIMIT_S)
+        look()
+
+    if call:
+        setattr(getattr(bench, part), call, hang_up)
+    bench.nodes.check = hold
+    bench.start()
+    assert held.wait(LIMIT_S)
+    before = [axis.stops for axis in bench.axes]
+    bench.control.stop()
+    assert [axis.stops for axis in bench.axes] == [number + 1 for number in before]
+    bench.go_on.set()
+    bench.wait_for(State.STOPPED)
+
+
+@pytest.mark.parametrize(
     "part, call",
     [("analyzer", "connect"), ("analyzer", "sweep"), ("height", "height_m"), ("y", "home")],
 )
