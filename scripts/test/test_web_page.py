@@ -11,7 +11,6 @@ from typing import Iterator, Sequence, Set
 import pytest
 from accessibility_kit import press_by_keyboard, tab_reaches_all, violations
 from browser_kit import HEIGHTS
-from other_origin_kit import TRIES, other_origin
 from robot_kit import WATCHDOG, WEB
 from translation_kit import english_words
 from web_site_kit import Site, launched_site
@@ -293,29 +292,6 @@ def test_every_control_is_reached_by_tab_and_stop_by_the_keyboard(
         )
     press_by_keyboard(browser, "stop")
     browser.wait_for_text("ada: STOP: no survey was stopped. The axes were asked", "#top")
-
-
-def test_a_page_of_another_origin_reads_nothing_and_does_nothing(site: Site) -> None:
-    browser, folder = site.browser, site.folder / "page"
-    site.log_in("ada")
-    before = sorted(site.robot.data.rglob("*"))
-    with other_origin(folder / "certificate.pem", folder / "key.pem") as address:
-        browser.open(address)
-        browser.driver.get_log("performance")
-        found = browser.driver.execute_async_script(TRIES, site.address)
-        assert set(found.values()) == {"refused"}, found
-        log = [
-            json.loads(one["message"])["message"] for one in browser.driver.get_log("performance")
-        ]
-    assert sorted(site.robot.data.rglob("*")) == before
-    # It is the page that refuses: the browser has sent what it may, and the cookie with it.
-    sent = [one["params"] for one in log if one["method"] == "Network.requestWillBeSentExtraInfo"]
-    assert any("__Host-session" in json.dumps(one["associatedCookies"]) for one in sent)
-    answers = [one["params"] for one in log if one["method"] == "Network.responseReceivedExtraInfo"]
-    assert 403 in {one["statusCode"] for one in answers}
-    site.log_in("ada")
-    site.show("more")
-    assert "ada" in browser.text("#page")
 
 
 def test_what_is_old_is_said_to_be_old_and_becomes_true_again_by_itself(site: Site) -> None:
