@@ -1,6 +1,10 @@
 #!/usr/bin/env python3
-"""What may be started beside a robot: any of its nodes, or the whole of it once more."""
+"""What may be started beside a robot, and nodes that die or hang: a survey loses nothing.
 
+Beside it: any of its nodes, or the whole of it once more.
+"""
+
+import contextlib
 import json
 import os
 import shutil
@@ -8,7 +12,10 @@ import signal
 import sys
 import unittest
 from concurrent.futures import ThreadPoolExecutor
+from urllib.parse import urlsplit
 
+import psutil
+import rosgraph
 import rosnode
 import rospy
 import rostest
@@ -17,13 +24,15 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from survey_client import (
     LIMIT_S,
     SurveyClient,
+    json_traces,
     node_pid,
     run,
     wait_until,
     wait_until_connected,
 )
 
-from gpr20_msgs.msg import NodeDescription, RobotConfiguration
+from gpr20_common.high.answers import message_from
+from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 
 # Of these three a second one is started.
 AGAIN = {
@@ -56,6 +65,16 @@ POISON = {
 }
 
 
+TRACES = 18
+# Each dies while the survey measures; the survey waits for it and continues by itself.
+DEATHS = (
+    ("x_axis/axis_driver",),
+    ("z_axis/axis_driver", "height_sensor"),
+    ("vna_acquisition", "simulator"),
+    ("vna_processing",),
+)
+
+
 def description(node):
     if node == "/main_control":  # it describes the whole robot
         robot = rospy.wait_for_message("robot_configuration", RobotConfiguration, LIMIT_S)
@@ -71,6 +90,29 @@ def is_back(node, before):
         return node_pid(node) != before
     except (OSError, rosnode.ROSNodeException):
         return False
+
+
+def missing_nodes(status):
+    """Return the nodes that do not answer, by the warning of a status."""
+    warning = message_from(status).values.get("warning")
+    return () if warning is None else warning.all_details
+
+
+def watched(node):
+    """Return the process id of a node, when a watchdog has asked it: it keeps the connection."""
+
+    def is_watched():
+        uri = rosgraph.Master(rospy.get_name()).lookupNode(node)
+        ports = []
+        for process in psutil.Process().parent().children():
+            # Others end meanwhile.
+            with contextlib.suppress(psutil.NoSuchProcess):
+                if any(word.endswith("gpr20_launch/watchdog") for word in process.cmdline()):
+                    ports += [one.raddr.port for one in process.net_connections() if one.raddr]
+        return urlsplit(uri).port in ports
+
+    wait_until(is_watched, f"nobody watches {node}")
+    return node_pid(node)
 
 
 class SecondLaunchTest(unittest.TestCase):
@@ -149,6 +191,60 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertEqual(recorded["analyzer"]["max_frequency_hz"], 6e9)
         self.assertEqual(recorded["site"]["site"], "El Carmen ñ")
         self.assertIsNone(recorded["site"]["latitude_deg"])
+
+    def signal(self, number, *nodes):
+        """Send a signal to nodes, and wait until statuses warn that these do not answer."""
+        pids = [node_pid(f"/{node}") for node in nodes]
+        self.client.forget()
+        for pid in pids:
+            os.kill(pid, number)
+        statuses = self.client.statuses
+        for node in nodes:
+            self.client.wait(lambda: any(node in missing_nodes(one) for one in statuses))  # noqa: B023
+        return pids
+
+    def wait_until_all_answer(self):
+        self.client.wait(lambda: not missing_nodes(self.client.statuses[-1]))
+
+    def test_4_a_survey_waits_for_every_node_that_dies_and_continues_by_itself(self):
+        survey_id = self.client.begin()
+        visited = 3
+        for nodes in DEATHS:
+            self.client.wait_for_visited(visited)
+            self.signal(signal.SIGKILL, *nodes)
+            self.client.wait(
+                lambda: any(one.code == ControlStatus.CHECKING for one in self.client.statuses)
+            )
+            self.wait_until_all_answer()
+            visited += 3
+        self.client.check_complete(survey_id, TRACES)
+
+    def test_5_hang_stop_and_death_of_the_control_lose_nothing(self):
+        survey_id = self.client.begin()
+        self.client.wait_for_visited(3)
+        (pid,) = self.signal(signal.SIGSTOP, "vna_acquisition")
+        with contextlib.suppress(ProcessLookupError):  # ended, if this computer is slow
+            os.kill(pid, signal.SIGCONT)
+        self.client.wait_for_visited(6)
+        self.signal(signal.SIGKILL, "z_axis/axis_driver")
+        # A survey that holds can be stopped.
+        self.assertTrue(self.client.stop().success)
+        status = self.client.wait_for_status(ControlStatus.STOPPED)
+        folder = self.client.folder(survey_id)
+        self.assertIn(f"{len(json_traces(folder))} of {TRACES} traces", status.message)
+        self.wait_until_all_answer()
+        pid = watched("/main_control")
+        self.client.go_on(survey_id)
+        self.client.wait_for_status(ControlStatus.SURVEYING)
+        # The watchdog ends it.
+        os.kill(pid, signal.SIGSTOP)
+        self.client.forget()
+        wait_until(lambda: not psutil.pid_exists(pid), f"process {pid} was not ended")
+        self.client.wait_for_status(ControlStatus.IDLE)
+        # Another one is begun first, and the one that was cut off stays resumable.
+        self.client.check_complete(self.client.begin(), TRACES)
+        self.client.go_on(folder.name)
+        self.client.check_complete(survey_id, TRACES)
 
 
 if __name__ == "__main__":
