@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What may be started beside a robot, and nodes that die or hang: a survey loses nothing.
 
-Beside it: any of its nodes, or the whole of it once more.
+Beside it: the sensors of the tutorial, any of its nodes, or the whole of it once more.
 """
 
 import contextlib
@@ -9,9 +9,11 @@ import json
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import unittest
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import psutil
@@ -19,8 +21,10 @@ import rosgraph
 import rosnode
 import rospy
 import rostest
+from diagnostic_msgs.msg import DiagnosticArray
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+ROOT = Path(__file__).resolve().parents[5]
+sys.path[:0] = [str(Path(__file__).parent), str(ROOT / "tools/kits")]
 from survey_client import (
     LIMIT_S,
     SurveyClient,
@@ -30,10 +34,12 @@ from survey_client import (
     wait_until,
     wait_until_connected,
 )
+from tutorial_code import code_blocks
 
 from gpr20_common.high.answers import message_from
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 
+SENSORS = {"soil_moisture": "m3/m3", "soil_temperature": "degC"}
 # Of these three a second one is started.
 AGAIN = {
     "/x_axis/axis_driver": ("gpr20_simulator", "simulated_axis_driver"),
@@ -122,9 +128,16 @@ class SecondLaunchTest(unittest.TestCase):
     def setUpClass(cls):
         rospy.init_node("second_launch_rostest")
         cls.client = SurveyClient()
+        page = ROOT / "docs/extend/sensor.md"
+        configured = Path(__file__).with_name("second_launch_config") / "sensors.yaml"
+        assert code_blocks(page, "yaml") == {configured.name: configured.read_text()}
+        program = (sys.executable, "-c", code_blocks(page, "python")["soil_probe.py"])
+        cls.probe = subprocess.Popen(program)
 
     @classmethod
     def tearDownClass(cls):
+        cls.probe.terminate()
+        cls.probe.wait(LIMIT_S)
         shutil.rmtree(str(cls.client.data), ignore_errors=True)
 
     def test_1_no_node_starts_beside_one_of_its_name_and_the_survey_goes_on(self):
@@ -179,6 +192,7 @@ class SecondLaunchTest(unittest.TestCase):
                 self.assertEqual(description(node), described)
         self.client = type(self).client = SurveyClient()
         self.assertEqual(self.client.data, data)
+        self.wait_for_sensors()
         survey_id = self.client.begin()
         self.assertTrue(self.client.finished().simulated)
         folder = self.client.folder(survey_id)
@@ -191,6 +205,33 @@ class SecondLaunchTest(unittest.TestCase):
         self.assertEqual(recorded["analyzer"]["max_frequency_hz"], 6e9)
         self.assertEqual(recorded["site"]["site"], "El Carmen ñ")
         self.assertIsNone(recorded["site"]["latitude_deg"])
+        self.assertEqual([one["name"] for one in recorded["sensors"]], list(SENSORS))
+        self.check_sensors(folder)
+
+    def wait_for_sensors(self):
+        """Return when /diagnostics, and so ROBOT, shows a value of each sensor."""
+        well = set()
+
+        def note(message):
+            well.update(one.name.partition(": ")[0] for one in message.status if not one.level)
+
+        subscriber = rospy.Subscriber("/diagnostics", DiagnosticArray, note)
+        wait_until(lambda: {f"sensors/{name}" for name in SENSORS} <= well, "a sensor is missing")
+        subscriber.unregister()
+
+    def check_sensors(self, folder):
+        for trace in json_traces(folder):
+            # The temperature of the VNA is among them too.
+            sensed = {one["name"]: one for one in trace["aux"] if one["name"] in SENSORS}
+            self.assertEqual({name: one["unit"] for name, one in sensed.items()}, SENSORS)
+            self.assertAlmostEqual(sensed["soil_moisture"]["value"], 0.25, delta=0.05)
+            self.assertEqual(sensed["soil_temperature"]["value"], 18.5)
+            self.assertLessEqual(sensed["soil_temperature"]["stamp"], trace["timestamp"])
+            self.assertEqual(trace["quality"], [])
+        table = self.client.data / "table.csv"
+        status, said = run("gpr20", "export", str(folder), str(table), "--format", "csv")
+        self.assertEqual(status, 0, said)
+        self.assertIn("aux_soil_temperature [degC]", table.read_text())
 
     def signal(self, number, *nodes):
         """Send a signal to nodes, and wait until statuses warn that these do not answer."""
