@@ -13,8 +13,7 @@ from survey_examples import AXES
 
 from gpr20_common.faults import ASKED_FOR, IN_USE
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.errors import BLOCKED, STOPPED_BEFORE, DeviceError, RequestRefusedError
 from gpr20_main_control.mid.devices.robot import motion_error
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
@@ -107,7 +106,7 @@ def test_a_service_move_that_waits_for_another_request_when_stop_comes_does_not_
     assert waiting.wait(LIMIT_S)
     bench.control.stop()
     lock.release()
-    assert reports(homing.exception(LIMIT_S).message, faults.STOPPED_BEFORE)
+    assert reports(homing.exception(LIMIT_S).message, STOPPED_BEFORE)
     assert not bench.x.homings
 
 
@@ -137,7 +136,7 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     with raises_fault(IN_USE, error=RequestRefusedError):
         bench.start()
     getattr(bench, stopped).stop()
-    assert reports(jogging.exception(LIMIT_S).message, fault or faults.BLOCKED)
+    assert reports(jogging.exception(LIMIT_S).message, fault or BLOCKED)
 
 
 @pytest.mark.parametrize("call", ["test_analyzer", "daily_check"])

@@ -6,8 +6,7 @@ from fault_kit import raises_fault
 from survey_examples import AXES
 
 from gpr20_common.mid.node_facts import Hardware
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import CONFIGURATION_CHANGED, DeviceError
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.faults import WRONG_VNA
 from gpr20_survey.plan.robot_description import NodeDescription
@@ -34,6 +33,6 @@ def test_a_survey_pauses_when_a_node_comes_back_as_another_one(bench):
     bench.at_sweep(3, lambda: redescribe(bench.description, "y_axis/axis_driver", max_coord=700.0))
     bench.start()
     status = bench.wait_for(SurveyState.PAUSED)
-    assert status.message.fault_code == faults.CONFIGURATION_CHANGED.code
+    assert status.message.fault_code == CONFIGURATION_CHANGED.code
     redescribe(bench.description, "y_axis/axis_driver", max_coord=AXES[AxisId.Y].max_coord)
     bench.resume_to_the_end()

@@ -8,8 +8,7 @@ from fake_robot import LIMIT_S, Bench, ManualClock, reports
 from fault_kit import raises_fault
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, SurveyError
+from gpr20_main_control.errors import OTHER_ROBOT, RECORD_DAMAGED, DeviceError, SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import STOPPED, TAKES_LONG
 from gpr20_survey.folder.log_record import Kind
@@ -133,13 +132,13 @@ def test_a_survey_from_the_disk_compares_its_last_stop_first_and_then_measures_w
 @pytest.mark.parametrize(
     "fault, stored, report, changes",
     [
-        (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
-        (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
-        (faults.RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
-        (faults.OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
+        (OTHER_ROBOT, [0, 1], "", {"simulated": False}),
+        (RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
+        (RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
+        (OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
         # It holds more than its plan.
-        (faults.RECORD_DAMAGED, [0, 30], "", {}),
-        (faults.RECORD_DAMAGED, [0], '{"zeros": [{}]}', {}),
+        (RECORD_DAMAGED, [0, 30], "", {}),
+        (RECORD_DAMAGED, [0], '{"zeros": [{}]}', {}),
     ],
 )
 def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(

@@ -9,8 +9,7 @@ from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
 from gpr20_common.faults import ASKED_FOR, MAY_MOVE
-from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import STOPPED_BEFORE, RequestRefusedError
 from gpr20_survey.faults import STOPPED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -76,7 +75,7 @@ def test_a_stop_stops_every_axis_before_the_thread_of_the_survey_looks_again(ben
         assert bench.go_on.wait(LIMIT_S)
 
     def hold():
-        if called.is_set() or bench.x.begun.is_set() and not call:
+        if called.is_set() or (bench.x.begun.is_set() and not call):
             held.set()
             assert bench.go_on.wait(LIMIT_S)
         look()
@@ -118,7 +117,7 @@ def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(ben
     bench.control.set_parameters(PARAMETERS)
     with raises_fault(ASKED_FOR, error=RequestRefusedError):
         bench.control.stop()
-    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+    with raises_fault(STOPPED_BEFORE, error=RequestRefusedError):
         bench.control.start()
     assert not any(axis.moves for axis in bench.axes)
     bench.start()
@@ -142,7 +141,7 @@ def test_what_is_being_prepared_when_stop_comes_does_not_begin(bench, monkeypatc
         "start": bench.control.start,
         "resume": lambda: bench.control.resume("survey"),
     }
-    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+    with raises_fault(STOPPED_BEFORE, error=RequestRefusedError):
         requests[request_of]()
     assert taken
     assert not any(axis.moves or axis.homings for axis in bench.axes)

@@ -12,8 +12,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import bounded
 from gpr20_common.mid.node_facts import software_difference
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import CONFIGURATION_CHANGED, DeviceError
 from gpr20_survey.faults import SENSOR_FAILED, WRONG_VNA
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
@@ -117,7 +116,7 @@ class DescribedRobot:
                     "began with; end the launch, start it with the former configuration and "
                     "resume the survey"
                 ),
-                fault=faults.CONFIGURATION_CHANGED,
+                fault=CONFIGURATION_CHANGED,
             )
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:

@@ -17,8 +17,7 @@ import numpy as np
 from gpr20_common.faults import OVERLOADED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import MOVED_BY_OTHERS, DeviceError
 from gpr20_main_control.mid.devices.robot import (
     SETUP_LIMIT_S,
     AnalyzerCalibration,
@@ -277,7 +276,7 @@ class Sampling:
                     planned=planned.message,
                     index=point.index,
                 ),
-                fault=faults.MOVED_BY_OTHERS,
+                fault=MOVED_BY_OTHERS,
             )
         return position
 
