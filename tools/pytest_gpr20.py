@@ -256,7 +256,6 @@ ABILITIES = {
     "firewall": IN_NETWORK.format("ip netns exec $TRY nft add table inet gpr20_try"),
     "socket filters": f"{sys.executable} -c '{ATTACH_FILTER}'",
     "mounts": "cd $(mktemp -d) && mount -t tmpfs tmpfs . && umount -l . && rmdir $PWD",
-    "debootstrap": "debootstrap --version",
     "packages": 'dpkg-scanpackages --version && [ "$(id -u)" = 0 ]',
 }
 
