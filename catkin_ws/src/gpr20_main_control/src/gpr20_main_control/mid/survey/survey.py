@@ -214,7 +214,6 @@ class Survey:
     def _wait_paused(self, message: Message, error: Optional[DeviceError] = None) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
         paused_s = self.clock.now_s()
-        self.archive.set_timing(False)
         self.pause_requested.clear()
         # A request that sees the new state waits until all of this is done.
         with self._lock:

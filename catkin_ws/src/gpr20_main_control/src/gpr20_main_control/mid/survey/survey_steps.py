@@ -205,7 +205,6 @@ class SurveySteps:
         progress.home_every_axis = False
         # Before the next trace: what it is measured with, and what its coordinates refer to.
         self._archive.send_report(self._survey.interruption.check)
-        self._archive.set_timing(True)
         self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, MEASURING)
 
