@@ -110,9 +110,6 @@ class Survey:
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
-        difference = self.robot.description.software_difference()
-        if difference is not None:
-            self.show_warning(difference)
         try:
             self._run()
         finally:

@@ -43,7 +43,6 @@ class SurveyProgress:
 
     Attributes:
         unconfirmed: The sweep that is not confirmed yet; None if every one is.
-        last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
         reference: The traces of the first stop, with which a visit of it is compared.
@@ -52,7 +51,6 @@ class SurveyProgress:
     def __init__(self, plan: SurveyPlan) -> None:
         """Begin a survey, or continue one from its folder."""
         resumed = bool(plan.reopened.survey_id)
-        self.last = plan.last
         self.home_every_axis = resumed
         self._plan, self._rotations = plan, len(plan.parameters.polarizations_deg)
         # Of two stops, of which one is complete.
@@ -105,7 +103,7 @@ class SurveyProgress:
         self._pending.popleft()
 
     def note_confirmed(self, trace: Trace) -> None:
-        self.unconfirmed, self.last = None, trace
+        self.unconfirmed = None
         self._recent.append(trace)
         if trace.index < self._rotations:
             self.reference[trace.index] = trace
@@ -199,7 +197,7 @@ class SurveySteps:
         self._positioner.home(before.keys() if every else self._zeros.to_home_again(before))
         present = self._positioner.zeros()
         self._zeros.note_homed(present)
-        if progress.last is None:
+        if not progress.known:
             self._zeros.begin(present, progress.next_index, self._now())
             self._note_zeros()
         progress.home_every_axis = False
