@@ -120,6 +120,18 @@ def test_a_stop_ends_a_homing(bench):
     assert reports(homing.exception(LIMIT_S).message, NOT_HOMED.as_note(), "y")
 
 
+def test_a_stop_stops_every_axis_while_the_request_is_held(bench):
+    home(bench, X)
+    held = threading.Event()
+    bench.x.begin_move = lambda _target: (held.set(), bench.go_on.wait(LIMIT_S))
+    jogging = in_background(lambda: jog(bench, X, 1.0))
+    assert held.wait(LIMIT_S)
+    bench.control.stop()
+    assert [axis.stops for axis in bench.axes] == [1, 1, 1]
+    bench.go_on.set()
+    assert reports(jogging.exception(LIMIT_S).message, ASKED_FOR)
+
+
 @pytest.mark.parametrize("stopped, fault", [("control", ASKED_FOR), ("x", None)])
 def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     home(bench, X)
