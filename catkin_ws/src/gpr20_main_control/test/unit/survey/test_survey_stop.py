@@ -148,6 +148,15 @@ def test_what_is_being_prepared_when_stop_comes_does_not_begin(bench, monkeypatc
     assert not bench.board.status.state.running
 
 
+def test_a_stop_in_the_moment_in_which_a_survey_begins_ends_it(bench, monkeypatch):
+    begin = bench.board.begin_survey
+    stop_first = lambda plan: (bench.control.stop(), begin(plan))  # noqa: E731
+    monkeypatch.setattr(bench.board, "begin_survey", stop_first)
+    bench.start()
+    bench.wait_for(State.STOPPED)
+    assert not any(axis.moves or axis.homings for axis in bench.axes)
+
+
 @pytest.mark.parametrize("part, call", [("analyzer", "connect"), ("storage", "open")])
 def test_a_call_that_was_given_up_ends_before_the_next_one_of_its_part_begins(bench, part, call):
     """Late, it would undo what the next survey has set up, or close that survey."""
