@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 import yaml
 from case_kit import each_case
+from user_shell import ROOT
 
 from gpr20_doctor.mid.software_checks import MODULES, NEEDED
 
-ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
 PACKAGES = {
     re.search("<name>(.*)</name>", path.read_text()).group(1): path.parent.resolve()
