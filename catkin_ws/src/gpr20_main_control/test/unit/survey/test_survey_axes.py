@@ -79,6 +79,17 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
     assert not may_move or bench.x.stops
 
 
+def test_vibrations_die_down_between_the_end_of_each_move_and_the_sweep(settling):
+    waits, waited = settling.clock.waits_s, []
+    for axis in settling.axes:
+        begin = axis.begin_move
+        axis.begin_move = lambda target, begin=begin: (waits.clear(), begin(target))
+    settling.analyzer.on_sweep = lambda: waited.append(0.7 in waits)
+    settling.start()
+    settling.complete()
+    assert waited == [True] * 24
+
+
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
     settling.x.move_ended = lambda: False
     settling.start()
