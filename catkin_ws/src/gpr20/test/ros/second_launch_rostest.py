@@ -23,8 +23,8 @@ import rospy
 import rostest
 from diagnostic_msgs.msg import DiagnosticArray
 
-ROOT = Path(__file__).resolve().parents[5]
-sys.path[:0] = [str(Path(__file__).parent), str(ROOT / "tools/kits")]
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, str(Path(__file__).resolve().parents[5] / "tools/kits"))
 from survey_client import (
     LIMIT_S,
     SurveyClient,
@@ -39,6 +39,7 @@ from tutorial_code import code_blocks
 from gpr20_common.high.answers import message_from
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 
+ROOT = Path(__file__).resolve().parents[5]
 SENSORS = {"soil_moisture": "m3/m3", "soil_temperature": "degC"}
 # Of these three a second one is started.
 AGAIN = {
