@@ -13,7 +13,13 @@ from survey_examples import AXES
 
 from gpr20_common.faults import ASKED_FOR, IN_USE
 from gpr20_common.message import Message
-from gpr20_main_control.errors import BLOCKED, STOPPED_BEFORE, DeviceError, RequestRefusedError
+from gpr20_main_control.errors import (
+    BLOCKED,
+    STOPPED_BEFORE,
+    DeviceError,
+    RequestRefusedError,
+    StopRequested,
+)
 from gpr20_main_control.mid.devices.robot import motion_error
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
@@ -108,6 +114,15 @@ def test_a_service_move_that_waits_for_another_request_when_stop_comes_does_not_
     lock.release()
     assert reports(homing.exception(LIMIT_S).message, STOPPED_BEFORE)
     assert not bench.x.homings
+
+
+def test_a_homing_that_begins_while_a_stop_is_on_its_way_is_stopped_too(bench):
+    order = []
+    bench.y.stop = lambda: order.append("stop")
+    bench.y.home = lambda _limit_s: (bench.control.stop(), order.append("home"))
+    with raises_fault(NOT_HOMED.as_note(), error=StopRequested):
+        home(bench, Y)
+    assert order == ["stop", "home", "stop"]
 
 
 def test_a_stop_ends_a_homing(bench):

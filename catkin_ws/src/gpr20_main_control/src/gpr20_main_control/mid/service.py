@@ -131,17 +131,13 @@ def _stopped(axis_id: AxisId, axis: Axis) -> Message:
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:
-    """Return the motor step where a jog ends, within the axis [mm or deg].
-
-    At the end of the axis, or nearer to it than a motor step, it stays.
-    """
+    """Return the motor step where a jog ends, within the axis [mm or deg]."""
     wanted = max(parameters.min_coord, min(parameters.max_coord, coordinate + distance))
     steps = parameters.distance_steps(wanted)
     # An end that is no motor step is not reached.
     steps -= parameters.coordinate_of(steps) > parameters.max_coord
     steps += parameters.coordinate_of(steps) < parameters.min_coord
-    target = parameters.coordinate_of(steps)
-    return target if (target - coordinate) * distance > 0.0 else coordinate
+    return parameters.coordinate_of(steps)
 
 
 @contextlib.contextmanager

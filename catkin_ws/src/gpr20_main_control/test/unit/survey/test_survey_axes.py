@@ -1,7 +1,9 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
+import threading
+
 import pytest
-from fake_robot import ManualClock, reports
+from fake_robot import LIMIT_S, ManualClock, reports
 
 from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity
@@ -94,6 +96,18 @@ def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
     settling.x.move_ended = lambda: False
     settling.start()
     settling.complete()
+
+
+def test_a_move_that_fails_ends_the_others_before_anything_is_waited_for(bench):
+    stopped = threading.Event()
+    bench.analyzer.on_confirm = lambda _number: bench.go_on.wait(LIMIT_S) and ()
+    bench.at_sweep(0, lambda: is_refused(bench.z))
+    bench.y.stop = stopped.set
+    bench.start()
+    assert stopped.wait(LIMIT_S)
+    assert bench.board.status.state is State.SURVEYING
+    bench.go_on.set()
+    bench.wait_for(State.PAUSED)
 
 
 def fail_homing(message):
