@@ -254,10 +254,8 @@ IN_NETWORK = "ip netns add $TRY && {}; status=$?; ip netns del $TRY; exit $statu
 ABILITIES = {
     "network namespaces": IN_NETWORK.format("ip -n $TRY link add end0 type veth peer name end1"),
     "firewall": IN_NETWORK.format("ip netns exec $TRY nft add table inet gpr20_try"),
-    "tun": ": <>/dev/net/tun",
     "socket filters": f"{sys.executable} -c '{ATTACH_FILTER}'",
     "mounts": "cd $(mktemp -d) && mount -t tmpfs tmpfs . && umount -l . && rmdir $PWD",
-    "debootstrap": "debootstrap --version",
     "packages": 'dpkg-scanpackages --version && [ "$(id -u)" = 0 ]',
 }
 

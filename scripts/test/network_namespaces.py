@@ -14,7 +14,6 @@ import sys
 from collections import Counter
 from dataclasses import dataclass
 
-from bad_link import BadLink
 from user_shell import ROOT, Terminal, is_ready, user_environment
 from user_shell import printed_by as run
 from wait_kit import wait_until
@@ -94,6 +93,12 @@ class Machine:
         """Run the commands of a firewall, as root runs them from one script."""
         run(*self.prefix, "bash", "-ec", "\n".join(commands))
 
+    def lose(self, percent):
+        """Lose so many of the packets that arrive from now on, at random."""
+        chain = "chain arriving { type filter hook input priority raw; "
+        chain += f"iif != lo numgen random mod 100 <= {percent - 1} drop; }}"
+        run(*self.prefix, "nft", f"flush ruleset; table inet link {{ {chain}; }}")
+
     def listening(self):
         """Return (address, port) of everything that listens by TCP, whatever its process."""
         lines = run(*self.prefix, "cat", "/proc/net/tcp").splitlines()[1:]
@@ -112,23 +117,13 @@ class Machine:
 
 
 @contextlib.contextmanager
-def two_namespaces():
-    """Yield the server and the robot, without a link."""
+def two_machines():
+    """Yield the server and the robot; each has a further address, a stranger's."""
     server, robot = (Machine(f"gpr20-{os.getpid()}-{place}") for place in ("server", "robot"))
     try:
         for machine in (server, robot):
             run("ip", "netns", "add", machine.name)
             run("ip", "-n", machine.name, "link", "set", "lo", "up")
-        yield server, robot
-    finally:
-        for machine in (server, robot):
-            subprocess.run(["ip", "netns", "del", machine.name], check=False)
-
-
-@contextlib.contextmanager
-def two_machines():
-    """Yield the server and the robot; each has a further address, a stranger's."""
-    with two_namespaces() as (server, robot):
         link = ["type", "veth", "peer", "name", "robot", "netns", robot.name]
         run("ip", "link", "add", "server", "netns", server.name, *link)
         for machine, device, addresses in (
@@ -139,17 +134,9 @@ def two_machines():
                 run("ip", "-n", machine.name, "addr", "add", f"{address}/24", "dev", device)
             run("ip", "-n", machine.name, "link", "set", device, "up")
         yield server, robot
-
-
-@contextlib.contextmanager
-def badly_linked_machines(quality):
-    """Yield the server, the robot and the link between them."""
-    with two_namespaces() as (server, robot):
-        link = BadLink([(server.name, SERVER), (robot.name, ROBOT)], quality)
-        try:
-            yield server, robot, link
-        finally:
-            link.close()
+    finally:
+        for machine in (server, robot):
+            subprocess.run(["ip", "netns", "del", machine.name], check=False)
 
 
 @contextlib.contextmanager

@@ -16,14 +16,15 @@ from user_shell import ROOT, printed_by
 from gpr20_survey.folder.data_folder import memory_file, read_marker
 
 LIMIT_S = 120.0
+OTHERS = signal.SIGHUP, signal.SIGTERM
 
 
 @pytest.fixture
-def robot(tmp_path, monkeypatch):
+def robot(tmp_path, monkeypatch, request):
     # The kit sets both in the environment.
     monkeypatch.setenv("ROS_MASTER_URI", "")
     monkeypatch.setenv("GPR20_STATE", "")
-    robot = LaunchedRobot(tmp_path, "time_scale:=20")
+    robot = LaunchedRobot(tmp_path, "time_scale:=20", **getattr(request, "param", {}))
     yield robot
     robot.stop()
     for process in robot.processes().values():
@@ -78,11 +79,14 @@ def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends
 
 
 @pytest.mark.parametrize(
-    "number", [signal.SIGHUP, pytest.param(signal.SIGTERM, marks=pytest.mark.release)]
+    "number", [signal.SIGINT, *(pytest.param(one, marks=pytest.mark.release) for one in OTHERS)]
 )
-def test_a_terminal_that_is_closed_ends_the_launch_as_ctrl_c_does(robot, number):
+@pytest.mark.parametrize("robot", [{"apart": True}], indirect=True)
+def test_a_service_or_terminal_that_ends_ends_launch_and_master_as_ctrl_c_does(robot, number):
     robot.start()
-    nodes = robot.processes()
-    psutil.Process(next(iter(nodes.values())).ppid()).send_signal(number)
-    _ended, alive = psutil.wait_procs(nodes.values(), LIMIT_S)
+    started = robot.processes()
+    # As systemd does: the signal goes to the main process alone.
+    roslaunch = psutil.Process(started["main_control"].ppid())
+    roslaunch.parent().send_signal(number)
+    _ended, alive = psutil.wait_procs([roslaunch, *started.values()], LIMIT_S)
     assert alive == []

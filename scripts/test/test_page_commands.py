@@ -24,8 +24,7 @@ ELSEWHERE = {
         "a robot's own computer: test_packages.py, test_firewall.py, scripts/package_trial.sh"
     ),
     r"^(roslaunch|rosrun|rosbag|rosservice|rosparam|rostopic|roscore|rosclean|python3 soil)": (
-        "a running robot: test_launches.py, test_sensor_tutorial.py, test_readme_commands.py, "
-        "whole_survey.test"
+        "a running robot: test_launches.py, test_readme_commands.py, second_launch.test"
     ),
     r"robot_config|run_survey|user_interface|translations\.sh|LANGUAGE=": (
         "tests of their packages"

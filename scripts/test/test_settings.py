@@ -17,7 +17,10 @@ from user_shell import ROOT, unit_values
 SHIPPED = (ROOT / "deploy/root/etc/gpr20/robot.conf").read_text("utf-8")
 BOTH = SHIPPED.replace("GPR20_ROLE=", "GPR20_ROLE=both")
 SIMULATED = "GPR20_LAUNCH_ARGUMENTS=robot:=simulated"
-FAKE = '#!/bin/sh\nprintf "<%s>" "$@"\n'
+# It takes the place of gpr20-run, itself or beside a master: systemd signals that process alone.
+FAKE = """#!/bin/sh
+grep -q 'PPid:.%d$' /proc/$$/status /proc/$PPID/status && printf "<%%s>" "$@"
+"""
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +28,7 @@ def machine(tmp_path_factory):
     """A function that runs gpr20-run with settings and a roslaunch that prints its arguments."""
     folder = tmp_path_factory.mktemp("machine")
     program = folder / "roslaunch"
-    program.write_text(FAKE)
+    program.write_text(FAKE % os.getpid())
     program.chmod(0o755)
     prefix = folder / "setup.bash"
     prefix.write_text(f"export PATH={folder}:$PATH\n")

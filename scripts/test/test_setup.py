@@ -117,7 +117,10 @@ def fails_first(computer, printed, command="update"):
     )
 
 
-def test_it_installs_builds_and_does_nothing_the_second_time(computer):
+def test_it_installs_builds_and_does_nothing_the_second_time_or_when_it_checks(computer):
+    before = sorted(computer.place.rglob("*"))
+    assert "not set up (missing Debian packages" in computer.run("--check", "--dev").stderr
+    assert [one for one in sorted(computer.place.rglob("*")) if one.name != "calls"] == before
     ended = computer.run()
     assert ended.returncode == 0, ended.stderr
     assert [line.split(" ")[1] for line in ended.stdout.splitlines()] == [
@@ -156,6 +159,21 @@ def test_a_missing_python_package_is_seen_and_restored_in_a_new_environment(comp
     assert computer.run("--check").returncode == 0
 
 
+def test_without_the_rights_it_says_at_once_what_root_has_to_run(computer):
+    computer.stub("id", 'if [ "$1" = -u ]; then echo 1000; else echo maria; fi')
+    command = "  apt-get update && apt-get install -y --no-install-recommends cmake g++ make"
+    for reason in (
+        "you are maria, not root, and sudo is not installed",
+        "you are maria, and sudo asks for a password, for which there is no terminal",
+    ):
+        ended = computer.run()
+        assert ended.returncode == 1
+        assert reason in ended.stderr and command in ended.stderr
+        computer.stub("sudo", "exit 1")
+    assert "apt-get" not in computer.calls
+    assert not (computer.checkout / "setup.log").exists()
+
+
 @pytest.mark.parametrize("command", ["update", "install"])
 def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command):
     fails_first(computer, LOCKED, command)
@@ -163,26 +181,6 @@ def test_it_waits_for_who_is_installing_packages_and_names_it(computer, command)
     assert ended.returncode == 0, ended.stderr
     assert "waiting for process 4711 (unattended-upgr), which is installing" in ended.stdout
     assert computer.calls.count(f"apt-get {command}") == 2
-
-
-@pytest.mark.parametrize(
-    ("sudo", "reason"),
-    [
-        (None, "sudo is not installed"),
-        ("exit 1", "sudo asks for a password, for which there is no terminal"),
-    ],
-)
-def test_without_the_rights_it_says_at_once_what_root_has_to_run(computer, sudo, reason):
-    computer.stub("id", 'if [ "$1" = -u ]; then echo 1000; else echo maria; fi')
-    if sudo:
-        computer.stub("sudo", sudo)
-    ended = computer.run()
-    assert ended.returncode == 1
-    assert f"you are maria, {'not root, and ' if not sudo else 'and '}{reason}" in ended.stderr
-    command = "  apt-get update && apt-get install -y --no-install-recommends cmake g++ make"
-    assert command in ended.stderr
-    assert "apt-get" not in computer.calls
-    assert not (computer.checkout / "setup.log").exists()
 
 
 @pytest.mark.parametrize(
@@ -222,9 +220,3 @@ def test_a_full_disk_and_ubuntu_without_its_ros_are_refused_before_anything_is_i
     computer.environment["GPR20_OS_RELEASE"] = str(computer.place / "os-release")
     assert "install ros-noetic-ros-base" in computer.run().stderr
     assert "apt-get" not in computer.calls
-
-
-def test_a_check_changes_nothing(computer):
-    before = sorted(computer.place.rglob("*"))
-    assert "not set up (missing Debian packages" in computer.run("--check", "--dev").stderr
-    assert [one for one in sorted(computer.place.rglob("*")) if one.name != "calls"] == before

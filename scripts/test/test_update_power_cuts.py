@@ -1,7 +1,6 @@
 """Power cuts in an update: what starts afterwards is the old or the new version, whole.
 
-A bare Debian, which debootstrap makes once, is on a file system whose power can be cut; dpkg, apt,
-gpr20-update and the maintainer scripts are the real ones. The figures of
+The computer of `update_world` is on a file system whose power can be cut. The figures of
 docs/evidence/bare_debian.md: pytest -s -m release scripts/test/test_update_power_cuts.py
 """
 
@@ -10,110 +9,45 @@ from __future__ import annotations
 import json
 import os
 import random
-import shutil
 import signal
-import subprocess
 import time
 from collections import Counter
-from pathlib import Path
+from dataclasses import dataclass
 
 import pytest
-import update_kit
 from failing_disk import PowerCutDisk, PowerCutError, can_be_cut
+from update_world import World, run
 
 CUTS = int(os.environ.get("GPR20_UPDATE_CUTS", "30"))
 SEED = int(os.environ.get("GPR20_UPDATE_SEED", "31"))
-BASE = Path("/var/tmp/gpr20_power_cut_update/base")
-SIZE_MIB, FILE_BYTES, LIMIT_S = 1500, 100_000, 300.0
-CONTINUE = ("gpr20-update", "--continue")
-UPDATE = ("gpr20-update", "/sticks/2.0")
-# Nodes, doctor and configuration are played: the doctor finds nothing.
-GPR20_RUN = b"""#!/bin/sh
-case $1 in
-    doctor) echo '{"findings": []}' ;;
-    config) mkdir -p /etc/gpr20/robot; echo signing_key: >/etc/gpr20/robot/storage.yaml ;;
-esac
-"""
+# More than an update wants to be free.
+SIZE_MIB = 600
 BEFORE, UNFINISHED, ENDED = "copying", "unfinished", "at its end"
-QUERY = ("dpkg-query", "-W", "-f", "${db:Status-Status} ${Version}", "gpr20")
-# An update must leave it as it is.
-DATA = {
-    "etc/gpr20/robot.conf": b"GPR20_LAUNCH_ARGUMENTS=ns:=robot1\n",
-    "etc/gpr20/robot/axes.yaml": b"x: 1\n",
-    **{f"var/lib/gpr20/surveys/s{n}/survey.json": bytes([n]) * 50_000 for n in range(20)},
-}
 
 
-class Computer:
-    """The bare Debian with version 1.0 and the sticks, on a disk."""
+@dataclass(frozen=True)
+class Computer(World):
+    """The computer with version 1.0, on a disk."""
 
-    def __init__(self, place: Path) -> None:
-        self._image, self._first = place / "disk.img", place / "first.img"
-        self.disk = PowerCutDisk(place, SIZE_MIB)
-        self.root = self.disk.folder
-        self.disk.mount()
-        update_kit.run("cp", "-a", f"{BASE}/.", self.root)
-        key, more = update_kit.release_key(place), {"usr/bin/gpr20-run": GPR20_RUN}
-        for version in ("1.0", "2.0"):
-            update_kit.make_stick(self.root / "sticks", version, key, more, FILE_BYTES)
-        self.must("useradd", "--system", "--home-dir", "/var/lib/gpr20", "gpr20")
-        self.must("sh", "/sticks/1.0/install.sh")
-        for name, data in DATA.items():
-            (self.root / name).parent.mkdir(parents=True, exist_ok=True)
-            (self.root / name).write_bytes(data)
-        self._data = update_kit.data_of(self.root)
-        self.unmount()
-        shutil.copyfile(self._image, self._first)
+    disk: PowerCutDisk
 
-    def renew(self) -> None:
-        """Let the disk, which is not mounted, be as it was at first; mount it."""
-        update_kit.run("cp", "--sparse=always", self._first, self._image)
-        self.disk.mount()
-
-    def unmount(self) -> None:
-        """Unmount the disk everywhere: the mounts of processes that were killed end after them."""
-        self.disk.unmount()
-        while update_kit.run("losetup", "--associated", self._image):
-            time.sleep(0.02)
-
-    def begin(self, *command: str) -> subprocess.Popen:
-        """Start a program in the chroot with processes of its own, which all end with it."""
-        inside = 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"'
-        isolated = ("unshare", "--mount", "--pid", "--fork", "--kill-child", "sh", "-c", inside)
-        return subprocess.Popen(
-            [*isolated, str(self.root), *command],
-            env={"PATH": "/usr/sbin:/usr/bin:/sbin:/bin", "HOME": "/root"},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
-        )
-
-    def must(self, *command: str) -> str:
-        """Run a program in the chroot that must succeed; return what it printed."""
-        process = self.begin(*command)
-        output, _nothing = process.communicate(timeout=LIMIT_S)
-        assert process.returncode == 0, output
-        return output
-
-    def step(self) -> str:
+    def step(self):
         """Return what the journal says that is being done."""
         journal = self.root / "var/lib/gpr20-update/journal.json"
         if not journal.exists():
             return BEFORE
         return ENDED if json.loads(journal.read_text("utf-8"))["outcome"] else UNFINISHED
 
-    def run_and_cut(self, command, after_s: float, written: bool, begun: bool = False) -> bool:
-        """Run a program and cut the power; return whether the cut came before its end.
+    def run_and_cut(self, argument, after_s, written, begun=False):
+        """Run gpr20-update and cut the power; return whether the cut came before its end.
 
         Args:
-            command: The program and its arguments.
+            argument: Of the program.
             after_s: When to cut [s].
             written: Whether the kernel writes everything back at some time before.
             begun: Whether that time begins with the installation.
         """
-        process = self.begin(*command)
+        process = self.begin(argument)
         while begun and process.poll() is None and self.step() == BEFORE:
             time.sleep(0.002)
         share = random.random() if written else 1.0
@@ -126,64 +60,63 @@ class Computer:
         if running:
             os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
-        self.unmount()
+        self.disk.unmount()
         self.disk.mount()
         return running
 
-    def judge(self) -> str:
-        """Return the version that the system has whole, or what is wrong with it."""
-        state = self.must(*QUERY)
-        release = (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
-        if state != f"installed {release}":
-            return f"{release} with {state}"
-        if update_kit.data_of(self.root) != self._data:
-            return "configuration or surveys changed"
-        audit = self.must("dpkg", "--audit")
-        return update_kit.slot_problems(self.root, FILE_BYTES) or audit or release
-
 
 @pytest.fixture
-def computer(tmp_path):
+def computer(first, tmp_path):
     try:
         can_be_cut()
     except PowerCutError as error:
         pytest.skip(str(error))
-    if not BASE.exists():
-        new = BASE.with_name("base.new")
-        shutil.rmtree(new, ignore_errors=True)
-        new.mkdir(parents=True)
-        packages = "--include=python3"
-        update_kit.run("debootstrap", "--variant=minbase", packages, "bookworm", new)
-        new.rename(BASE)
-    return Computer(tmp_path)
+    disk = PowerCutDisk(tmp_path, SIZE_MIB)
+    disk.mount()
+    made = first.copy(disk.folder / "root")
+    program = made.root / "programs/dpkg"
+    # Here what dpkg syncs counts.
+    program.write_text(program.read_text().replace("--force-unsafe-io", ""))
+    disk.unmount()
+    run("cp", "--sparse=always", tmp_path / "disk.img", tmp_path / "first.img")
+    return Computer(made.root, made.sticks, made.gpg, disk)
+
+
+def renew(computer):
+    """Let the disk, which is not mounted, be as it was at first; mount it."""
+    image = computer.disk.folder.with_name("disk.img")
+    run("cp", "--sparse=always", image.with_name("first.img"), image)
+    computer.disk.mount()
 
 
 @pytest.mark.release
-@pytest.mark.needs("packages", "mounts", "debootstrap")
+@pytest.mark.needs("packages", "mounts")
 @pytest.mark.timeout(3600)
 def test_after_a_power_cut_in_an_update_a_whole_version_starts(computer):
     random.seed(SEED)
-    computer.renew()
-    begin_s = time.monotonic()
-    computer.must(*UPDATE)
+    renew(computer)
+    update, data, begin_s = computer.stick("2.0"), computer.data(), time.monotonic()
+    computer.update(update)
     whole_s = time.monotonic() - begin_s
-    assert computer.judge() == "2.0"
-    computer.unmount()
+    assert computer.version() == "2.0"
+    computer.disk.unmount()
     started, steps = Counter(), Counter()
     for number in range(1, CUTS + 1):
-        computer.renew()
+        renew(computer)
         after_s = random.uniform(0.0, whole_s)
         written = random.random() < 0.5
-        cut = computer.run_and_cut(UPDATE, after_s, written, begun=number % 4 > 0)
-        at_boot = update_kit.slot_problems(computer.root, FILE_BYTES)
+        cut = computer.run_and_cut(update, after_s, written, begun=number % 4 > 0)
+        # Before what runs at boot too, the release in use is whole.
+        computer.release()
         step = computer.step() if cut else "after its end"
         if step == UNFINISHED and number % 3 == 0:
-            computer.run_and_cut(CONTINUE, random.uniform(0.0, whole_s / 2), False)
-            at_boot = at_boot or update_kit.slot_problems(computer.root, FILE_BYTES)
+            computer.run_and_cut("--continue", random.uniform(0.0, whole_s / 2), False)
+            computer.release()
         if computer.step() != BEFORE:
-            computer.must(*CONTINUE)
+            computer.update("--continue")
+        assert (computer.data(), computer.dpkg("--audit")) == (data, ""), number
         steps[step] += 1
-        started[at_boot or computer.judge()] += 1
-        computer.unmount()
+        started[computer.version()] += 1
+        computer.disk.unmount()
     print(f"\ncut: {dict(steps)}; started: {dict(started)}")
     assert set(started) <= {"1.0", "2.0"}, started

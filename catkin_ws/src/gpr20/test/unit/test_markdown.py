@@ -1,4 +1,4 @@
-"""Every Markdown file has short lines and no dead links, and what a person reads stays short."""
+"""Every page has short lines and no dead links; it all stays short; the pins are the robot's."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import yaml
 from case_kit import each_case
 
 ROOT = Path(__file__).resolve().parents[5]
@@ -78,3 +79,19 @@ def test_what_a_person_reads_outside_the_reference_stays_short():
     assert words["README.md"] <= MOST_WORDS_OF_README
     longest = sorted(words.items(), key=lambda one: -one[1])[:5]
     assert sum(words.values()) <= MOST_WORDS, f"shorten a page; the longest are {longest}"
+
+
+def test_the_first_page_and_its_picture_have_the_pins_of_the_default_configuration():
+    axes = yaml.safe_load((ROOT / "catkin_ws/src/gpr20_launch/config/axes.yaml").read_text())
+    signals = {"direction": "dir_pin", "step": "step_pin", "endstop": "sensor_pin"}
+    pins = {
+        f"{axis.upper()} {signal}": values[key]
+        for axis, values in axes.items()
+        for signal, key in signals.items()
+        if key in values
+    }
+    page = (ROOT / "docs/first_real_survey.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| ([XYZ] \w+) \|", page, re.MULTILINE)
+    assert {signal: int(pin) for pin, signal in rows} == pins
+    picture = (ROOT / "docs/images/wiring.svg").read_text(encoding="utf-8")
+    assert [one for one in pins.items() if ">{} {}<".format(*one) not in picture] == []

@@ -13,8 +13,13 @@ from survey_examples import AXES
 
 from gpr20_common.faults import ASKED_FOR, IN_USE
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, RequestRefusedError
+from gpr20_main_control.errors import (
+    BLOCKED,
+    STOPPED_BEFORE,
+    DeviceError,
+    RequestRefusedError,
+    StopRequested,
+)
 from gpr20_main_control.mid.devices.robot import motion_error
 from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
@@ -107,8 +112,17 @@ def test_a_service_move_that_waits_for_another_request_when_stop_comes_does_not_
     assert waiting.wait(LIMIT_S)
     bench.control.stop()
     lock.release()
-    assert reports(homing.exception(LIMIT_S).message, faults.STOPPED_BEFORE)
+    assert reports(homing.exception(LIMIT_S).message, STOPPED_BEFORE)
     assert not bench.x.homings
+
+
+def test_a_homing_that_begins_while_a_stop_is_on_its_way_is_stopped_too(bench):
+    order = []
+    bench.y.stop = lambda: order.append("stop")
+    bench.y.home = lambda _limit_s: (bench.control.stop(), order.append("home"))
+    with raises_fault(NOT_HOMED.as_note(), error=StopRequested):
+        home(bench, Y)
+    assert order == ["stop", "home", "stop"]
 
 
 def test_a_stop_ends_a_homing(bench):
@@ -119,6 +133,18 @@ def test_a_stop_ends_a_homing(bench):
     assert begun.wait(LIMIT_S)
     bench.control.stop()
     assert reports(homing.exception(LIMIT_S).message, NOT_HOMED.as_note(), "y")
+
+
+def test_a_stop_stops_every_axis_while_the_request_is_held(bench):
+    home(bench, X)
+    held = threading.Event()
+    bench.x.begin_move = lambda _target: (held.set(), bench.go_on.wait(LIMIT_S))
+    jogging = in_background(lambda: jog(bench, X, 1.0))
+    assert held.wait(LIMIT_S)
+    bench.control.stop()
+    assert [axis.stops for axis in bench.axes] == [1, 1, 1]
+    bench.go_on.set()
+    assert reports(jogging.exception(LIMIT_S).message, ASKED_FOR)
 
 
 @pytest.mark.parametrize("stopped, fault", [("control", ASKED_FOR), ("x", None)])
@@ -137,7 +163,7 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
     with raises_fault(IN_USE, error=RequestRefusedError):
         bench.start()
     getattr(bench, stopped).stop()
-    assert reports(jogging.exception(LIMIT_S).message, fault or faults.BLOCKED)
+    assert reports(jogging.exception(LIMIT_S).message, fault or BLOCKED)
 
 
 @pytest.mark.parametrize("call", ["test_analyzer", "daily_check"])

@@ -1,8 +1,7 @@
 """Who may what, by a table that was written by hand; and what OWASP lists against web sites.
 
 Each over a real socket. Whatever is sent: no error but those of the project, nothing without
-right, and the page answers. Cookies and passwords are in test_login and test_accounts; a real page
-of another origin is in scripts/test/test_web_page.py.
+right, and the page answers. Cookies and passwords are in test_login and test_accounts.
 """
 
 from __future__ import annotations

@@ -46,8 +46,7 @@ CHECK_SWEEP = SweepSettings(600.0e6, 6.0e9, 501)
 CHECK_LIMIT_S = 1800.0
 STEPS = tuple(Part)
 NS = 1e9
-# Delays between two samples of an echo, of the reciprocal of the bandwidth; the peak between them
-# is found by a parabola.
+# Samples of an echo in the reciprocal of the bandwidth: the delay is exact to a tenth of its limit.
 SAMPLES_PER_RESOLUTION = 16
 # An echo is one if it is so many times higher than any noise.
 ECHO_FACTOR = 4.0
@@ -215,15 +214,10 @@ def _echo(frequency_hz: np.ndarray, echo: np.ndarray, noise: np.ndarray) -> Dict
     place = int(np.argmax(levels))
     # Rounding is no echo, where a simulated analyzer has no noise.
     floor = max(float(np.max(np.abs(noise @ kernel))), float(np.max(np.abs(echo))) * 1e-6, 1e-12)
-    if levels[place] < ECHO_FACTOR * floor or not 0 < place < len(levels) - 1:
+    if levels[place] < ECHO_FACTOR * floor:
         return {"delay_ns": math.nan, "echo_db": math.nan}
-    before, peak, after = (float(one) for one in levels[place - 1 : place + 2])
-    shift = 0.5 * (before - after) / (before - 2.0 * peak + after)
-    level = peak - 0.25 * (before - after) * shift
-    return {
-        "delay_ns": NS * (float(delays_s[place]) + shift * step_s),
-        "echo_db": float(decibels(level)),
-    }
+    echo_db = float(decibels(float(levels[place])))
+    return {"delay_ns": NS * float(delays_s[place]), "echo_db": echo_db}
 
 
 def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:

@@ -15,14 +15,13 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, BUSY, IN_USE
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import STOPPED_BEFORE, RequestRefusedError
 from gpr20_main_control.mid.daily_check import DailyCheck, Verdict
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
 from gpr20_main_control.mid.service import (
     TEST_SWEEP,
     AxisMove,
-    AxisService,
+    move_axis,
     run_analyzer_test,
 )
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
@@ -170,8 +169,7 @@ class MainControl:
         self._interruption.stop.set()
         # It was for this survey; the next one may have the same parameters.
         self._stops_at_plan = self._stops
-        if self._survey is not None:
-            self._survey.positioner.stop()
+        self._stop_axes()
         return Message("Stopping the axes, then storing the measured traces")
 
     def resume(self, survey: str, accepted: Accepted = NOTHING) -> Message:
@@ -219,7 +217,7 @@ class MainControl:
     def move_for_service(self, move: AxisMove) -> Message:
         """Move one axis for maintenance and return, when it is at rest, where it is."""
         with self._serving(move.activity):
-            return AxisService(self._robot, move, self._in_service).execute()
+            return move_axis(self._robot, move, self._in_service)
 
     def test_analyzer(self, address: str) -> AnalyzerTest:
         """Test the analyzer at an address; empty: as the robot is configured."""
@@ -293,7 +291,7 @@ class MainControl:
         if self._stops != stops:
             raise RequestRefusedError(
                 Message("STOP was requested meanwhile; nothing begins"),
-                fault=faults.STOPPED_BEFORE,
+                fault=STOPPED_BEFORE,
             )
 
     def _resume_from_disk(self, survey: str, accepted: Accepted, stops: int) -> Message:

@@ -18,8 +18,7 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message, numeral, verbatim
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import DRIFTED, DeviceError
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
@@ -232,7 +231,7 @@ class DriftLimits:
             "exceeded": self._asked,
             "rotations": [_recorded(one) for one in repeats],
         }
-        exceeded = DeviceError(allowed, fault=faults.DRIFTED) if self._asked else None
+        exceeded = DeviceError(allowed, fault=DRIFTED) if self._asked else None
         return Visit(message, exceeded, values)
 
     def _since_accepted(self, repeated: Repeated) -> Drift:

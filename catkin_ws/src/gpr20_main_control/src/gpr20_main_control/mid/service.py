@@ -18,7 +18,7 @@ from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.positioner import Positioner
-from gpr20_main_control.mid.devices.robot import Analyzer, Robot
+from gpr20_main_control.mid.devices.robot import Analyzer, Axis, Robot
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.faults import NOT_HOMED
@@ -87,61 +87,45 @@ def axis_move(axis: str, action: int, distance: float) -> AxisMove:
     return AxisMove(AxisId(axis), AxisAction(action), distance)
 
 
-class AxisService:
-    """Carries out a request for one axis."""
+def move_axis(robot: Robot, move: AxisMove, interruption: Interruption) -> Message:
+    """Carry out a request for one axis and return, when it is at rest, where it is."""
+    axis_id, names = move.axis, {"axis": move.axis.value, "unit": move.axis.unit}
+    parameters = axis_parameters(axis_id, robot.description.nodes)
+    positioner = Positioner(robot.axes, {axis_id: parameters}, interruption, robot.workers)
+    try:
+        interruption.check()
+        positioner.reserve()
+        if move.action is AxisAction.HOME:
+            positioner.home(again=[axis_id])
+            return Message("The {axis} axis is homed.", axis=axis_id.value)
+        if move.action is AxisAction.SET_ZERO:
+            robot.axes[axis_id].set_zero()
+            axis = axis_id.value
+            return Message("The present angle of the {axis} axis is its zero.", axis=axis)
+        present = positioner.reading(axis_id).coordinate
+        target = jog_target(parameters, present, move.distance)
+        positioner.move({axis_id: target})
+        return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **names)
+    except DeviceError:
+        positioner.stop()
+        raise
+    except StopRequested as error:
+        positioner.stop()
+        moving = positioner.wait_for_rest(REST_LIMIT_S)
+        raise StopRequested(moving or _stopped(axis_id, robot.axes[axis_id])) from error
+    finally:
+        positioner.release()
 
-    def __init__(self, robot: Robot, move: AxisMove, interruption: Interruption) -> None:
-        self._move, self._axis_id, self._interruption = move, move.axis, interruption
-        self._axis = robot.axes[move.axis]
-        self._parameters = axis_parameters(move.axis, robot.description.nodes)
-        self._positioner = Positioner(
-            robot.axes, {move.axis: self._parameters}, interruption, robot.workers
-        )
 
-    def execute(self) -> Message:
-        """Carry out the request and return, when the axis is at rest, where it is."""
-        try:
-            self._interruption.check()
-            self._positioner.reserve()
-            if self._move.action is AxisAction.HOME:
-                self._positioner.home(again=[self._axis_id])
-                return Message("The {axis} axis is homed.", axis=self._axis_id.value)
-            if self._move.action is AxisAction.SET_ZERO:
-                self._axis.set_zero()
-                axis = self._axis_id.value
-                return Message("The present angle of the {axis} axis is its zero.", axis=axis)
-            return self._jog()
-        except DeviceError:
-            self._positioner.stop()
-            raise
-        except StopRequested as error:
-            self._positioner.stop()
-            raise StopRequested(self._stopped()) from error
-        finally:
-            self._positioner.release()
-
-    def _jog(self) -> Message:
-        parameters, distance = self._parameters, self._move.distance
-        place = {"axis": self._axis_id.value, "unit": self._axis_id.unit}
-        reading = self._positioner.reading(self._axis_id)
-        target = jog_target(parameters, reading.coordinate, distance)
-        # At its end, or nearer to it than a motor step, it stays.
-        if (target - reading.coordinate) * distance <= 0.0:
-            target = reading.coordinate
-        self._positioner.move({self._axis_id: target})
-        return Message("The {axis} axis is at {coordinate:.6g} {unit}.", coordinate=target, **place)
-
-    def _stopped(self) -> Message:
-        moving = self._positioner.wait_for_rest(REST_LIMIT_S)
-        if moving is not None:
-            return moving
-        reading, axis = self._axis.reading(), self._axis_id.value
-        if reading is None or not reading.homed:
-            stopped = Message("stopped; the {axis} axis is not homed", axis=axis)
-            return stopped.with_fault(NOT_HOMED.as_note())
-        place = {"axis": axis, "coordinate": reading.coordinate, "unit": self._axis_id.unit}
-        stopped = Message("stopped; the {axis} axis is at {coordinate:.6g} {unit}", **place)
-        return stopped.with_fault(ASKED_FOR)
+def _stopped(axis_id: AxisId, axis: Axis) -> Message:
+    reading, names = axis.reading(), {"axis": axis_id.value, "unit": axis_id.unit}
+    if reading is None or not reading.homed:
+        stopped = Message("stopped; the {axis} axis is not homed", axis=axis_id.value)
+        return stopped.with_fault(NOT_HOMED.as_note())
+    place = {"coordinate": reading.coordinate, **names}
+    return Message("stopped; the {axis} axis is at {coordinate:.6g} {unit}", **place).with_fault(
+        ASKED_FOR
+    )
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:

@@ -8,7 +8,6 @@ import threading
 import time
 from concurrent.futures import Future
 from concurrent.futures import wait as wait_for_futures
-from functools import partial
 from typing import Any, Callable, Iterator, Optional, Tuple, TypeVar
 
 from gpr20_common.low.clock import Clock
@@ -160,7 +159,7 @@ class WaitStatus:
 
 
 class Workers:
-    """Threads that are kept for the next call; there are as many as calls at the same time.
+    """Threads that are kept for the next calls.
 
     They are daemons, unlike those of concurrent.futures: a call that hangs in a device outlives the
     survey that gave it up, but not the node. Of one thread the next call waits for the end of a
@@ -171,19 +170,18 @@ class Workers:
         """Start no thread yet; more than `most` calls at the same time wait for each other."""
         self._most = most
         self._lock = threading.Lock()
-        self._threads = self._unfinished = 0
+        self._threads = 0
         self._calls: queue.SimpleQueue[Tuple[Future[Any], Callable[[], Any]]] = queue.SimpleQueue()
 
     def begin(self, call: Callable[[], Result]) -> Future[Result]:
         """Begin a call and return at once."""
         future: Future[Result] = Future()
         with self._lock:
-            if self._threads < min(self._unfinished + 1, self._most):
+            if self._threads < self._most:
                 threading.Thread(target=self._work, name="worker", daemon=True).start()
                 # Counted when it runs: the system may have refused it.
                 self._threads += 1
-            self._unfinished += 1
-        self._calls.put((future, call))
+            self._calls.put((future, call))
         return future
 
     def call(self, call: Callable[[], Result], check: Check) -> Result:
@@ -193,18 +191,13 @@ class Workers:
     def _work(self) -> None:
         while True:
             future, call = self._calls.get()
-            end: Callable[[], object] = future.cancel  # of a call that was given up
-            if future.set_running_or_notify_cancel():
+            if future.set_running_or_notify_cancel():  # otherwise it was given up
                 try:
-                    end = partial(future.set_result, call())
+                    future.set_result(call())
                 except BaseException as error:  # raised again by `result_of`
-                    end = partial(future.set_exception, error)
-            # Before the result: who waits for it may begin the next call, without a new thread.
-            with self._lock:
-                self._unfinished -= 1
-            end()
+                    future.set_exception(error)
             # They have the result, and the next call may be late.
-            del future, call, end
+            del future, call
 
 
 def result_of(future: Future[Result], check: Check) -> Result:

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from run_seed import draws
 from survey_examples import AXES, PARAMETERS
 
-from gpr20_main_control import faults
+from gpr20_main_control.errors import DRIFTED
 from gpr20_main_control.mid.measured_again import (
     DriftLimits,
     KnownPoint,
@@ -156,7 +156,7 @@ def test_each_drift_that_is_too_large_pauses_and_is_accepted_as_it_is_after_resu
     first, second, *rest = PLAN.visits
     visiting.at_sweep(first - 1, louder(visiting))
     visiting.start()
-    visiting.wait_for_fault(faults.DRIFTED)
+    visiting.wait_for_fault(DRIFTED)
     assert visiting.wait_for(State.PAUSED).remaining_s > 0.0
     visiting.wait_for_visited(first)
     visiting.at_sweep(second + 2 * SWEEPS - 1, louder(visiting, 0.5))
@@ -189,11 +189,11 @@ def test_a_drift_at_the_end_warns_but_keeps_nobody_waiting(visiting):
     visiting.complete()
     assert visiting.board.status.remaining_s == 0.0
     assert marks(visiting)[-1] == (24, True, False)
-    assert visiting.board.status.warning.fault_code == faults.DRIFTED.code
+    assert visiting.board.status.warning.fault_code == DRIFTED.code
     # A warning is not why a survey ended.
     assert visiting.storage.ends[-1].reason.fault_code == ""
     warnings = visiting.storage.reports[-1]["warnings"]
-    assert [one["fault_code"] for one in warnings] == [faults.DRIFTED.code]
+    assert [one["fault_code"] for one in warnings] == [DRIFTED.code]
 
 
 def test_after_a_pause_as_long_as_the_interval_the_drift_is_looked_at_first(visiting):

@@ -1,12 +1,13 @@
 """Moves, homings and positions: nothing is measured where the antennas are not."""
 
+import threading
+
 import pytest
-from fake_robot import ManualClock, reports
+from fake_robot import LIMIT_S, ManualClock, reports
 
 from gpr20_common.faults import PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, Severity
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import BLOCKED, MOVED_BY_OTHERS, DeviceError
 from gpr20_main_control.mid.devices.robot import AxisReading, motion_error
 from gpr20_survey.axes import UNKNOWN_ZERO
 from gpr20_survey.faults import AXIS_MAY_MOVE
@@ -61,12 +62,12 @@ def is_stopped_by_another_client(axis):
 @pytest.mark.parametrize(
     "move, fault, shown, may_move",
     [
-        (is_refused, faults.BLOCKED, ("x", 10.0, "the endstop was pressed"), False),
-        (rests_at(0.0), faults.BLOCKED, ("x", 0.0, 10.0), False),
-        (rests_at(10.01), faults.BLOCKED, ("x", 10.01, 10.0), False),
+        (is_refused, BLOCKED, ("x", 10.0, "the endstop was pressed"), False),
+        (rests_at(0.0), BLOCKED, ("x", 0.0, 10.0), False),
+        (rests_at(10.01), BLOCKED, ("x", 10.01, 10.0), False),
         (never_ends, AXIS_MAY_MOVE, ("x", 10.0), True),
         (falls_silent, PART_LOST, ("x",), True),
-        (is_stopped_by_another_client, faults.BLOCKED, ("x", 10.0), False),
+        (is_stopped_by_another_client, BLOCKED, ("x", 10.0), False),
     ],
 )
 def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
@@ -80,10 +81,33 @@ def test_a_move_that_does_not_arrive_pauses_the_survey_and_nothing_is_measured(
     assert not may_move or bench.x.stops
 
 
+def test_vibrations_die_down_between_the_end_of_each_move_and_the_sweep(settling):
+    waits, waited = settling.clock.waits_s, []
+    for axis in settling.axes:
+        begin = axis.begin_move
+        axis.begin_move = lambda target, begin=begin: (waits.clear(), begin(target))
+    settling.analyzer.on_sweep = lambda: waited.append(0.7 in waits)
+    settling.start()
+    settling.complete()
+    assert waited == [True] * 24
+
+
 def test_a_lost_result_is_settled_by_the_axis_own_coordinate(settling):
     settling.x.move_ended = lambda: False
     settling.start()
     settling.complete()
+
+
+def test_a_move_that_fails_ends_the_others_before_anything_is_waited_for(bench):
+    stopped = threading.Event()
+    bench.analyzer.on_confirm = lambda _number: bench.go_on.wait(LIMIT_S) and ()
+    bench.at_sweep(0, lambda: is_refused(bench.z))
+    bench.y.stop = stopped.set
+    bench.start()
+    assert stopped.wait(LIMIT_S)
+    assert bench.board.status.state is State.SURVEYING
+    bench.go_on.set()
+    bench.wait_for(State.PAUSED)
 
 
 def fail_homing(message):
@@ -98,7 +122,7 @@ def test_every_axis_is_homed_even_if_one_fails_and_the_failure_pauses_the_survey
     bench.x.home = fail_homing(reason)
     bench.start()
     message = bench.wait_for(State.PAUSED).message
-    assert faults.BLOCKED in message.faults and reason in message.nested()
+    assert BLOCKED in message.faults and reason in message.nested()
     assert [axis.homings for axis in bench.axes] == [0, 1, 1]
 
 
@@ -106,7 +130,7 @@ def test_a_trace_is_not_stored_if_the_axes_moved_during_its_sweep(bench):
     bench.at_sweep(0, lambda: setattr(bench.x, "coordinate", 10.01))
     bench.start()
     status = bench.wait_for(State.PAUSED)
-    assert reports(status.message, faults.MOVED_BY_OTHERS, 0)
+    assert reports(status.message, MOVED_BY_OTHERS, 0)
     assert bench.storage.samples == []
 
 

@@ -78,6 +78,19 @@ def test_a_node_that_dies_again_and_again_pauses_the_survey(bench):
     bench.resume_to_the_end()
 
 
+def test_a_node_that_dies_while_the_survey_is_paused_is_named_and_it_stays_paused(bench):
+    bench.at_sweep(2, bench.control.pause)
+    bench.start()
+    bench.wait_for(State.PAUSED)
+    bench.nodes.note_silent(STORAGE)
+    shown = bench.board.status.full_message
+    assert reports(shown.values["warning"], PART_SILENT, NODES[STORAGE])
+    come_back(bench, STORAGE)
+    assert bench.board.status.missing is None
+    assert bench.states[-1] == "PAUSED"
+    bench.resume_to_the_end()
+
+
 def die_after(bench, call):
     """Let the storage die after it has carried out a call, once, and wait for it."""
     usual = getattr(bench.storage, call)

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 from survey_examples import AXES
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import SurveyError
+from gpr20_main_control.errors import RECORD_DAMAGED, SurveyError
 from gpr20_main_control.mid.survey.survey_report import (
     LARGEST_CORRECTION_S,
     ClockSteps,
@@ -59,7 +58,7 @@ def test_a_report_goes_on_where_the_former_one_ended_and_refuses_what_is_none():
     assert reported_verdict(json.loads(stored)) is None
     assert SurveyReport(Coverage(9), AXES, stored).to_json(ended=False) == stored
     for former in ("{", "[]", '{"zeros": 3}', '{"analyzers": [{"from_index": "x"}]}'):
-        with raises_fault(faults.RECORD_DAMAGED, error=SurveyError):
+        with raises_fault(RECORD_DAMAGED, error=SurveyError):
             SurveyReport(Coverage(9), AXES, former)
 
 

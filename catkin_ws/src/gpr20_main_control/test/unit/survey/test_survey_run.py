@@ -1,15 +1,16 @@
 """A whole survey over a fake robot: its order, its requests, its pauses, its end."""
 
 import threading
+from dataclasses import replace
 
 import pytest
 from cut_off_surveys import recorded_axes, reopened_survey
-from fake_robot import LIMIT_S, Bench, ManualClock, reports
+from fake_robot import LIMIT_S, reports
 from fault_kit import raises_fault
+from survey_examples import PARAMETERS
 
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, SurveyError
+from gpr20_main_control.errors import OTHER_ROBOT, RECORD_DAMAGED, DeviceError, SurveyError
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.faults import STOPPED, TAKES_LONG
 from gpr20_survey.folder.log_record import Kind
@@ -17,13 +18,17 @@ from gpr20_survey.plan.survey_state import SurveyState as State
 
 
 def test_a_survey_stores_every_point_exactly_once_and_finishes(bench):
-    bench.start(x_points=4)
+    plan = bench.control.set_parameters(replace(PARAMETERS, x_points=4))
+    bench.control.start()
     status = bench.wait_for(State.FINISHED)
     samples, total = bench.storage.samples, 4 * 4 * 2
     assert [sample.index for sample in samples] == list(range(total))
     assert len({(s.x_coord_mm, s.y_coord_mm, s.z_coord_deg) for s in samples}) == total
     assert len({sample.sample_id for sample in samples}) == total
     assert (status.visited_points, status.remaining_s) == (total, 0.0)
+    left_s = {one.visited_points: one.remaining_s for one in bench.history if one.total_points}
+    assert len(left_s) == total + 1 and sorted(left_s.values(), reverse=True) == [*left_s.values()]
+    assert left_s[0] == pytest.approx(plan.duration_s)
     assert bench.states == ["CONFIGURED", "CHECKING", "HOMING", "SURVEYING", "FINISHED"]
     assert [one.outcome for one in bench.storage.ends] == ["finished"]
     # The recordings end with the status that is published.
@@ -51,26 +56,6 @@ def test_the_height_of_every_trace_is_the_one_measured_at_its_own_point(bench):
 
 
 # Pauses.
-
-
-def test_a_pause_does_not_count_for_the_remaining_time_and_loses_none():
-    bench = Bench(clock=ManualClock())
-
-    def pass_time():
-        bench.clock.time_s += 10.0
-        if bench.analyzer.sweeps == 5:
-            bench.y.fail_move = "the endstop was pressed"
-
-    bench.analyzer.on_sweep = pass_time
-    bench.start()
-    bench.wait_for(State.PAUSED)
-    bench.clock.time_s += 1.0e6
-    bench.y.fail_move = ""
-    bench.analyzer.on_sweep = lambda: None
-    bench.resume_to_the_end()
-    assert max(status.remaining_s for status in bench.history) < 1000.0
-    # Nor is the pace before the pause forgotten.
-    assert all(status.remaining_s > 0.0 for status in bench.history if status.visited_points == 6)
 
 
 def test_a_pause_its_end_and_what_the_operator_accepted_are_noted_in_their_order(bench):
@@ -133,13 +118,13 @@ def test_a_survey_from_the_disk_compares_its_last_stop_first_and_then_measures_w
 @pytest.mark.parametrize(
     "fault, stored, report, changes",
     [
-        (faults.OTHER_ROBOT, [0, 1], "", {"simulated": False}),
-        (faults.RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
-        (faults.RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
-        (faults.OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
+        (OTHER_ROBOT, [0, 1], "", {"simulated": False}),
+        (RECORD_DAMAGED, [0, 1], "", {"parameters": {}}),
+        (RECORD_DAMAGED, [0, 1], "", {"axes": {}}),
+        (OTHER_ROBOT, [0, 1], "", {"axes": recorded_axes(invert_direction=True)}),
         # It holds more than its plan.
-        (faults.RECORD_DAMAGED, [0, 30], "", {}),
-        (faults.RECORD_DAMAGED, [0], '{"zeros": [{}]}', {}),
+        (RECORD_DAMAGED, [0, 30], "", {}),
+        (RECORD_DAMAGED, [0], '{"zeros": [{}]}', {}),
     ],
 )
 def test_a_survey_that_this_robot_cannot_go_on_with_is_refused_and_closed(

@@ -9,8 +9,7 @@ from fault_kit import raises_fault
 from survey_examples import PARAMETERS
 
 from gpr20_common.faults import ASKED_FOR, MAY_MOVE
-from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import STOPPED_BEFORE, RequestRefusedError
 from gpr20_survey.faults import STOPPED
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -65,6 +64,35 @@ def test_an_axis_that_does_not_stop_or_is_silent_is_said_to_move_whatever_else_i
 
 
 @pytest.mark.parametrize(
+    "part, call", [("analyzer", "sweep"), ("storage", "store"), ("y", "home"), ("x", "")]
+)
+def test_a_stop_stops_every_axis_before_the_thread_of_the_survey_looks_again(bench, part, call):
+    """It is held where it would see the stop: in a sweep, storing, in a homing, in a move."""
+    called, held, look = threading.Event(), threading.Event(), bench.nodes.check
+
+    def hang_up(*_arguments):
+        called.set()
+        assert bench.go_on.wait(LIMIT_S)
+
+    def hold():
+        if called.is_set() or (bench.x.begun.is_set() and not call):
+            held.set()
+            assert bench.go_on.wait(LIMIT_S)
+        look()
+
+    if call:
+        setattr(getattr(bench, part), call, hang_up)
+    bench.nodes.check = hold
+    bench.start()
+    assert held.wait(LIMIT_S)
+    before = [axis.stops for axis in bench.axes]
+    bench.control.stop()
+    assert [axis.stops for axis in bench.axes] == [number + 1 for number in before]
+    bench.go_on.set()
+    bench.wait_for(State.STOPPED)
+
+
+@pytest.mark.parametrize(
     "part, call",
     [("analyzer", "connect"), ("analyzer", "sweep"), ("height", "height_m"), ("y", "home")],
 )
@@ -89,7 +117,7 @@ def test_a_stop_after_the_parameters_were_set_keeps_the_survey_from_starting(ben
     bench.control.set_parameters(PARAMETERS)
     with raises_fault(ASKED_FOR, error=RequestRefusedError):
         bench.control.stop()
-    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+    with raises_fault(STOPPED_BEFORE, error=RequestRefusedError):
         bench.control.start()
     assert not any(axis.moves for axis in bench.axes)
     bench.start()
@@ -113,11 +141,20 @@ def test_what_is_being_prepared_when_stop_comes_does_not_begin(bench, monkeypatc
         "start": bench.control.start,
         "resume": lambda: bench.control.resume("survey"),
     }
-    with raises_fault(faults.STOPPED_BEFORE, error=RequestRefusedError):
+    with raises_fault(STOPPED_BEFORE, error=RequestRefusedError):
         requests[request_of]()
     assert taken
     assert not any(axis.moves or axis.homings for axis in bench.axes)
     assert not bench.board.status.state.running
+
+
+def test_a_stop_in_the_moment_in_which_a_survey_begins_ends_it(bench, monkeypatch):
+    begin = bench.board.begin_survey
+    stop_first = lambda plan: (bench.control.stop(), begin(plan))  # noqa: E731
+    monkeypatch.setattr(bench.board, "begin_survey", stop_first)
+    bench.start()
+    bench.wait_for(State.STOPPED)
+    assert not any(axis.moves or axis.homings for axis in bench.axes)
 
 
 @pytest.mark.parametrize("part, call", [("analyzer", "connect"), ("storage", "open")])

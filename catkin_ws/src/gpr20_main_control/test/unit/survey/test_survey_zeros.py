@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from gpr20_analysis.read.doubts import unproven_zeros
-from gpr20_main_control import faults
+from gpr20_main_control.errors import MOVED_BY_OTHERS
 from gpr20_main_control.mid.survey.survey import Accepted
 from gpr20_survey.axes import ZeroEpoch
 from gpr20_survey.faults import NOT_HOMED, OTHER_ZEROS
@@ -28,7 +28,7 @@ def until_it_asks_about_a_zero(bench):
     """Let somebody set the zero of z in a sweep, and resume until the operator must decide."""
     bench.at_sweep(STORED, bench.z.begin_zero)
     bench.start()
-    bench.wait_for_fault(faults.MOVED_BY_OTHERS)
+    bench.wait_for_fault(MOVED_BY_OTHERS)
     bench.wait_for_visited(STORED)
     bench.control.resume("")
     # The known point agrees: the antennas were at their mark. That proves nothing.

@@ -11,9 +11,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
 from gpr20_common.mid.codec import bounded
-from gpr20_common.mid.node_facts import software_difference
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import CONFIGURATION_CHANGED, DeviceError
 from gpr20_survey.faults import SENSOR_FAILED, WRONG_VNA
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import (
@@ -100,10 +98,6 @@ class DescribedRobot:
         node = self.nodes.get(ANALYZER)
         return "" if node is None else str(node.configuration.get("address", ""))
 
-    def software_difference(self) -> Optional[Message]:
-        """Return which nodes run which software; None if all run the same."""
-        return software_difference({name: one.software for name, one in self.nodes.items()})
-
     def check(self, config: RobotConfig) -> None:
         """Raise a DeviceError unless the robot is still the one with which a survey began."""
         try:
@@ -117,7 +111,7 @@ class DescribedRobot:
                     "began with; end the launch, start it with the former configuration and "
                     "resume the survey"
                 ),
-                fault=faults.CONFIGURATION_CHANGED,
+                fault=CONFIGURATION_CHANGED,
             )
 
     def check_identity(self, identity: str, config: RobotConfig) -> None:

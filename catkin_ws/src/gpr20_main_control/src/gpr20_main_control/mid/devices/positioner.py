@@ -8,8 +8,7 @@ from typing import Any, Callable, Collection, Dict, List, Mapping, Optional
 
 from gpr20_common.faults import MAY_MOVE, PART_LOST, PART_SILENT
 from gpr20_common.message import Fault, Message, in_a_row
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, NodeLostError
+from gpr20_main_control.errors import BLOCKED, DeviceError, NodeLostError
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S
 from gpr20_main_control.mid.devices.robot import (
     Axis,
@@ -148,7 +147,7 @@ class AxisMotion:
                     axis=self.axis_id.value,
                     reason=error.message,
                 ),
-                fault=faults.BLOCKED,
+                fault=BLOCKED,
             ) from error
 
     def begin(self, target: float) -> None:
@@ -195,7 +194,7 @@ class AxisMotion:
                         coordinate=self.homed_reading().coordinate,
                         **self._place(target),
                     ),
-                    fault=faults.BLOCKED if ended else AXIS_MAY_MOVE,
+                    fault=BLOCKED if ended else AXIS_MAY_MOVE,
                 )
             self._clock.wait_s(self.axis.received, POLL_S)
 
@@ -227,7 +226,7 @@ class AxisMotion:
                     reason=error.message,
                     **self._place(target),
                 ),
-                fault=PART_SILENT if lost else faults.BLOCKED,
+                fault=PART_SILENT if lost else BLOCKED,
             ) from error
         self.may_move = not ended
         return ended

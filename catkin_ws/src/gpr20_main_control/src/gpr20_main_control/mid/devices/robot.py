@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping, Optional, Protocol, Tuple
 
 from gpr20_common.message import Message
-from gpr20_main_control.errors import DeviceError, NodeLostError
-from gpr20_main_control.faults import BLOCKED
+from gpr20_main_control.errors import BLOCKED, DeviceError, NodeLostError
 from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.survey.survey_status import Coverage, Status

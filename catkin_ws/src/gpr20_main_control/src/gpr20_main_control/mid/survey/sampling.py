@@ -10,15 +10,14 @@ import uuid
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, Callable, Optional, Tuple, TypeVar
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional, Tuple, TypeVar
 
 import numpy as np
 
 from gpr20_common.faults import OVERLOADED
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError
+from gpr20_main_control.errors import MOVED_BY_OTHERS, DeviceError
 from gpr20_main_control.mid.devices.robot import (
     SETUP_LIMIT_S,
     AnalyzerCalibration,
@@ -58,15 +57,6 @@ def _in_words(sweep: SweepSettings) -> Message:
         start_mhz=1.0e-6 * sweep.start_frequency_hz,
         stop_mhz=1.0e-6 * sweep.stop_frequency_hz,
     )
-
-
-@dataclass(frozen=True)
-class Settled:
-    """Where the axes rest, and the height that was measured there."""
-
-    position: Position
-    height_m: float
-    remarks: Tuple[str, ...]
 
 
 class Confirmation:
@@ -134,7 +124,9 @@ class Sampling:
         self._interruption = survey.interruption
         # On a robot that runs N times faster, vibrations decay N times faster.
         self._settle_s = self._plan.settings.settle_s / self._plan.config.time_scale
-        self._settled: Optional[Settled] = None
+        # Where the axes have settled: these fields of a trace, and its first remarks.
+        self._place: Dict[str, Any] = {}
+        self._remarks: Tuple[str, ...] = ()
         self._setup: Optional[AnalyzerSetup] = None
         self._wanted, last = survey.plan.sweep_settings, survey.plan.last
         # To the last bit those of every stored trace.
@@ -162,9 +154,15 @@ class Sampling:
         action = Message("height at point {index}", index=point.index)
         limit_s = self._plan.settings.attempts * self._robot.description.limits.height_limit_s
         with self._waits.shown(PLAIN_NAMES[HEIGHT_SENSOR], action, limit_s) as check:
-            height_m, remarks = result_of(height_call, check)
+            height_m, self._remarks = result_of(height_call, check)
         self._resting_at(point)
-        self._settled = Settled(position, height_m, remarks)
+        self._place = {
+            "x_coord_mm": position.x_mm,
+            "y_coord_mm": position.y_mm,
+            "z_coord_deg": position.z_deg,
+            "zeros": position.zeros,
+            "antennae_height_m": height_m,
+        }
 
     def sweep(
         self, point: SurveyPoint, store: Callable[[Trace], None], remark: Optional[Message] = None
@@ -251,8 +249,8 @@ class Sampling:
             return self._robot.analyzer_calls.call(call, check)
 
     def _swept(self, point: SurveyPoint, remark: Optional[Message]) -> Tuple[Trace, int]:
-        settled, setup = self._settled, self._setup
-        assert settled is not None and setup is not None
+        setup = self._setup
+        assert setup is not None and self._place
         sweep_call = self._robot.workers.begin(self._robot.analyzer.sweep)
         action = Message("sweep at point {index}", index=point.index)
         limit_s, expected_s = setup.request_limit_s, setup.sweep_duration_s
@@ -260,7 +258,7 @@ class Sampling:
             measured = result_of(sweep_call, check)
         self._interruption.check()
         self._resting_at(point)
-        return self._trace(point, settled, measured.sweep, remark), measured.number
+        return self._trace(point, measured.sweep, remark), measured.number
 
     def _resting_at(self, point: SurveyPoint) -> Position:
         """Return the position if the axes rest at a point, with the zeros of the survey."""
@@ -276,13 +274,11 @@ class Sampling:
                     planned=planned.message,
                     index=point.index,
                 ),
-                fault=faults.MOVED_BY_OTHERS,
+                fault=MOVED_BY_OTHERS,
             )
         return position
 
-    def _trace(
-        self, point: SurveyPoint, settled: Settled, sweep: Sweep, remark: Optional[Message]
-    ) -> Trace:
+    def _trace(self, point: SurveyPoint, sweep: Sweep, remark: Optional[Message]) -> Trace:
         hz = sweep.frequency_hz
         found = SweepSettings(float(hz[0]), float(hz[-1]), len(hz), sweep.analyzer)
         self._check_settings(found, np.array_equal(hz, self._frequencies_hz))
@@ -290,19 +286,15 @@ class Sampling:
         timestamp_us = time_of_day_us()
         self._survey.clock_steps.check()
         own = () if remark is None else (storable_remark(str(remark)),)
-        on_place = (*settled.remarks, *self._survey.zeros.remark)
+        on_place = (*self._remarks, *self._survey.zeros.remark)
         quality = (*sweep.quality, *on_place, *own, *sensor_remarks)
         measured = {**vars(sweep), "quality": quality}
         return Trace(
             **measured,
+            **self._place,
             survey_id=self._plan.survey_id,
             sample_id=str(uuid.uuid4()),
             index=point.index,
             timestamp_us=timestamp_us,
-            x_coord_mm=settled.position.x_mm,
-            y_coord_mm=settled.position.y_mm,
-            z_coord_deg=settled.position.z_deg,
-            antennae_height_m=settled.height_m,
             aux=aux,
-            zeros=settled.position.zeros,
         )

@@ -110,9 +110,6 @@ class Survey:
 
     def run(self) -> None:
         """Execute the survey; it always ends in a final state with a message."""
-        difference = self.robot.description.software_difference()
-        if difference is not None:
-            self.show_warning(difference)
         try:
             self._run()
         finally:
@@ -153,14 +150,13 @@ class Survey:
             while not self._continue():
                 pass
         except ShutDownRequested:
-            self._end_early(SurveyState.STOPPED, SHUT_DOWN, SHUT_DOWN, leaving=True)
+            self._end_early(SurveyState.STOPPED, SHUT_DOWN, leaving=True)
             # The analyzer's driver is shut down too, and releases it.
             return
         except StopRequested:
-            self._end_early(SurveyState.STOPPED, STOP, STOP)
+            self._end_early(SurveyState.STOPPED, STOP)
         except Exception as error:
-            reason = message_of(error)
-            self._end_early(SurveyState.FAILED, Message("Failed: {reason}", reason=reason), reason)
+            self._end_early(SurveyState.FAILED, message_of(error))
             if not isinstance(error, DeviceError):
                 log_fault("survey")
         # Without waiting: an analyzer that does not answer has no front panel either.
@@ -215,7 +211,6 @@ class Survey:
     def _wait_paused(self, message: Message, error: Optional[DeviceError] = None) -> None:
         """Wait, paused, until the survey is resumed or stopped."""
         paused_s = self.clock.now_s()
-        self.archive.set_timing(False)
         self.pause_requested.clear()
         # A request that sees the new state waits until all of this is done.
         with self._lock:
@@ -325,9 +320,7 @@ class Survey:
         self.archive.close(outcome, reason, status, check)
         self.status.enter(state, message, ended_us)
 
-    def _end_early(
-        self, state: SurveyState, message: Message, reason: Message, leaving: bool = False
-    ) -> None:
+    def _end_early(self, state: SurveyState, reason: Message, leaving: bool = False) -> None:
         """End the survey early; a failure of one action here must not prevent the next.
 
         When `leaving`, because the main control ends, it is interrupted, unless it is complete.
@@ -337,7 +330,8 @@ class Survey:
         if state is SurveyState.STOPPED:
             stopping = Message("Stopping: storing the measured traces")
             self.status.enter(SurveyState.STOPPING, stopping)
-        moving = self.positioner.wait_for_rest(limit_s)
+        is_stopped, moving = state is SurveyState.STOPPED, self.positioner.wait_for_rest(limit_s)
+        message = reason if is_stopped else Message("Failed: {reason}", reason=reason)
         # The axes' drivers are shut down too, and stop them; their last reading may be older.
         messages = [message] if leaving or moving is None else [message, moving]
         silent = Message(

@@ -162,8 +162,6 @@ class SurveyArchive:
         self._record: Optional[Tuple[object, SurveyRecord]] = None
         self._sensors = robot.sensors.recorded()
         self._durations_s = plan.pending_durations_s
-        self._spent_s = 0.0
-        self._counted_s: Optional[float] = None
         self.queue = StorageQueue(robot.storage, survey.clock, self._note_stored)
 
     def open(self, analyzer: AnalyzerState, check: Check) -> None:
@@ -190,10 +188,6 @@ class SurveyArchive:
         longest_s = ATTEMPTS * (limit_s + RETRY_S)
         with self._survey.waits.shown(STORAGE_NAME, action, longest_s) as check:
             self.queue.wait_until_left(traces, check)
-
-    def set_timing(self, measuring: bool) -> None:
-        """Count time as measuring time from now on, up to the last trace that is stored, or not."""
-        self._counted_s = self._survey.clock.now_s() if measuring else None
 
     def add_fact(self, kind: Kind, **values: Any) -> None:
         """Keep a fact with the present time, by which the storage knows a repeated one.
@@ -241,15 +235,10 @@ class SurveyArchive:
         return self._calls.call(lambda: self._storage.add_fact(survey_id, kind, values_json), check)
 
     def _note_stored(self, index: int) -> None:
-        """Count a trace, and stretch the rest of the plan by the pace so far, without pauses."""
         self._survey.coverage.note_stored(index)
-        if self._counted_s is not None:
-            now_s = self._survey.clock.now_s()
-            self._spent_s, self._counted_s = self._spent_s + now_s - self._counted_s, now_s
         visited = self._survey.status.status.visited_points + 1
         stored = visited - len(self._plan.reopened.stored_indices)
-        done_s, rest_s = sum(self._durations_s[:stored]), sum(self._durations_s[stored:])
-        remaining_s = rest_s * (self._spent_s / done_s) if done_s > 0.0 else rest_s
+        remaining_s = sum(self._durations_s[stored:])
         self._survey.status.update(visited_points=visited, remaining_s=remaining_s)
 
 

@@ -9,8 +9,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
-from gpr20_main_control import faults
-from gpr20_main_control.errors import RequestRefusedError
+from gpr20_main_control.errors import OTHER_ROBOT, RECORD_DAMAGED, RequestRefusedError
 from gpr20_survey.axes import AxisParameters
 from gpr20_survey.faults import NO_PLAN
 from gpr20_survey.plan.annotation import EMPTY, Annotation
@@ -161,7 +160,7 @@ def plan_resumption(
                     former=str(former),
                     present=str(present),
                 ),
-                fault=faults.OTHER_ROBOT,
+                fault=OTHER_ROBOT,
             )
     plan = plan_survey(parameters, config, settings)
     if max(reopened.stored_indices, default=0) >= plan.total_points:
@@ -178,7 +177,7 @@ def _damaged(reopened: ReopenedSurvey, details: str) -> RequestRefusedError:
             folder=reopened.path,
             details=details,
         ),
-        fault=faults.RECORD_DAMAGED,
+        fault=RECORD_DAMAGED,
     )
 
 

@@ -10,8 +10,13 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 from gpr20_common.low.clock import Clock, time_of_day_us
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain, record_from
-from gpr20_main_control import faults
-from gpr20_main_control.errors import DeviceError, OtherAnalyzerError, SurveyError
+from gpr20_main_control.errors import (
+    MOVED_BY_OTHERS,
+    RECORD_DAMAGED,
+    DeviceError,
+    OtherAnalyzerError,
+    SurveyError,
+)
 from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.measured_again import KnownPoint
 from gpr20_main_control.mid.survey.survey_status import Coverage
@@ -184,7 +189,7 @@ class ZeroRecord:
                 "survey to compare a known point",
                 axes=", ".join(axis_id.value for axis_id, one, other in pairs if one != other),
             ),
-            fault=faults.MOVED_BY_OTHERS,
+            fault=MOVED_BY_OTHERS,
         )
 
     @property
@@ -253,7 +258,7 @@ class SurveyReport:
         except ValueError as error:
             raise SurveyError(
                 Message("the report in the log cannot be read; plan a new survey", details=error),
-                fault=faults.RECORD_DAMAGED,
+                fault=RECORD_DAMAGED,
             ) from error
         self.coverage = coverage
         self.analyzers = AnalyzerRecord(former.analyzers)

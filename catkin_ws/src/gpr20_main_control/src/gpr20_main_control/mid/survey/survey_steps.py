@@ -10,12 +10,10 @@ from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import (
     DeviceError,
-    NodeLostError,
     StopRequested,
     UnconfirmedError,
     message_of,
 )
-from gpr20_main_control.mid.devices.robot import zeros_of
 from gpr20_main_control.mid.measured_again import (
     DriftLimits,
     KnownPoint,
@@ -45,18 +43,15 @@ class SurveyProgress:
 
     Attributes:
         unconfirmed: The sweep that is not confirmed yet; None if every one is.
-        last: The trace that was confirmed last; None before the first.
         home_every_axis: Whether every axis must be homed, because the stored traces were measured
             before this process homed the axes.
-        compare: Whether a known point must be measured again before the survey goes on.
         reference: The traces of the first stop, with which a visit of it is compared.
     """
 
     def __init__(self, plan: SurveyPlan) -> None:
         """Begin a survey, or continue one from its folder."""
         resumed = bool(plan.reopened.survey_id)
-        self.last = plan.last
-        self.home_every_axis = self.compare = resumed
+        self.home_every_axis = resumed
         self._plan, self._rotations = plan, len(plan.parameters.polarizations_deg)
         # Of two stops, of which one is complete.
         self._recent = deque(plan.reopened.recent, maxlen=max(1, 2 * self._rotations - 1))
@@ -108,7 +103,7 @@ class SurveyProgress:
         self._pending.popleft()
 
     def note_confirmed(self, trace: Trace) -> None:
-        self.unconfirmed, self.last = None, trace
+        self.unconfirmed = None
         self._recent.append(trace)
         if trace.index < self._rotations:
             self.reference[trace.index] = trace
@@ -145,7 +140,7 @@ class SurveySteps:
         progress, paused = self.progress, self._survey.pause_requested
         self._begin()
         self._home()
-        if progress.compare and progress.known:
+        if self._zeros.needs_proof(self._positioner.zeros()) and progress.known:
             self._compare(progress.known)
         while not progress.all_confirmed or progress.visit_due:
             point = progress.next
@@ -168,7 +163,6 @@ class SurveySteps:
                 with self._measuring(point):
                     store, remark = self._archive.queue.add, self._rejection
                     progress.note_swept(self._sampling.sweep(point, store, remark))
-        self._check_zeros_at_end()
         return True
 
     def resolve_unconfirmed(self, check: Check) -> None:
@@ -203,14 +197,12 @@ class SurveySteps:
         self._positioner.home(before.keys() if every else self._zeros.to_home_again(before))
         present = self._positioner.zeros()
         self._zeros.note_homed(present)
-        if progress.last is None:
+        if not progress.known:
             self._zeros.begin(present, progress.next_index, self._now())
             self._note_zeros()
         progress.home_every_axis = False
-        progress.compare = self._zeros.needs_proof(present)
         # Before the next trace: what it is measured with, and what its coordinates refer to.
         self._archive.send_report(self._survey.interruption.check)
-        self._archive.set_timing(True)
         self._archive.queue.retry()
         self._status.enter(SurveyState.SURVEYING, MEASURING)
 
@@ -223,7 +215,6 @@ class SurveySteps:
         self._zeros.judge(present, known, limit_db, index, self._now())
         self._note_zeros(known.repeats)
         self._archive.send_report(self._survey.interruption.check)
-        self.progress.compare = False
         self._status.update(message=in_a_row([MEASURING, known.message]))
 
     def _visit(self) -> None:
@@ -324,15 +315,6 @@ class SurveySteps:
             reason=reason,
         )
         self._survey.report.note_warning(self._rejection)
-
-    def _check_zeros_at_end(self) -> None:
-        try:
-            self._zeros.check(zeros_of(self._positioner.zeros()))
-        except NodeLostError:
-            raise
-        except DeviceError as error:
-            # Each sweep had the same zeros before and after it: the operator need not decide.
-            self._survey.show_warning(error.message)
 
     def _note_zeros(self, compared: Sequence[Repeated] = ()) -> None:
         values = plain(self._zeros.used[-1])

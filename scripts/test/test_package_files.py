@@ -1,4 +1,4 @@
-"""What a package imports it depends on, and what it reads is installed with it."""
+"""What a package imports it depends on, what it reads is installed; versions and pins agree."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 import yaml
 from case_kit import each_case
+from user_shell import ROOT
 
 from gpr20_doctor.mid.software_checks import MODULES, NEEDED
 
-ROOT = Path(__file__).resolve().parents[5]
 SOURCES = ROOT / "catkin_ws" / "src"
 PACKAGES = {
     re.search("<name>(.*)</name>", path.read_text()).group(1): path.parent.resolve()
@@ -168,3 +168,42 @@ def test_every_file_of_a_package_is_installed(name):
             assert path.stem in words, f"{path}: catkin_add_env_hooks({path.stem} ...)"
         elif len(path.parts) > 1 and top not in BUILD_FOLDERS:
             assert top in words, f"{path}: install(DIRECTORY {top} ...)"
+
+
+# One version, maintainer, licence and address of all; pinned requirements.
+
+MANIFESTS = [path / "package.xml" for path in PACKAGES.values()]
+PINNED = {
+    "3.8": ["nodes", "test", "system"],
+    "3.11": ["nodes", "test", "lint", "docs", "robot"],
+    "3.13": ["nodes", "test", "system"],
+}
+
+
+def test_every_package_has_version_people_licence_and_addresses_of_the_project():
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    wanted = [*citation["contact"][0].values(), citation["license"]]
+    wanted += [citation[key] for key in ("url", "repository-code") if key in citation]
+    for path in [*MANIFESTS, *SOURCES.glob("*/pyproject.toml")]:
+        text = path.read_text(encoding="utf-8")
+        assert [one for one in wanted if one not in text] == [], path
+    texts = [path.read_text() for path in [*MANIFESTS, *SOURCES.glob("*/src/*/__init__.py")]]
+    version = r"""(?:<version>|^__version__ = "|^version: )([\w.]+)"""
+    found = [re.findall(version, one, re.MULTILINE) for one in texts]
+    assert len(found) > 10
+    of_all = [str(citation["version"])]
+    assert {*map(tuple, filter(None, found))} == {tuple(of_all)}, "change it by scripts/release.sh"
+    assert f'current_version = "{of_all[0]}"' in (ROOT / "pyproject.toml").read_text()
+
+
+def required(path):
+    """Return the packages of a requirements file, as pip compares them."""
+    found = re.findall(r"^([A-Za-z][\w.-]*)(?!.*python_version)", path.read_text(), re.MULTILINE)
+    return {re.sub(r"[-_.]+", "-", one).lower() for one in found}
+
+
+def test_every_listed_requirement_is_pinned():
+    for python, lists in PINNED.items():
+        pinned = required(ROOT / f"requirements/python{python}.txt")
+        missing = {one for file in lists for one in required(ROOT / f"requirements/{file}.in")}
+        assert missing <= pinned, "run scripts/requirements.sh"
