@@ -243,7 +243,10 @@ def additions(node, now):
 
 def test_markers_are_asked_for_once_and_again_after_a_failure(node, now, additions):
     additions.follow(SURVEY, can_read=True)
-    for answer in (lambda one: one.fail(verbatim("no")), lambda one: one.done(StoredSurvey("", 0))):
+    for answer in (
+        lambda one: one.fail(verbatim("no")),
+        lambda one: one.done(StoredSurvey("", ())),
+    ):
         asked = len(node.of("read"))
         answer(node.ticket("read"))
         for later_s in (RETRY_S / 2.0, RETRY_S):

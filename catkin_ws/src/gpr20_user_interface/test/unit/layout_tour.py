@@ -20,13 +20,13 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, hold, is_cut, open_field, show
+from window_helpers import click, hold, is_cut, open_field, show, take_list
 
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
@@ -111,7 +111,7 @@ def plan(*acts):
         window.touch_binding.set_locked(False)
         window.show_tab(TabName.SURVEY)
         window.survey.preview = LARGEST
-        window.on_event(SurveysListed("", (), False))
+        take_list(window, ())
         window.control.form.set_texts(LONGEST)
         window.control.show_plan()
         show(window, busiest(SurveyState.IDLE))
@@ -133,7 +133,7 @@ def running(code=SurveyState.SURVEYING, **changes):
 
 def to_resume(window):
     survey = past_survey(name="W" * 60, stored_traces=999999, planned_traces=1000000)
-    window.on_event(SurveysListed("", (survey,), False))
+    take_list(window, (survey,))
     show(window, busiest(SurveyState.IDLE))
     assert window.control.resume.isVisible()
 
@@ -222,14 +222,14 @@ def surveys(window):
     window.show_tab(TabName.SURVEYS)
     whole = past_survey(stored_traces=25000, planned_traces=25000, name="Campo 7, norte")
     many = [past_survey(folder=f"{FOLDER[:-2]}{one}", name=f"Lane {one}") for one in range(60)]
-    window.on_event(SurveysListed("", (whole, *many), False))
+    take_list(window, (whole, *many))
     window.past.choose(whole)
     show(window, busiest(SurveyState.IDLE))
 
 
 def list_fails(window):
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (), False))
+    take_list(window, ())
     window.traces.past.set_problem(verbatim("el servidor no contesta"))
     show(window, snapshot())
 

@@ -12,12 +12,12 @@ from map_kit import DOUBTED, MARKER, SURE, focused, marked
 from PyQt5.QtTest import QTest
 from test_ground_model import cover, image_of
 from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
-from window_helpers import click, hold, press_keys, show
+from window_helpers import click, hold, press_keys, show, take_list
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.sources import Axis, Layer
-from gpr20_operator.ground.traces import SurveyRead, SurveysListed, TracesRead
+from gpr20_operator.jobs.pictures import StoredSurvey, TracesRead
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
@@ -225,21 +225,23 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
 
 @pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
 def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
-    window, tmp_path, columns, rows
+    window, storage, tmp_path, columns, rows
 ):
     folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
     counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
     imported = past_survey(folder=folder.name, outcome="imported", **counts)
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (imported,), False))
+    take_list(window, (imported,))
     window.past.choose(imported)
     assert not window.past.resume.isVisible()
     click(window.past.open)
     text = (folder / "survey.json").read_text("ascii")
-    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    storage.answer(StoredSurvey(text, tuple(range(count))))
+    for _ in range(2):
+        window.draw()
     shown = window.traces.shown
     traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
-    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    storage.answer(TracesRead(TraceBlock.of(shown.map.grid.survey_id, traces), {}))
     window.refresh()
     assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
     assert shown.map.grid.simulated is False and shown.map.grid.plan is None

@@ -15,11 +15,11 @@ from window_helpers import (
     press_keys,
     show,
     start,
+    take_list,
     wishes,
 )
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.plan.fields import VALUE_TILES, Tile, default_parameters
 from gpr20_operator.plan.form import preview
 from gpr20_operator.robot.events import Answer, Replay, Request
@@ -178,7 +178,7 @@ def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idl
 def test_a_survey_that_ended_early_is_resumed_by_a_hold_and_start_comes_second(window):
     show(window, IDLE)
     listed = past_survey(name="El Carmen 2", stored_traces=1234, planned_traces=4489)
-    window.on_event(SurveysListed("", (listed,), False))
+    take_list(window, (listed,))
     for now in (snapshot(SurveyState.IDLE, alive=False), snapshot(SurveyState.SURVEYING)):
         show(window, now)
         assert not window.control.resume.isVisible()

@@ -5,10 +5,9 @@ from candidate_examples import candidate
 from hiding_kit import a_map
 from result_kit import BLUE, RED, noted, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, is_cut, press_keys, show
+from window_helpers import click, hold, is_cut, press_keys, show, take_list
 
 from gpr20_common.message import Fault, Message, verbatim
-from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.jobs.result_texts import NOT_SAFE, NOTHING_FOUND
@@ -89,7 +88,7 @@ def test_a_stored_survey_opens_its_result_and_is_named_there_and_over_its_sheets
         sheet.hide()
     listed = past_survey(stored_traces=40, complete=True, outcome="finished")
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (listed,), False))
+    take_list(window, (listed,))
     window.past.choose(listed)
     click(window.past.result)
     show(window, ENDED)

@@ -13,7 +13,7 @@ from view_kit import FULL, past_survey
 from gpr20_common.faults import NOT_RUNNING
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.ground.traces import SurveysListed
+from gpr20_operator.jobs.pictures import SurveysListed
 from gpr20_operator.robot.events import Answer, ControlState, Progress, Request
 from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
@@ -85,7 +85,7 @@ class Ended(BaseException):
 def robot(monkeypatch):
     robot = Robot()
     keeper = SimpleNamespace(close=lambda: None)
-    listed = SimpleNamespace(wait_for=lambda *_, **__: SurveysListed("", LISTED, False))
+    listed = SimpleNamespace(wait_for=lambda *_, **__: SurveysListed(LISTED, False))
     for name, fake in (
         *(("ControlClient", robot), ("join_graph", lambda *_given: None)),
         *(("GraphKeeper", lambda: keeper), ("StorageClient", lambda *_given: listed)),

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Requests, Service, job_of
+from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.results.volume import Volume
+from gpr20_survey.trace.trace_block import TraceBlock
 
 NOT_KNOWN = 0.0
 """What is sent as the permittivity to use that of the stored survey."""
@@ -17,6 +19,7 @@ NOT_KNOWN = 0.0
 PERIOD_S = 10.0
 # The imaging node refuses an image of fewer lines than three.
 FEWEST_TRACES = 9
+SURVEYS_PER_PAGE = 50
 # Images are large.
 MOST_IMAGES = 6
 
@@ -36,10 +39,24 @@ class Exported(NamedTuple):
 
 
 class StoredSurvey(NamedTuple):
-    """What the storage has of a survey: survey.json, and how many traces."""
+    """What the storage has of a survey: survey.json, and the places of its traces in the plan."""
 
     text: str
-    stored_traces: int
+    stored_indices: Tuple[int, ...]
+
+
+class SurveysListed(NamedTuple):
+    """A page of the list of past surveys, the newest first."""
+
+    surveys: Tuple[SurveySummary, ...]
+    more: bool
+
+
+class TracesRead(NamedTuple):
+    """Stored traces, and why others cannot be read, by their places in the plan."""
+
+    block: TraceBlock
+    unreadable: Mapping[int, Message]
 
 
 class Pictures:

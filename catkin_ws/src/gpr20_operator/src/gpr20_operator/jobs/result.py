@@ -91,7 +91,7 @@ def record_of(stored: StoredSurvey) -> Record:
     annotation = annotation_of(values)
     return Record(
         grid,
-        stored.stored_traces,
+        len(stored.stored_indices),
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,

@@ -19,8 +19,9 @@ from gpr20_operator.errors import MasterUnavailableError
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.high.control_client import ControlClient
 from gpr20_operator.high.ros_events import RequestError, join_graph
-from gpr20_operator.high.storage_client import SURVEYS_PER_PAGE, StorageClient
+from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import SURVEYS_PER_PAGE
 from gpr20_operator.robot.events import Senders
 from gpr20_user_interface.low.process import SecondStopSignal, StopSignals, leave_now
 from gpr20_user_interface.terminal.follower import (

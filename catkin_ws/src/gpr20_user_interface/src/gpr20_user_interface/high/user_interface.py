@@ -108,11 +108,12 @@ class UserInterface:
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
         self.web = WebPageClient(self.signal.emit_event, senders)
         self._clients = (self.control, self.storage, self.web)
+        imaging = Imaging(self.storage, time.monotonic)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
-                TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-                Imaging(self.storage, time.monotonic),
+                TracePresenter(imaging, lambda reason: rospy.logwarn("not shown: %s", reason)),
+                imaging,
                 ServiceModel(self.storage, self.storage.examine, Clock()),
                 self.plans,
                 Arming(Clock(), self.web.send),

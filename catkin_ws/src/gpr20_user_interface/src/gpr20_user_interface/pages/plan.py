@@ -234,7 +234,7 @@ class PlanPage(QWidget, Page):
         wanted = (past.outdated or not past.read) and not self._waiting
         if wanted and self.isVisible() and snapshot.control_alive and snapshot.replay is None:
             past.outdated, self._waiting = False, RETRY_REFRESHES
-            self._traces.source.list_surveys("")
+            self._traces.list_surveys()
 
     def _on_tile(self, tile: Tile) -> None:
         if tile is Tile.NAME:

@@ -305,7 +305,7 @@ class MainWindow(QWidget):
         control.start_pressed.connect(self.start_sheet.ask_start)
         control.resume_pressed.connect(self.start_sheet.ask_resume_past)
         control.refused.connect(self.alerts.show_refusal)
-        past.page_requested.connect(traces.source.list_surveys)
+        past.page_requested.connect(traces.list_surveys)
         past.open_requested.connect(traces.open_survey)
         past.notes_requested.connect(control.annotation.read)
         past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))

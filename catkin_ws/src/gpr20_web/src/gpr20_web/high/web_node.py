@@ -146,7 +146,7 @@ class WebNode:
             {
                 "now": NowPage(rospy.get_namespace().strip("/")),
                 "commands": self._commands,
-                "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
+                "map": GroundPage(self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
                 "service": ServicePage(self._storage.examine, self._clock),
             },

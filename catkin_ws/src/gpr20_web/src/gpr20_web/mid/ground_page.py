@@ -9,7 +9,6 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.grid import Place
 from gpr20_operator.ground.past_surveys import survey_label
 from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
-from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
@@ -42,8 +41,7 @@ class GroundPage(WebPage):
     """What the page Ground asks for, and its words.
 
     Args:
-        source: The storage; its events come back by `on_event`.
-        requests: The imaging node.
+        requests: The storage and the imaging node.
         now_s: A clock that never goes back [s].
         report: Called with the reason why a trace or a survey cannot be shown.
     """
@@ -73,12 +71,11 @@ class GroundPage(WebPage):
 
     def __init__(
         self,
-        source: TraceSource,
         requests: Requests,
         now_s: Callable[[], float],
         report: Callable[[Message], None],
     ) -> None:
-        self._source, self._now_s, self._report = source, now_s, report
+        self._now_s, self._report = now_s, report
         self._requests, self._pictures = requests, Pictures()
         self._live = self._new_ground()
         self._past: Dict[str, ShownGround] = {}
@@ -196,7 +193,7 @@ class GroundPage(WebPage):
 
     def _new_ground(self, folder: str = "") -> ShownGround:
         imaging = Imaging(self._requests, self._now_s, self._pictures, AGAIN_S)
-        return ShownGround(self._source, imaging, self._report, folder)
+        return ShownGround(imaging, self._report, folder)
 
     def _make_room(self) -> None:
         """Forget the past survey that was looked at longest ago, if there are many."""
