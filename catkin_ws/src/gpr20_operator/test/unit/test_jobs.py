@@ -86,7 +86,7 @@ def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(change
         due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
         assert len(node.of("focus")) - before == due
         if due:
-            assert node.of("focus")[-1] == (survey, permittivity or 0.0)
+            assert node.of("focus")[-1] == (survey, 0.0)
             asked, waits = wanted, True
         if waits and answered:
             focused(node, asked.survey_id)

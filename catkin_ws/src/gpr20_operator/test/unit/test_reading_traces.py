@@ -22,7 +22,6 @@ from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
 from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed, TracePresenter
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey, SurveysListed, TracesRead
-from gpr20_operator.robot.events import Replay
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace_block import TraceBlock
@@ -32,8 +31,8 @@ ALL_STORED = tuple(range(40))
 GRID = make_grid()
 
 
-def note(traces, code, survey=SURVEY, replay=None):
-    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey), replay=replay))
+def note(traces, code, survey=SURVEY):
+    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey)))
 
 
 def open_past(traces):
@@ -59,15 +58,6 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert traces.shown.survey_id == PAST
     traces.show_live()
     assert traces.band is None
-
-
-def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
-    replay = Replay(PAST, folder=FOLDER, rate=1.0, state=SurveyState.SURVEYING)
-    note(traces, SurveyState.SURVEYING, PAST, replay)
-    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-    assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
-    # The traces come with the replay: no storage has them.
-    assert traces.storage.asked == []
 
 
 @pytest.fixture

@@ -49,7 +49,7 @@ FORBIDDING = {
         SurveyState.IDLE, axes=(AxisReport(AxisId.X, 0.0, True, True, "/other", 0.0),)
     ),
     "service": snapshot(SurveyState.IDLE, service=verbatim("moving the X axis")),
-    "replay": snapshot(SurveyState.IDLE, replay=Replay(state=SurveyState.IDLE)),
+    "replay": snapshot(SurveyState.IDLE, replay=Replay()),
 }
 ENDING = {"fault": FAULT, "other fault": OTHER_FAULT, **FORBIDDING}
 

@@ -16,7 +16,7 @@ from window_helpers import click, hold, press_keys, show, take_list
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import StopState
-from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.sources import Layer
 from gpr20_operator.jobs.pictures import StoredSurvey, TracesRead
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
@@ -90,7 +90,7 @@ def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     sheet, model = filled.ground.layers, filled.ground.model
     echoes, before = filled.traces.live.radar.echoes.copy(), model.settings
     sheet.open()
-    for name in ("along", "polarization", "background", "follow"):
+    for name in ("along", "polarization", "follow"):
         click(getattr(sheet, name))
     now = dataclasses.asdict(model.settings).items()
     same = {name for name, value in now if getattr(before, name) == value}
@@ -158,7 +158,7 @@ def test_what_is_missing_is_said(window, view):
     fill(window, 1, height_m=float("nan"))
     assert view.note.text().startswith(f"SIMULATED. {NO_MINE}")
     assert "No height was measured" in view.above.notice
-    assert view.section.axis is Axis.DELAY_NS and not view.deeper.isEnabled()
+    assert view.section.extent is None and not view.deeper.isEnabled()
     assert "The background is not removed from fewer than 8 traces" in view.note.text()
     window.traces.live.radar.give_up(5, verbatim("torn"))
     assert "Cannot be shown: 1" in refreshed(view).note.text()

@@ -99,14 +99,13 @@ def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle
 
 
 def test_start_says_why_it_is_locked_and_a_replay_offers_no_notes(window):
-    replay = Replay(state=SurveyState.SURVEYING)
     control = window.control
     for shown, reason in (
         (IDLE, ""),
         (replace(IDLE, control_alive=False), "No contact with the robot"),
         (snapshot(SurveyState.SURVEYING), "A survey is running"),
         (replace(IDLE, pending=frozenset([Request.START])), "The survey is starting"),
-        (snapshot(replay=replay), "A replay is shown"),
+        (snapshot(SurveyState.SURVEYING, replay=Replay()), "A replay is shown"),
     ):
         show(window, shown)
         assert control.start.isEnabled() is (shown is IDLE)

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from map_kit import focused, marked
+from map_kit import MARKER, focused, marked
+from result_kit import TIME_US, noted, stored
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import FOLDER, PERIOD_S, SURVEY, Server
 
@@ -17,10 +18,11 @@ from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed
 from gpr20_operator.jobs.pictures import SurveysListed
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.events import Progress
+from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
-from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
-from gpr20_web.mid.shown_ground import PATTERN_PX
+from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_web.mid.shown_ground import AGAIN_S, PATTERN_PX
 
 TARGETED = Place(150.0, 90.0)
 
@@ -140,7 +142,7 @@ def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server,
     revision = server.ask(layer="echoes")["revision"]
     assert len(made) == 2
     assert "ground" not in server.ask(layer="echoes", known=revision)
-    server.node.ticket("read").done(marked())
+    server.node.ticket("read").done(marked(MARKER))
     assert "ground" in server.ask(layer="echoes", known=revision)
 
 
@@ -171,22 +173,20 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
     assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
     assert "2 places to check" in server.ask()["ground"]["lines"]
     assert server.pixels(layer="focused").shape[:2] == (2, 3)
-    # The same answer is nothing new; another one is, whoever has entered what the ground is.
+    # Another screen has entered what the ground is.
     revision = server.ask()["revision"]
-    for image in (focused(), with_soil(focused(), 9.0)):
-        asked = len(server.look())
-        server.ask()
+    for soil in (4.0, 9.0):
         server.tick(AGAIN_S)
-        assert len(server.node.of("focus")) == asked + 1
-        server.node.ticket("focus").done(image)
-        known = server.ask(known=revision)
-        assert ("ground" in known) == (image.found.permittivity == 9.0)
-    assert len(known["ground"]["marks"]) == 2
+        log = [noted("decision", soil_values(soil, TIME_US))]
+        server.node.ticket("read").done(stored(log=log))
+        assert ("ground" in server.ask(known=revision)) == (soil == 9.0)
+        assert len(server.look()) == 1 + (soil == 9.0)
+    assert server.ask(layer="focused")["ground"]["marks"] == []
+    image = focused()
+    image = replace(image, found=replace(image.found, permittivity=9.0))
+    server.node.ticket("focus").done(image)
+    assert len(server.ask()["ground"]["marks"]) == 2
     assert {one[1] for one in server.node.of("focus")} == {0.0}
-
-
-def with_soil(image, permittivity):
-    return replace(image, found=replace(image.found, permittivity=permittivity))
 
 
 def test_the_picture_of_survey_is_what_is_measured_until_all_is_and_its_traces_are_here(server):

@@ -23,7 +23,6 @@ MAX_DEPTH_M = 0.5
 class Axis(enum.Enum):
     """What the axis of a picture is."""
 
-    DELAY_NS = "delay"
     DEPTH_MM = "depth"
     X_MM = "x"
     Y_MM = "y"
@@ -45,7 +44,6 @@ class RadarSettings:
 
     Args:
         polarization: Number of the antenna rotation, from 0.
-        remove_background: Take out what all traces of this polarization have in common.
         permittivity: Relative permittivity of the ground.
         depth_m: Depth of the slice and of the crosshair [m].
         along: Axis that the section is parallel to: X or Y.
@@ -53,7 +51,6 @@ class RadarSettings:
     """
 
     polarization: int = 0
-    remove_background: bool = True
     permittivity: float = 4.0
     depth_m: float = 0.05
     along: Axis = Axis.X_MM
@@ -127,30 +124,21 @@ class EchoSource:
         return np.arange(count) * DEPTH_STEP_M - ABOVE_SURFACE_M
 
     def section(self, place: Place, settings: RadarSettings) -> Optional[Picture]:
-        """Return the section through the nearest stop; over delays while no height is known."""
-        grid, transform = self._model.grid, self._model.transform
-        scale = self._model.scale(settings.remove_background)
-        if grid is None or transform is None or scale is None:
+        """Return the section through the nearest stop; None while no height is known."""
+        grid, scale, depths = self._model.grid, self._model.scale(), self.depths_m(settings)
+        if grid is None or scale is None or depths is None:
             return None
         row, column = grid.closest_stop(*place)
         along_x = settings.along is Axis.X_MM
         stops = (row, slice(None)) if along_x else (slice(None), column)
-        depths = self.depths_m(settings)
-        if depths is None:
-            delays_s, second, axis = (
-                transform.delays_s[None],
-                transform.delays_s * 1e9,
-                Axis.DELAY_NS,
-            )
-        else:
-            delays_s = self._delays_s(stops, depths, settings)
-            second, axis = depths * 1000.0, Axis.DEPTH_MM
+        delays_s = self._delays_s(stops, depths, settings)
         levels_db = self._levels_db(stops, delays_s, settings, scale)
-        return _picture(levels_db.T, grid.xs_mm if along_x else grid.ys_mm, second, axis, scale)
+        across_mm = grid.xs_mm if along_x else grid.ys_mm
+        return _picture(levels_db.T, across_mm, depths * 1000.0, Axis.DEPTH_MM, scale)
 
     def slice(self, settings: RadarSettings) -> Optional[Picture]:
         """Return the slice at the depth of the settings."""
-        grid, scale = self._model.grid, self._model.scale(settings.remove_background)
+        grid, scale = self._model.grid, self._model.scale()
         if grid is None or scale is None or not np.isfinite(self._model.typical_height_m()):
             return None
         stops = (slice(None), slice(None))
@@ -160,7 +148,7 @@ class EchoSource:
 
     def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
         """Return the level at the nearest stop and the depth [dB above noise]."""
-        grid, scale = self._model.grid, self._model.scale(settings.remove_background)
+        grid, scale = self._model.grid, self._model.scale()
         if grid is None or scale is None or not np.isfinite(self._model.typical_height_m()):
             return None
         stop = grid.closest_stop(*place)
@@ -189,7 +177,7 @@ class EchoSource:
         part = (place - below).astype(np.float32)
         row = np.arange(len(echoes))[:, np.newaxis]
         found = echoes[row, below] * (1.0 - part) + echoes[row, below + 1] * part
-        background = model.background(number) if settings.remove_background else None
+        background = model.background(number)
         if background is not None:
             found -= background[below] * (1.0 - part) + background[below + 1] * part
         # Nothing is known between the stops, nor before the first delay and after the last one.
@@ -200,7 +188,7 @@ class EchoSource:
 class FocusedSource:
     """A focused image; its levels are above the noise already.
 
-    Polarization, background and permittivity were chosen when it was made.
+    Polarization and permittivity were chosen when it was made.
 
     Args:
         image: The image.

@@ -90,8 +90,6 @@ class ShownSurvey:
             self._lacking = self._lacking[:0]
             self.radar.begin(grid)
             self.map.set_grid(grid)
-        else:
-            own.permittivity = grid.permittivity
 
     def take_traces(self, traces: Iterable[Trace]) -> Tuple[Message, ...]:
         """Take those traces that are of this survey; return why some of them cannot be shown.
@@ -181,8 +179,6 @@ class TracePresenter:
         self._awaited = ShownSurvey()
         self._running_id = ""
         self._measuring = False
-        # The survey that is replayed, empty if it is not known; None: there is a robot.
-        self._replayed_id: Optional[str] = None
         self._coverage: Optional[CoverageRuns] = None
         self._arrived: List[Trace] = []
         self.show_live()
@@ -195,7 +191,7 @@ class TracePresenter:
     @property
     def running(self) -> ShownSurvey:
         """The survey that runs or ran last; empty while the plan of one that begins is awaited."""
-        expected = self._running_id or self._replayed_id or self.live.survey_id
+        expected = self._running_id or self.live.survey_id
         return self.live if expected == self.live.survey_id else self._awaited
 
     @property
@@ -232,10 +228,6 @@ class TracePresenter:
 
     def note_state(self, snapshot: Snapshot) -> None:
         """Note where the antennas are and which survey is running; show one that begins."""
-        if snapshot.replay is not None:
-            if self._replayed_id is None:
-                self.past.set_replay(True)
-            self._replayed_id = snapshot.replay.survey_id
         running_id, measuring = snapshot.running_survey, snapshot.running and not snapshot.paused
         if measuring and (not self._measuring or running_id != self._running_id):
             self.show_live()
@@ -302,9 +294,6 @@ class TracePresenter:
         self._reading.end()
 
     def _ask_for_traces(self) -> None:
-        if self._replayed_id is not None:
-            # No storage has them: they come with the replay.
-            return
         reading = self._reading
         rests = reading.state is JobState.FAILED and reading.age_s < RETRY_S
         due = () if reading.running or rests else self.shown.due()

@@ -36,7 +36,6 @@ from gpr20_operator.robot.events import (
     MeasuredHeight,
     Progress,
     Replay,
-    ReplayPhase,
     Request,
     RobotDescribed,
     Senders,
@@ -62,6 +61,11 @@ AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
+REPLAYS = {
+    msg.Replay.PLAYING: Replay(),
+    msg.Replay.PAUSED: Replay(Message("REPLAY PAUSED")),
+    msg.Replay.ENDED: Replay(Message("REPLAY ENDED")),
+}
 LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 WITHDRAWN = Message("the survey was not started: STOP was pressed, or the permission ended")
 
@@ -90,7 +94,7 @@ class ControlClient(RosEvents):
     def listen(self) -> None:
         """Subscribe to state and progress of the survey, and to what is done for maintenance."""
         self._subscribe("control_status", msg.ControlStatus, control_state)
-        self._subscribe("replay", msg.Replay, _replay)
+        self._subscribe("replay", msg.Replay, lambda one: REPLAYS.get(one.state))
         self._subscribe("control_survey_data", msg.SurveyData, _progress)
         self._subscribe("service_status", msg.ServiceStatus, _activity)
         self._subscribe("robot_configuration", msg.RobotConfiguration, robot_described)
@@ -108,12 +112,8 @@ class ControlClient(RosEvents):
             topics.append((topic, msg.CurrentCoordinate, partial(self._measured, axis), 1))
             if axis is not AxisId.Z:
                 topics.append((f"{axis.value}_axis/endstop", Bool, partial(_endstop, axis), 10))
-        found = [self._subscriber(*one) for one in topics]
-        # What a recording says of health was true then.
-        if not self._senders.replay:
-            received = self._diagnosed
-            found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
-        return found
+        health = rospy.Subscriber("/diagnostics", DiagnosticArray, self._diagnosed, queue_size=20)
+        return [health, *(self._subscriber(*one) for one in topics)]
 
     def start_survey(self, plan: StartPlan) -> None:
         """See `SurveyControl`."""
@@ -203,10 +203,6 @@ class ControlClient(RosEvents):
         if self._senders.takes(connection_header(message)["callerid"]):
             for health in node_healths(message, self._senders.namespace):
                 self._emit(health)
-
-
-def _replay(message: msg.Replay) -> Replay:
-    return record_of(Replay, message, phase=ReplayPhase(message.state), state=None)
 
 
 def _progress(message: msg.SurveyData) -> Progress:

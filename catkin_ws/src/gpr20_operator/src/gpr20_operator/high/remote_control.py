@@ -38,19 +38,16 @@ class WebPageClient(RosEvents):
 
     Args:
         listener: Gets the events.
-        senders: Of the window; where they are a replay's there is nobody to allow anything.
+        namespace: Of the robot, with slashes at both ends or alone.
     """
 
-    def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
-        super().__init__(listener, Senders(senders.namespace, senders.replay, nodes=(WEB,)))
+    def __init__(self, listener: Callable[[Any], None], namespace: str) -> None:
+        super().__init__(listener, Senders(namespace, nodes=(WEB,)))
         self._remote: Optional[rospy.Publisher] = None
 
     def listen(self) -> None:
-        if not self._senders.replay:
-            self._remote = rospy.Publisher(
-                "remote_control", RemoteControl, queue_size=10, latch=True
-            )
-            self._subscribe("web_status", WebStatus, lambda one: record_of(WebStatusReported, one))
+        self._remote = rospy.Publisher("remote_control", RemoteControl, queue_size=10, latch=True)
+        self._subscribe("web_status", WebStatus, lambda one: record_of(WebStatusReported, one))
 
     def send(self, event: RemoteArmed) -> None:
         """Publish what is allowed; not when this node ends, which allows nothing any more."""

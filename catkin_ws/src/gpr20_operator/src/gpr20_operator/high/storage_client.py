@@ -68,6 +68,7 @@ MOVE_TIMEOUT_S = 1200.0
 HEIGHT_TIMEOUT_S = 10.0
 # Several requests to the VNA, of which each has its own limit in the main control.
 ANALYZER_TIMEOUT_S = 300.0
+NO_ROBOT = Message("a replay is shown, and no robot")
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
 
@@ -153,6 +154,9 @@ class StorageClient(RosEvents):
 
     def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
         """Call a service in the background, and let the ticket take the answer."""
+        if self._senders.replay:
+            self._emit(Delivery(partial(ticket.fail, NO_ROBOT)))
+            return
         if service.can_be_cancelled:
             fields["request_id"] = ticket.request_id
         if service is Service.EXPORT:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, Requests, Service, job_of
+from gpr20_operator.jobs.job import Job, JobState, Requests, Service, job_of
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.focused_image import FocusedImage
 from gpr20_survey.results.hiding_map import HidingMap
@@ -115,12 +114,9 @@ class Imaging:
         requests: The imaging node and the storage.
         now_s: A clock that never goes back [s].
         pictures: Those of others, too; None: its own.
-        again_s: After how long to ask again though nothing is new here: another screen may have
-            entered what the ground is [s].
 
     Attributes:
         pictures: What it has found.
-        soils: The permittivity that is stored with each survey, by its id; None: not known.
     """
 
     def __init__(
@@ -128,11 +124,9 @@ class Imaging:
         requests: Requests,
         now_s: Callable[[], float],
         pictures: Optional[Pictures] = None,
-        again_s: float = math.inf,
     ) -> None:
-        self._requests, self._now_s, self._again_s = requests, now_s, again_s
+        self._requests, self._now_s = requests, now_s
         self.pictures = pictures or Pictures()
-        self.soils: Dict[str, Optional[float]] = {}
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked = Wanted("", 0, None)
 
@@ -154,16 +148,12 @@ class Imaging:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
         if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
             return
-        period_s = 0.0
-        if wanted == self._asked:
-            period_s = self._again_s
-        elif wanted._replace(traces=self._asked.traces) == self._asked:
-            period_s = PERIOD_S
-        if self._shown.age_s >= period_s:
-            self._asked, permittivity = wanted, wanted.permittivity
-            if permittivity is None or permittivity == self.soils.get(wanted.survey_id):
-                permittivity = NOT_KNOWN
-            self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
+        is_new = wanted._replace(traces=self._asked.traces) != self._asked
+        is_due = wanted != self._asked or self._shown.state is JobState.FAILED
+        if is_new or (is_due and self._shown.age_s >= PERIOD_S):
+            self._asked = wanted
+            # The one that is stored.
+            self._shown.ask(survey=wanted.survey_id, permittivity=NOT_KNOWN)
 
     def end(self) -> None:
         """End what is awaited."""

@@ -347,8 +347,6 @@ class SurveyResult:
             self.record = record_of(stored)
         except (SurveyNotReadableError, InvalidValueError) as error:
             self.reading.refuse(error.message)
-            return
-        self._imaging.soils[self.record.survey_id] = self.permittivity
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.found.survey_id):

@@ -109,10 +109,10 @@ def spacing_warning(known: SurveyPreview) -> Optional[Message]:
 
 def start_lock(snapshot: Optional[Snapshot], check: PlanCheck) -> Optional[Message]:
     """Return why no survey can be started now; None if one can."""
-    if snapshot is None or (not snapshot.control_alive and snapshot.replay is None):
-        return Message("No contact with the robot")
-    if snapshot.replay is not None:
+    if snapshot is not None and snapshot.replay:
         return Message("A replay is shown")
+    if snapshot is None or not snapshot.control_alive:
+        return Message("No contact with the robot")
     if Request.START in snapshot.pending:
         return Message("The survey is starting")
     if snapshot.running:

@@ -153,7 +153,7 @@ class CardWatch:
     @staticmethod
     def _cards(snapshot: Snapshot) -> List[Tuple[object, Notice]]:
         """Return what must be seen at once, with what is the same while its numbers change."""
-        if snapshot.replay is not None:
+        if snapshot.replay:
             return []
         found: List[Tuple[object, Notice]] = []
         state = snapshot.state

@@ -56,7 +56,7 @@ class Snapshot:
     service: Optional[Message] = None
     # The last report of each axis that was heard.
     axes: Tuple[AxisReport, ...] = ()
-    # What is shown is a replay, not a robot.
+    # What is shown was recorded; None: there is a robot.
     replay: Optional[Replay] = None
 
     @property
@@ -87,9 +87,7 @@ class Snapshot:
     @property
     def fields_locked(self) -> bool:
         """Whether the parameters are those of a survey in progress."""
-        if self.replay is not None:
-            return True
-        return self.running or Request.START in self.pending
+        return self.replay is not None or self.running or Request.START in self.pending
 
     @property
     def can_start(self) -> bool:
@@ -120,7 +118,7 @@ class Snapshot:
 
     @property
     def _takes_requests(self) -> bool:
-        return self.control_alive and not self.pending and self.replay is None
+        return self.control_alive and not self.pending and not self.replay
 
 
 def percent_of(snapshot: Snapshot) -> Optional[int]:

@@ -36,17 +36,22 @@ _KEPT = (
 
 
 class SurveyModel:
-    """Takes events, gives snapshots. Belongs to one thread."""
+    """Takes events, gives snapshots. Belongs to one thread.
 
-    def __init__(self, clock: Clock) -> None:
-        self._clock = clock
+    Args:
+        clock: Says how old everything is.
+        replay: Whether a recording is played: it says nothing of the health of nodes.
+    """
+
+    def __init__(self, clock: Clock, replay: bool = False) -> None:
+        self._clock, self._replay = clock, Replay() if replay else None
         # When the main control was heard, the state changed and something went on [s].
         self._received_s: Optional[float] = None
         self._changed_s = self._progressed_s = clock.now_s()
         # The last event of each kind, and when it came [s].
         self._latest: Dict[type, Tuple[Any, float]] = {}
         self._axes: Dict[AxisId, AxisReport] = {}
-        self._health: Optional[HealthTracker] = HealthTracker(clock)
+        self._health = None if replay else HealthTracker(clock)
         self._pending: Set[Request] = set()
         self._started_id, self._started_s = "", -math.inf
         self._interrupted = False
@@ -72,6 +77,8 @@ class SurveyModel:
             self._axes[event.axis] = replace(event, received_s=now_s)
         elif isinstance(event, NodeHealth) and self._health is not None:
             self._health.note(event)
+        elif isinstance(event, Replay):
+            self._replay = self._replay and event
         elif isinstance(event, _KEPT):
             if isinstance(event, (ControlState, Progress)):
                 self._received_s = now_s
@@ -126,6 +133,7 @@ class SurveyModel:
             state_s=now_s - self._changed_s,
             still_s=now_s - self._progressed_s,
             service=service.activity if service else None,
+            replay=self._replay,
             axes=tuple(
                 replace(one, silent=now_s - one.received_s > STALE_S) for one in self._axes.values()
             ),
@@ -142,38 +150,3 @@ class SurveyModel:
         """Return the last event of a kind; None if it is older [s], or there was none."""
         event, received_s = self._latest.get(kind, (None, -math.inf))
         return event if self._clock.now_s() - received_s <= age_s else None
-
-
-class StoppedClock(Clock):
-    """Time that does not pass: nothing that was recorded goes stale."""
-
-    def now_s(self) -> float:
-        """Return the only moment [s]."""
-        return 0.0
-
-
-class ReplayModel:
-    """Takes what a player sends, gives snapshots of a replay. Belongs to one thread."""
-
-    def __init__(self) -> None:
-        self._recorded, self._replay = SurveyModel(StoppedClock()), Replay()
-
-    def request_sent(self, _request: Request) -> None:
-        """Take no request: there is nobody to ask."""
-
-    def handle(self, event: object) -> None:
-        """Take an event; another survey begins another replay."""
-        if isinstance(event, (Replay, ControlState, Progress)) and event.survey_id:
-            if self._replay.survey_id not in ("", event.survey_id):
-                self._recorded, self._replay = SurveyModel(StoppedClock()), Replay()
-            self._replay = replace(self._replay, survey_id=event.survey_id)
-        if isinstance(event, Replay):
-            self._replay = event
-        self._recorded.handle(event)
-
-    def snapshot(self) -> Snapshot:
-        """Return what is known now."""
-        shown = self._recorded.snapshot()
-        view = replace(self._replay, state=shown.code)
-        # Of health the recording says nothing: no node is offline.
-        return replace(shown, replay=view, health=HealthReport())

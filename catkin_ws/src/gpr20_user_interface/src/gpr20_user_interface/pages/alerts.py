@@ -171,7 +171,7 @@ class Alerts(Page):
     def show_condition(self) -> None:
         """Show all that the band says, and what to do first."""
         snapshot = self._survey.snapshot
-        if snapshot.replay is None:
+        if not snapshot.replay:
             self.notice.show_notice(band_notice(snapshot))
 
     def take_refusal(self, refusal: Optional[Answer]) -> None:

@@ -73,7 +73,7 @@ class JobPage(QWidget, Page):
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.setText(", ".join(text for text in (name if known else "", area) if text))
-        self.notes.setVisible(snapshot.running and snapshot.replay is None)
+        self.notes.setVisible(snapshot.running and not snapshot.replay)
 
     def draw(self) -> None:
         """Draw the map, if it is seen and something has changed."""
@@ -131,7 +131,7 @@ class SurveyTab(QStackedWidget, Page):
         survey, screen = self._opened, self._plan
         if self._screen.visible:
             screen = self._job
-            if snapshot.state is not None and not snapshot.running and snapshot.replay is None:
+            if snapshot.state is not None and not snapshot.running and not snapshot.replay:
                 survey = survey or snapshot.state.survey_id
         if survey:
             self._open_result(survey)

@@ -27,8 +27,6 @@ PERIOD_S = 1.0
 MOST_PAST = 3
 # A past survey at which nobody has looked for so long gives room, or is forgotten.
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
-# The answer of a survey may be another one since: somebody has entered what its ground is.
-AGAIN_S = 10.0
 PNG, WHOLE = "image/png", 100
 MAX_POLARIZATIONS = 64
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
@@ -149,7 +147,7 @@ class GroundPage(WebPage):
         return {
             "title": text(self._title(ground)),
             "past": not is_live,
-            "folder": ground.folder if ground.additions.can_mark else "",
+            "folder": ground.folder if ground.survey_id else "",
             "revision": ground.revision,
             "carriage": None if current is None else [current.x_mm, current.y_mm],
             "target": None if target is None else [target.x_mm, target.y_mm],
@@ -192,7 +190,7 @@ class GroundPage(WebPage):
         return live
 
     def _new_ground(self, folder: str = "") -> ShownGround:
-        imaging = Imaging(self._requests, self._now_s, self._pictures, AGAIN_S)
+        imaging = Imaging(self._requests, self._now_s, self._pictures)
         return ShownGround(imaging, self._report, folder)
 
     def _make_room(self) -> None:

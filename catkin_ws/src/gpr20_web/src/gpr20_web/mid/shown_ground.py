@@ -22,7 +22,7 @@ from gpr20_operator.ground.patterns import (
     shade_colours,
     shade_numbers,
 )
-from gpr20_operator.ground.sources import Axis, Picture, RadarSettings
+from gpr20_operator.ground.sources import Picture, RadarSettings
 from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.traces import RETRY_S, ShownSurvey, TracePresenter
 from gpr20_operator.jobs.job import JobState
@@ -34,6 +34,8 @@ from gpr20_web.calls import Text
 from gpr20_web.errors import NotFoundError
 
 MM_PER_M = 1000.0
+# Another screen may have entered what the ground is, or set a marker [s].
+AGAIN_S = 10.0
 # What was worked out last; more choices than this at once are worked out again.
 MOST_KEPT = 24
 # Longer side of a picture of cells [px].
@@ -83,8 +85,6 @@ class ShownGround:
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.is_outdated = -math.inf, False
         self._noted: Optional[Message] = None
-        # While nobody watches the running survey, its traces are not read from the storage.
-        self._can_read = bool(opened)
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
         self._open()
 
@@ -124,13 +124,12 @@ class ShownGround:
 
     def refresh(self) -> None:
         """Take what has come, and ask for what is missing."""
-        self._can_read = True
         opening = self.traces.opening
         if opening.state is JobState.FAILED and opening.age_s >= RETRY_S:
             self._open()
         self.traces.refresh()
         self._follow()
-        self.additions.refresh()
+        self.additions.refresh(AGAIN_S)
         if self.is_outdated:
             self.is_outdated = False
             self.additions.read_again()
@@ -148,13 +147,8 @@ class ShownGround:
         shown = self.traces.shown
         if shown is not self.model.survey:
             self.model.show_survey(shown)
-        self.additions.follow(shown.survey_id, self._can_read)
-        grid, image = shown.map.grid, self.imaging.pictures.image(shown.survey_id)
-        if grid is not None:
-            # Since the plan was read somebody may have entered another one, which images have.
-            soil = grid.permittivity if image is None else image.found.permittivity
-            self.imaging.soils[grid.survey_id] = soil
-            self.model.take_soil(soil)
+        self.additions.follow(shown.map.grid)
+        self.model.notice_survey()
 
     def _show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""
@@ -275,17 +269,15 @@ def _section(
 ) -> Optional[Dict[str, Any]]:
     if picture is None:
         return None
-    in_time = picture.axis is Axis.DELAY_NS
-    across, second = texts.section_title(model, in_time)
+    across, second = texts.section_title(model)
     return {
         "extent": _extent(picture),
         "titles": [across, text(second)],
         "notice": _said(texts.nothing_in(model, picture, True), text),
-        "in_time": in_time,
-        "at": list(model.crosshair_in(picture)),
+        "at": list(model.section_crosshair),
         "columns": picture.shades.shape[1],
         "loading": np.flatnonzero(model.waiting_along).tolist(),
-        "marks": [] if in_time else [_mark(one, text) for one in marks_in_section(model)],
+        "marks": [_mark(one, text) for one in marks_in_section(model)],
     }
 
 
