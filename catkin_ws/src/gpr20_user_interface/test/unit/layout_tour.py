@@ -31,7 +31,7 @@ from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
-from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
+from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.survey_points import SurveyCost
@@ -51,6 +51,10 @@ LARGEST = SurveyPreview(
 )
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 con opciones K2, K4 y B16"
+OTHER_VNA = verbatim(
+    f"el VNA es {IDENTITY}, pero la campaña se midió con {IDENTITY}; conecte ese VNA de nuevo, o "
+    "acepte el otro cuando reanude la campaña"
+)
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
 SITE = "Vereda El Salado, franja 12, junto al camino viejo"
 LONGEST = {
@@ -274,13 +278,10 @@ STOPS = {
     "position": keys("position", "91,0"),
     "start": start_sheet("ask_start", default_parameters(), 4.0, PEOPLE),
     "resume": start_sheet("ask_resume_past", FOLDER),
-    "other analyzer": start_sheet("ask_resume_with", IDENTITY),
+    "other analyzer": start_sheet("ask_resume_with", IDENTITY, OTHER_VNA),
     **{code.name.lower(): running(code) for code in SurveyState},
     **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
-    "question": lambda window: window.question.show_notice(
-        analyzer_notice(WITH_DETAILS, IDENTITY), list
-    ),
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,

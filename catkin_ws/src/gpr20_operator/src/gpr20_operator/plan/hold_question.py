@@ -89,13 +89,9 @@ def resume_past_question(folder: str, survey: Optional[SurveySummary]) -> HoldQu
     return HoldQuestion(Message("Resume this survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 
-def other_analyzer_question(identity: str) -> HoldQuestion:
+def other_analyzer_question(reason: Message) -> HoldQuestion:
     """Return what is asked before a survey is continued with another analyzer."""
-    rows = (
-        # Its parts are separated by commas alone: a line could not end there.
-        (Message("VNA"), verbatim(", ".join(identity.split(",")))),
-        (Message("Survey"), Message("It then names both VNAs.")),
-    )
+    rows = (Message("VNA"), reason), (Message("Survey"), Message("It then names both VNAs."))
     return HoldQuestion(Message("Continue with this VNA?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
 
 

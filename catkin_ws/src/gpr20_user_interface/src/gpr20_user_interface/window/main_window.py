@@ -117,7 +117,7 @@ class MainWindow(QWidget):
         ]
         self._lay_out()
         views = (self.top_bar, *self.rail.tabs.values())
-        notices = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
+        notices = (self.notice, self.start_sheet, self.stop_warning, self.top_bar.remote)
         self.touch_binding = TouchBinding(
             *(self, self.top_bar.stop, views, notices, lambda: memory.settings.dim_after_s, clock)
         )
@@ -274,8 +274,7 @@ class MainWindow(QWidget):
             *(self, survey, self.top_bar),
             *(self.start_sheet.ask_resume, self.start_sheet.ask_resume_with, clock),
         )
-        self.notice, self.question = self.alerts.notice, self.alerts.question
-        self.stop_warning = self.alerts.stop_warning
+        self.notice, self.stop_warning = self.alerts.notice, self.alerts.stop_warning
         self.values = self.control.values
         self.annotation = self.control.annotation
         self.robot = RobotPage(presenters.service, self.notice.show_notice)
