@@ -10,10 +10,9 @@ from test_fields import parameters
 from view_kit import FOLDER, past_survey
 
 from gpr20_common.message import verbatim
-from gpr20_operator.plan.annotation import LONGEST_SHOWN, overwritten
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.form import preview
-from gpr20_operator.plan.hold_question import (
+from gpr20_operator.plan.form import LONGEST_SHOWN, overwritten, preview
+from gpr20_operator.plan.texts import (
     change_records_question,
     other_analyzer_question,
     plan_question,

@@ -19,9 +19,9 @@ from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_operator.high import remote_control as topics
+from gpr20_operator.high import control_client as topics
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.hold_question import remote_question
+from gpr20_operator.plan.texts import remote_question
 from gpr20_operator.robot.events import Replay, StartPlan
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,

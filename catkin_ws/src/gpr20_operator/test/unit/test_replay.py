@@ -27,7 +27,7 @@ from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import ControlState, Progress, Senders
 from gpr20_operator.robot.notices import CardWatch
 from gpr20_operator.robot.remote_control import remote_obstacle
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 

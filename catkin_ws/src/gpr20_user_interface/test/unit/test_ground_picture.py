@@ -22,9 +22,9 @@ from gpr20_operator.ground.coverage import (
     StopState,
 )
 from gpr20_operator.ground.echoes import LevelScale
-from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.ground.sources import Axis, Picture
 from gpr20_operator.ground.texts import GroundMark
+from gpr20_operator.palette import LAST_SHADE, TILES, shade_colours
 from gpr20_survey.results.candidates import Flag
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
@@ -94,10 +94,10 @@ def test_each_stop_is_drawn_where_it_is_measured(application, left, down):
 @given(st.integers(0, 2), st.integers(0, 3), st.booleans())
 def test_an_echo_is_drawn_where_it_was_measured(application, row, column, is_section):
     """A picture that is turned over would send people to the wrong place."""
-    shades = np.full((3, 4), 0.1)
-    shades[row, column] = 1.0
+    levels_db = np.full((3, 4), -1.0)
+    levels_db[row, column] = 10.0
     axis = Axis.DEPTH_MM if is_section else Axis.Y_MM
-    shown = Picture(shades, (0.0, 400.0), (30.0, 330.0), axis, LevelScale(1.0, 0.0, 10.0), True)
+    shown = Picture(levels_db, (0.0, 400.0), (30.0, 330.0), axis, LevelScale(1.0, 0.0, 10.0))
     plot = SectionPlot() if is_section else GroundPicture()
     plot.resize(400, 300)
     if is_section:

@@ -9,8 +9,8 @@ from gpr20_operator.robot.events import (
     Answer,
     Request,
 )
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.plan.survey_state import SurveyState
 
 

@@ -12,11 +12,10 @@ from web_ground_kit import FOLDER, PERIOD_S, SURVEY, Server
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import Place
-from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colours, shade_numbers
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed
 from gpr20_operator.jobs.pictures import SurveysListed
-from gpr20_operator.palette import Theme
+from gpr20_operator.palette import Theme, pattern, pattern_colours, shade_colours, shade_numbers
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.folder.soil_note import soil_values
 from gpr20_survey.plan.survey_state import SurveyState

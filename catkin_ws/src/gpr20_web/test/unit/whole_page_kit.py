@@ -33,7 +33,7 @@ from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults

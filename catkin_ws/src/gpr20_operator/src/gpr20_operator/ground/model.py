@@ -172,9 +172,12 @@ class GroundModel:
         """Return what is shown now."""
         source, settings, place = self._source, self.settings, self.place
         above = source.slice(settings) if self.has_depth else None
-        if place is None:
-            return Shown(None, None, above)
-        return Shown(source.level_db(place, settings), source.section(place, settings), above)
+        section = None if place is None else source.section(place, settings)
+        across_mm, depth_mm = self.section_crosshair
+        level_db = None
+        if section is not None and across_mm is not None:
+            level_db = section.level_db(across_mm, depth_mm)
+        return Shown(level_db, section, above)
 
     @property
     def follows(self) -> bool:

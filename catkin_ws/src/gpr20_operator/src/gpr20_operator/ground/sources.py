@@ -62,26 +62,45 @@ class Picture:
     """A section (B-scan) or a slice (C-scan).
 
     Args:
-        shades: Place of each level in the scale from 0 to 1, shape (second axis, across); NaN
-            where nothing was measured.
+        levels_db: Levels [dB above noise], shape (second axis, across); NaN where nothing was
+            measured.
         across_mm: Outer edges along the first axis [mm].
         range: Outer edges along the second axis.
         axis: What the second axis is.
         scale: The scale of the survey.
-        above_noise: Whether any level is above all noise.
     """
 
-    shades: np.ndarray
+    levels_db: np.ndarray
     across_mm: Tuple[float, float]
     range: Tuple[float, float]
     axis: Axis
     scale: LevelScale
-    above_noise: bool
+
+    @property
+    def shades(self) -> np.ndarray:
+        """The place of each level in the scale, from 0 to 1."""
+        return self.scale.shades(self.levels_db)
 
     @property
     def measured(self) -> bool:
         """Whether there is anything to see."""
-        return bool(np.isfinite(self.shades).any())
+        return bool(np.isfinite(self.levels_db).any())
+
+    @property
+    def above_noise(self) -> bool:
+        """Whether any level is above all noise."""
+        return bool((self.levels_db > self.scale.threshold_db).any())
+
+    def level_db(self, across_mm: float, second: float) -> Optional[float]:
+        """Return the level of the cell at a place [dB above noise]; None: not measured."""
+        cell = []
+        for at, (first, last), count in zip(
+            (second, across_mm), (self.range, self.across_mm), self.levels_db.shape
+        ):
+            part = (at - first) / (last - first)
+            cell.append(min(max(int(part * count), 0), count - 1))
+        level = float(self.levels_db[tuple(cell)])
+        return level if np.isfinite(level) else None
 
 
 def _picture(
@@ -92,10 +111,8 @@ def _picture(
     scale: LevelScale,
 ) -> Picture:
     """Return the picture of levels at places (second axis, across), in their order."""
-    above = bool((levels_db > scale.threshold_db).any())
     (columns, across), (rows, edges_of_rows) = ascending(across_mm), ascending(second)
-    shades = scale.shades(levels_db[rows, columns])
-    return Picture(shades, across, edges_of_rows, axis, scale, above)
+    return Picture(levels_db[rows, columns], across, edges_of_rows, axis, scale)
 
 
 class EchoSource:
@@ -145,16 +162,6 @@ class EchoSource:
         delays_s = self._delays_s(stops, settings.depth_m, settings)
         levels_db = self._levels_db(stops, delays_s, settings, scale).reshape(grid.shape)
         return _picture(levels_db, grid.xs_mm, grid.ys_mm, Axis.Y_MM, scale)
-
-    def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
-        """Return the level at the nearest stop and the depth [dB above noise]."""
-        grid, scale = self._model.grid, self._model.scale()
-        if grid is None or scale is None or not np.isfinite(self._model.typical_height_m()):
-            return None
-        stop = grid.closest_stop(*place)
-        delays_s = self._delays_s(stop, settings.depth_m, settings)
-        level = float(self._levels_db(stop, delays_s, settings, scale)[0, 0])
-        return level if np.isfinite(level) else None
 
     def _delays_s(self, stops: Any, depths_m: Any, settings: RadarSettings) -> np.ndarray:
         """Return the delays of depths [m] below stops [s] (stops x depths)."""
@@ -223,24 +230,16 @@ class FocusedSource:
 
     def slice(self, settings: RadarSettings) -> Optional[Picture]:
         """Return the layer nearest to the depth of the settings."""
-        return self._above(self.image.levels_db[self._layer(settings)])
+        layer = int(np.argmin(np.abs(self.image.depth_mm - settings.depth_m * 1000.0)))
+        return self._above(self.image.levels_db[layer])
 
     def from_above(self) -> Picture:
         """Return the largest level of all depths at each place."""
         return self._above(np.fmax.reduce(self.image.levels_db, axis=0))
 
-    def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
-        """Return the level of a voxel [dB above noise]."""
-        row, column = self._index(place)
-        level = float(self.image.levels_db[self._layer(settings), row, column])
-        return level if np.isfinite(level) else None
-
     def _index(self, place: Place) -> Tuple[int, int]:
         row = int(np.argmin(np.abs(self.image.y_mm - place.y_mm)))
         return row, int(np.argmin(np.abs(self.image.x_mm - place.x_mm)))
-
-    def _layer(self, settings: RadarSettings) -> int:
-        return int(np.argmin(np.abs(self.image.depth_mm - settings.depth_m * 1000.0)))
 
     def _above(self, levels_db: np.ndarray) -> Picture:
         image, scale = self.image, self._steady.scale()

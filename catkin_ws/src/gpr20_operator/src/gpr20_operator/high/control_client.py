@@ -1,4 +1,4 @@
-"""The main control and the axes: their topics as events, and requests without waiting."""
+"""Main control, axes and web page: their topics as events, and requests without waiting."""
 
 from __future__ import annotations
 
@@ -23,8 +23,10 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_doctor.high.node_reports import axis_report, descriptions, height_m, node_healths
+from gpr20_doctor.mid.node_health import WEB
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs import msg, srv
+from gpr20_msgs.msg import RemoteControl, WebStatus
 from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import CONTROL_SILENT, RosEvents, in_background, no_answer
 from gpr20_operator.robot.events import (
@@ -43,8 +45,9 @@ from gpr20_operator.robot.events import (
     StartPlan,
     TargetPosition,
 )
+from gpr20_operator.robot.remote_control import RemoteArmed, WebStatusReported
 from gpr20_survey.axes.axis_id import AxisId
-from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.annotation import Site, from_fields
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.survey_parameters import (
     DEFAULT_POLARIZATIONS_DEG,
@@ -53,6 +56,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 
+WINDOW = "user_interface"
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
 # An axis reports itself at 10 Hz at rest and at 50 Hz while it moves: fewer are enough for what
@@ -260,3 +264,61 @@ def robot_described(message: msg.RobotConfiguration) -> RobotDescribed:
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return RobotDescribed(None, LIMITS_UNKNOWN.with_details(error))
     return RobotDescribed(Configured(config, settings, site, address), nodes=nodes)
+
+
+class RemoteControlClient(RosEvents):
+    """The web page's side: what the window of its robot allows, and nobody else.
+
+    Args:
+        listener: Gets the events.
+        namespace: Of the robot, with slashes at both ends or alone.
+    """
+
+    def __init__(self, listener: Callable[[Any], None], namespace: str) -> None:
+        super().__init__(listener, Senders(namespace, nodes=(WINDOW,)))
+
+    def listen(self) -> None:
+        self._subscribe("remote_control", RemoteControl, remote_armed)
+
+
+class WebPageClient(RosEvents):
+    """The window's side: what the web page says of itself, and what the window allows it.
+
+    Args:
+        listener: Gets the events.
+        namespace: Of the robot, with slashes at both ends or alone.
+    """
+
+    def __init__(self, listener: Callable[[Any], None], namespace: str) -> None:
+        super().__init__(listener, Senders(namespace, nodes=(WEB,)))
+        self._remote: Optional[rospy.Publisher] = None
+
+    def listen(self) -> None:
+        self._remote = rospy.Publisher("remote_control", RemoteControl, queue_size=10, latch=True)
+        self._subscribe("web_status", WebStatus, lambda one: record_of(WebStatusReported, one))
+
+    def send(self, event: RemoteArmed) -> None:
+        """Publish what is allowed; not when this node ends, which allows nothing any more."""
+        if self._remote is not None and not rospy.is_shutdown():
+            self._remote.publish(remote_message(event))
+
+
+def remote_message(event: RemoteArmed) -> RemoteControl:
+    """Return the message of an event."""
+    fields = {} if event.plan is None else {"has_plan": True, **plan_fields(event.plan)}
+    remaining = rospy.Duration.from_sec(event.remaining_s)
+    return RemoteControl(armed=event.armed, remaining=remaining, **fields)
+
+
+def remote_armed(message: RemoteControl) -> RemoteArmed:
+    """Convert `remote_control`."""
+    remaining_s = message.remaining.to_sec()
+    if not message.has_plan:
+        return RemoteArmed(message.armed, remaining_s)
+    plan = StartPlan(
+        parameters(message.parameters),
+        from_fields(message.annotation),
+        message.refines,
+        message.permittivity,
+    )
+    return RemoteArmed(message.armed, remaining_s, plan)

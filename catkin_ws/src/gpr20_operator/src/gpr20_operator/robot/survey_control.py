@@ -13,8 +13,7 @@ from gpr20_operator.plan.form import (
     preview,
 )
 from gpr20_operator.robot.events import Answer, Request, StartPlan
-from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import Snapshot, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 

@@ -33,8 +33,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.remote_control import WebPageClient
+from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
@@ -42,8 +41,8 @@ from gpr20_operator.plan.form import CostEstimator
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.look.settings import WindowMemory
 from gpr20_user_interface.look.translation import Languages

@@ -16,13 +16,13 @@ from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import SurveyGrid, plan_finer
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.patterns import TILES, pattern_colours
 from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.texts import STATE_NAMES, place_text
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.palette import TILES, pattern_colours
 from gpr20_operator.plan.fields import Keys
-from gpr20_operator.plan.hold_question import remove_marker_question
+from gpr20_operator.plan.texts import remove_marker_question
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot

@@ -14,9 +14,9 @@ from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.patterns import LAST_SHADE, shade_colours
 from gpr20_operator.ground.sources import Layer, Picture
 from gpr20_operator.ground.texts import marks_above, marks_in_section
+from gpr20_operator.palette import LAST_SHADE, shade_colours
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import Mark, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text

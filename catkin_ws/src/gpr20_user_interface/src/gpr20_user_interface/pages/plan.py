@@ -10,10 +10,9 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.fields import Tile
-from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
-from gpr20_operator.plan.tiles import (
+from gpr20_operator.plan.form import NextAnnotation, PlanCheck, PlanForm, SurveyPreview
+from gpr20_operator.plan.texts import (
     resumable,
     resume_lines,
     short_size,

@@ -17,8 +17,7 @@ from gpr20_common.terminal_text import printable
 from gpr20_operator.robot.condition import condition_of
 from gpr20_operator.robot.events import Answer, ControlState, Progress, Request
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.snapshot import Snapshot, remaining
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import Snapshot, SurveyModel, remaining
 from gpr20_survey.faults import NONE_OPEN
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 

@@ -10,8 +10,8 @@ from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPolygonF
 
 from gpr20_operator.ground.coverage import MapModel
 from gpr20_operator.ground.grid import Area, Place, SurveyGrid
-from gpr20_operator.ground.patterns import Cell, hiding_cells, pattern, pattern_colours
 from gpr20_operator.ground.sources import Picture
+from gpr20_operator.palette import Cell, hiding_cells, pattern, pattern_colours
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.widgets.ink import rimmed, stroke

@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QSizePolicy, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.hold_question import (
+from gpr20_operator.plan.texts import (
     HoldQuestion,
     other_analyzer_question,
     plan_question,

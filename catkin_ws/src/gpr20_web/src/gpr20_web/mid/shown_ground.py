@@ -15,19 +15,19 @@ from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.grid import Area, Place
 from gpr20_operator.ground.model import GroundModel, Shown
-from gpr20_operator.ground.patterns import (
-    LAST_SHADE,
-    pattern,
-    pattern_colours,
-    shade_colours,
-    shade_numbers,
-)
 from gpr20_operator.ground.sources import Picture, RadarSettings
 from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
 from gpr20_operator.ground.traces import RETRY_S, ShownSurvey, TracePresenter
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.palette import Theme
+from gpr20_operator.palette import (
+    LAST_SHADE,
+    Theme,
+    pattern,
+    pattern_colours,
+    shade_colours,
+    shade_numbers,
+)
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate
 from gpr20_web.calls import Text
@@ -275,7 +275,7 @@ def _section(
         "titles": [across, text(second)],
         "notice": _said(texts.nothing_in(model, picture, True), text),
         "at": list(model.section_crosshair),
-        "columns": picture.shades.shape[1],
+        "columns": picture.levels_db.shape[1],
         "loading": np.flatnonzero(model.waiting_along).tolist(),
         "marks": [_mark(one, text) for one in marks_in_section(model)],
     }
