@@ -15,8 +15,7 @@ from browser_kit import Browser
 from robot_kit import LaunchedRobot, free_port
 
 from gpr20_common.low.clock import Clock
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.control_client import WebPageClient
+from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.robot.events import Senders, StartPlan
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.snapshot import SurveyModel

@@ -100,6 +100,10 @@ def test_a_failure_is_kept_until_there_is_an_image_and_what_is_awaited_can_be_en
     node.ticket("focus").fail(verbatim("the analysis is not installed"))
     assert str(imaging.problem) == "the analysis is not installed"
     now.s += PERIOD_S
+    imaging.keep(Wanted(SURVEY, 20, 4.0))
+    assert len(node.of("focus")) == 2
+    node.ticket("focus").fail(verbatim("the analysis is not installed"))
+    now.s += PERIOD_S
     imaging.keep(Wanted(SURVEY, 21, 4.0))
     focused(node)
     assert imaging.problem is None and imaging.pictures.image(SURVEY) is not None

@@ -103,10 +103,16 @@ def test_background_removal_takes_the_surface_and_leaves_the_target():
     # The mean of one trace is the trace: the picture would be empty, and look like clear ground.
     few = filled(range(0, 2 * (MIN_BACKGROUND_TRACES - 1), 2), s21_of=ground)
     assert few.background(0) is None
-    raw, clean = (b_scan(one, Stop(0, 0), PLAIN) for one in (few, filled(s21_of=ground)))
+    whole = filled(s21_of=ground)
+    raw, clean = (b_scan(one, Stop(0, 0), PLAIN) for one in (few, whole))
     assert np.unravel_index(np.nanargmax(clean.shades), clean.shades.shape)[1] == 2
     surface = int(np.argmax(raw.shades[:, 0]))
     assert clean.shades[surface, 0] < 0.4 < 0.9 < raw.shades[surface, 0]
+    # Once it is taken out, the scale is no longer that of the surface.
+    for index in range(40):
+        row, column, _polarization = few.grid.cells(np.array(index))
+        add_trace(few, trace_at(few.grid, index, ground(int(row), int(column))))
+    assert few.scale() == whole.scale()
 
 
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():

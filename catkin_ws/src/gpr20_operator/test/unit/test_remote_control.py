@@ -83,6 +83,11 @@ def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second():
             window.note(WELL)
         assert window.arming.armed is armed and all(one.armed is armed for one in window.sent)
         assert len(window.sent) == pytest.approx(times, rel=0.01)
+    # A touch ends it at once.
+    window.arming.arm(WELL)
+    window.arming.touched()
+    assert not window.arming.armed and [one.armed for one in window.sent[-2:]] == [True, False]
+    window.sent.clear()
     # Another plan is sent at once.
     plan = replace(PLAN, permittivity=9.0)
     for shown_plan in (plan, plan, None):

@@ -224,7 +224,6 @@ class TracePresenter:
         self.opened_folder = ""
         # A survey that begins comes before one that is still being opened.
         self.opening.end()
-        self._reading.end()
 
     def note_state(self, snapshot: Snapshot) -> None:
         """Note where the antennas are and which survey is running; show one that begins."""
@@ -291,7 +290,6 @@ class TracePresenter:
             self._report(error.message)
             return
         self._opened, self.opened_folder = opened, self._wanted
-        self._reading.end()
 
     def _ask_for_traces(self) -> None:
         reading = self._reading
