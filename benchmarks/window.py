@@ -35,7 +35,7 @@ from window_kit import Operator, new_window, run_events, run_until, virtual_scre
 from gpr20_common.catalogue import Language
 from gpr20_common.high.raw_message import deserialized
 from gpr20_msgs.msg import ControlStatus, Trace
-from gpr20_operator.ground.patterns import NOT_MEASURED
+from gpr20_operator.palette import NOT_MEASURED
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.widgets.bars import TabName

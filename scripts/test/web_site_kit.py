@@ -15,11 +15,10 @@ from browser_kit import Browser
 from robot_kit import LaunchedRobot, free_port
 
 from gpr20_common.low.clock import Clock
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.remote_control import WebPageClient
+from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.robot.events import Senders, StartPlan
 from gpr20_operator.robot.remote_control import Arming
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 

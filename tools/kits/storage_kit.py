@@ -21,6 +21,9 @@ from trace_examples import STARTED_US, SURVEY
 
 from gpr20_analysis.read.recordings import Lost, all_messages
 from gpr20_common.low.clock import Clock
+from gpr20_common.message import Message
+from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.jobs.pictures import StoredSurvey, SurveysListed, TracesRead
 from gpr20_survey.files.durable_files import Readers, ensure_folders
 from gpr20_survey.folder import signature
 from gpr20_survey.folder.log_record import Kind
@@ -213,21 +216,33 @@ def signers_line(path: Path, signer: str = "robot") -> str:
     return f'{signer} namespaces="{NAMESPACE}" {kind} {key}\n'
 
 
+NAMES = {Service.LIST: "list", Service.READ: "survey", Service.TRACES: "traces"}
+ANSWERS = {SurveysListed: "list", StoredSurvey: "survey", TracesRead: "traces"}
+
+
 class AskedStorage:
-    """Answers nothing, remembers what it was asked."""
+    """In place of the storage: it remembers what it was asked, and answers when a test says."""
 
     def __init__(self) -> None:
         self.asked: List[Tuple[Any, ...]] = []
+        self._tickets: Dict[str, Ticket[Any]] = {}
 
     def of(self, kind: str) -> List[Tuple[Any, ...]]:
         """Return what was asked of a kind."""
         return [one[1:] for one in self.asked if one[0] == kind]
 
-    def list_surveys(self, before: str) -> None:
-        self.asked.append(("list", before))
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        fields.pop("max_surveys", None)
+        self._tickets[NAMES[service]] = ticket
+        self.asked.append((NAMES[service], *fields.values()))
 
-    def read_survey(self, folder: str) -> None:
-        self.asked.append(("survey", folder))
+    def answer(self, found: Any) -> None:
+        """Answer the last question of that kind."""
+        self._tickets[ANSWERS[type(found)]].done(found)
 
-    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
-        self.asked.append(("traces", survey, indices))
+    def fail(self, kind: str, reason: Message) -> None:
+        """Refuse the last question of a kind."""
+        self._tickets[kind].fail(reason)
+
+    def cancel(self, _request_id: str) -> None:
+        """Do nothing: nothing that is asked here can be ended."""

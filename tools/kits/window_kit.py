@@ -16,10 +16,8 @@ from PyQt5.QtCore import QEventLoop, QTimer
 from robot_kit import running
 
 from gpr20_common.high.service_client import ServiceClient
-from gpr20_common.low.clock import Clock
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
-from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_operator.settings_file import SettingsFile
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
@@ -58,8 +56,7 @@ def new_window(languages: Languages, folder: Path, replay: bool = False) -> User
         replay: Whether it shows a replay in place of a robot.
     """
     settings = SettingsFile(folder / "plan.yaml")
-    model = ReplayModel() if replay else SurveyModel(Clock())
-    return UserInterface(model, languages, settings)
+    return UserInterface(replay, languages, settings)
 
 
 class Operator:

@@ -165,9 +165,9 @@ class NamespaceTest(unittest.TestCase):
                 shown = window.shown()
                 self.assertTrue(shown["replay"] and not shown["stop"], shown)
                 played.wait(LIMIT_S)
-            wait_until(lambda: window.shown()["replay"].startswith("REPLAY ENDED"), "no end")
+            wait_until(lambda: "FINISHED" in window.shown()["survey"], "no end")
             after = window.shown()
-        self.assertIn("FINISHED", after["survey"])
+        self.assertEqual((after["replay"], after["stop"]), ("REPLAY", False))
         self.assertEqual((after["alarm"], after["locked"]), ("", True))
         self.assertEqual((after["on_map"], after["visited"]), (TRACES, TRACES))
 

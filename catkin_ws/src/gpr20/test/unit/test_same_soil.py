@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from result_kit import Now
-from storage_kit import AskedStorage, Kit
+from storage_kit import Kit
 from surveys_kit import Services
 from trace_examples import AXES, SURVEY, TRAVEL, make_trace
 from view_kit import snapshot
@@ -27,7 +27,6 @@ from gpr20_analysis.formats.exports import ENDINGS
 from gpr20_analysis.plotting.style import remarks_of
 from gpr20_analysis.work import no_progress
 from gpr20_imaging.mid.worker import Analysis
-from gpr20_operator.ground.traces import SurveyRead
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging
@@ -86,6 +85,8 @@ class AtOnce:
         self._services = services
 
     def ask(self, service, ticket, **fields):
+        if service is Service.TRACES:
+            return  # nobody looks at the echoes
         found = self._services.ask(service, **fields)
         if service is Service.FOCUS:
             found = image_from(SimpleNamespace(**focus_fields(found)))
@@ -164,11 +165,8 @@ def check_page(folder, services, window):
     assert listed["headline"] == str(texts.headline(found))
     assert listed["weaker"] == str(texts.weaker_line(found))
     now = Now()
-    ground = GroundPage(AskedStorage(), AtOnce(services), now, print)
+    ground = GroundPage(AtOnce(services), now, print)
     got(ground, "/api/ground", **here)
-    stored = services.ask(Service.READ, survey=folder.name)
-    indices = tuple(range(stored.stored_traces))
-    ground.on_event(SurveyRead(folder.name, stored.text, indices))
     ground.refresh(snapshot())
     shown = got(ground, "/api/ground", **here)["ground"]
     assert str(texts.headline(found)) in shown["lines"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import threading
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable, Dict, Generic, Mapping, Optional, TypeVar
@@ -28,35 +28,22 @@ class Newest(Generic[Value]):
     """Calls a function with the newest value in a thread: a slow disk never delays the window."""
 
     def __init__(self, act: Callable[[Value], None]) -> None:
-        self._act = act
-        self._changed = threading.Condition()
-        self._wanted: Optional[Value] = None
-        self._working = False
+        self._act, self._worker = act, ThreadPoolExecutor(1)
+        self._last: Future[None] = Future()
+        self._last.set_result(None)
 
     def put(self, value: Value) -> None:
         """Call the function soon; a value that waits is dropped."""
-        with self._changed:
-            self._wanted = value
-            if self._working:
-                return
-            self._working = True
-        threading.Thread(target=self._work, name=self._act.__qualname__, daemon=True).start()
+        self._last.cancel()
+        self._last = self._worker.submit(self._work, value)
 
     def wait(self, timeout_s: float) -> bool:
         """Return whether nothing is left to do within a time [s]."""
-        with self._changed:
-            return self._changed.wait_for(lambda: not self._working, timeout_s)
+        return not wait([self._last], timeout_s).not_done
 
-    def _work(self) -> None:
-        while True:
-            with self._changed:
-                if self._wanted is None:
-                    self._working = False
-                    self._changed.notify_all()
-                    return
-                value, self._wanted = self._wanted, None
-            with faults_logged(self._act.__qualname__):
-                self._act(value)
+    def _work(self, value: Value) -> None:
+        with faults_logged(self._act.__qualname__):
+            self._act(value)
 
 
 # Settings have some hundred bytes; a far larger file is something else.

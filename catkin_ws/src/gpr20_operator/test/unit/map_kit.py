@@ -29,4 +29,4 @@ def focused(candidates=(SURE, DOUBTED), survey_id=SURVEY):
 
 def marked(*markers):
     """Return what the storage answers of a survey with these markers."""
-    return StoredSurvey(json.dumps({"markers": [asdict(one) for one in markers]}), 0)
+    return StoredSurvey(json.dumps({"markers": [asdict(one) for one in markers]}), ())

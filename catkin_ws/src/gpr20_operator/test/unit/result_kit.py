@@ -66,7 +66,7 @@ def image_of(found, traces=PLANNED):
 
 def stored(count=PLANNED, log=(), **changes):
     values = {"outcome": "finished", "log": list(log), **changes}
-    return StoredSurvey(description(**values), count)
+    return StoredSurvey(description(**values), tuple(range(count)))
 
 
 def noted(kind, values):

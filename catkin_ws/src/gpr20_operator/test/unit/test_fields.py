@@ -15,7 +15,6 @@ from view_kit import configured, past_survey, snapshot
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.annotation import annotation_from, annotation_texts
 from gpr20_operator.plan.fields import (
     PARAMETERS,
     PEOPLE,
@@ -29,11 +28,13 @@ from gpr20_operator.plan.fields import (
 )
 from gpr20_operator.plan.form import (
     PlanForm,
+    annotation_from,
+    annotation_texts,
     check_plan,
     points_for,
     preview,
 )
-from gpr20_operator.plan.tiles import resumable, spacing_warning
+from gpr20_operator.plan.texts import resumable, spacing_warning
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
 from gpr20_operator.robot.snapshot import remaining
 from gpr20_operator.words import (
@@ -147,7 +148,7 @@ def test_what_is_wrong_is_named_and_locks(name, text, words):
 def test_what_several_fields_or_the_axes_make_wrong_is_named_on_them():
     assert check(DOCUMENTED_TRAVEL, x_stop_mm="700").parameters is not None
     assert list(check(ROBOT, x_stop_mm="700").problems) == ["x_stop_mm"]
-    for points, words in (("1000", "at most 1000000 traces"), ("90000", "at least 0.01 mm apart")):
+    for points, words in (("1000", "1000000"), ("90000", "0.01 mm")):
         found = check(x_points=points, y_points=points).problems
         assert list(found) == ["x_spacing_mm", "y_spacing_mm"]
         assert all(words in str(one) for one in found.values())

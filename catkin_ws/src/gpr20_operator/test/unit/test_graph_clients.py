@@ -49,11 +49,11 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
     response = ReadTracesResponse(
         survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
     )
-    read = storage_client.traces_read(3, response)
-    assert (read.first_index, read.block.survey_id, read.block.indices.size) == (3, "id", 0)
+    read = storage_client.traces_read(response)
+    assert (read.block.survey_id, read.block.indices.size) == ("id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
     summary = SurveySummary(problem=TEXT, problem_fault=SENT)
-    (failed,) = storage_client.surveys_listed("", ListSurveysResponse(surveys=[summary])).surveys
+    (failed,) = storage_client.surveys_listed(ListSurveysResponse(surveys=[summary])).surveys
     assert failed.verdict is None
     for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)

@@ -9,7 +9,8 @@ from candidate_examples import candidate, candidate_list
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from map_kit import MARKER, focused, marked
-from result_kit import Now, Requests
+from result_kit import TIME_US, Now, Requests, noted
+from result_kit import stored as stored_survey
 from run_seed import draws
 from view_kit import PAST, SURVEY, TRAVEL, add_trace, make_grid, trace_at
 
@@ -19,11 +20,11 @@ from gpr20_operator.ground.additions import RETRY_S, AdditionsPresenter
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import FINER_SIZE_MM, Area, Place, plan_finer, planned_grid
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.sources import Axis, Layer
+from gpr20_operator.ground.sources import Layer
 from gpr20_operator.ground.texts import marks_above, marks_in_section
 from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
 from gpr20_survey.radar import ANY_SOIL
 from gpr20_survey.results.answers import FocusedImage
@@ -50,7 +51,8 @@ def new_model(grid=None):
     survey = ShownSurvey()
     survey.begin(grid or make_grid())
     additions = AdditionsPresenter(Imaging(Requests(), Now()), lambda: "Ana")
-    additions.follow(survey.survey_id, can_read=True)
+    additions.follow(survey.map.grid)
+    additions.refresh()
     model = GroundModel(survey, additions)
     model.notice_survey()
     return model
@@ -164,19 +166,13 @@ def test_the_place_chosen_is_within_half_a_cell_of_the_touch(columns, rows, left
 
 def test_the_crosshair_links_the_pictures(model):
     add(model, *range(40))
-    model.change(remove_background=False)
     model.choose_place(*TARGET)
-    model.touch_section(175.0, 100.0, Axis.DEPTH_MM)
-    shown = model.pictures()
+    model.touch_section(175.0, 100.0)
     assert model.place == Place(175.0, 90.0)
-    assert model.crosshair_in(shown.section) == (175.0, pytest.approx(100.0))
-    assert shown.level_db == pytest.approx(shown.section.scale.top_db, abs=6.0)
+    assert model.section_crosshair == (175.0, pytest.approx(100.0))
     model.turn()
-    model.touch_section(52.0, 200.0, Axis.DEPTH_MM)
-    assert model.place == Place(175.0, 50.0)
-    # In time, the depth of the delay: 0.2 m of air and 0.15 m of permittivity 4.
-    model.touch_section(52.0, 2 * (0.2 + 0.15 * 2.0) / 0.299792458, Axis.DELAY_NS)
-    assert model.settings.depth_m == pytest.approx(0.15)
+    model.touch_section(52.0, 200.0)
+    assert model.place == Place(175.0, 50.0) and model.settings.depth_m == pytest.approx(0.2)
 
 
 def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
@@ -185,13 +181,16 @@ def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
     assert model.settings.depth_m == 0.0
     model.step_depth(10_000)
     assert model.settings.depth_m <= model.deepest_m + 1e-9
-    model.take_soil(20.0)
+    wet = new_model(make_grid(permittivity=20.0))
+    add(wet, *range(40))
+    wet.step_depth(10_000)
+    model = wet
     assert model.settings.depth_m <= model.deepest_m + 1e-9 < 0.5
     assert model.pictures().above.measured
     without = new_model()
     add(without, *range(40), height_m=float("nan"))
     shown = without.pictures()
-    assert shown.above is None and without.crosshair_in(shown.section)[1] is None
+    assert shown.above is shown.section is without.deepest_m is None
 
 
 def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_noise(model):
@@ -222,28 +221,35 @@ def test_the_focused_image_of_the_survey_has_the_crosshair_and_the_rule_of_the_n
     assert np.isnan(model.pictures().above.shades[:, :5]).all()
 
 
-def test_the_soil_is_that_of_the_survey_or_of_its_image(model):
-    for stored, shown in ((8.0, 8.0), (9.0, 9.0), (None, ANY_SOIL.permittivity)):
-        model.take_soil(stored)
+def test_the_soil_is_that_of_the_survey_or_of_its_image():
+    for stored, shown in ((8.0, 8.0), (None, ANY_SOIL.permittivity)):
+        model = new_model(make_grid(permittivity=stored))
         assert model.settings.permittivity == shown
     model.additions.pictures.add_image(image_of(model.survey.map.grid))
-    model.take_soil(None)
+    model.notice_survey()
     assert model.settings.permittivity == model.image.found.permittivity == 4.0
-    # Image and candidates of another permittivity are not shown.
-    model.take_soil(9.0)
+    # Somebody enters one: image and candidates of another permittivity are not shown.
+    log = [noted("decision", soil_values(9.0, TIME_US))]
+    model.additions._imaging._requests.ticket("read").done(stored_survey(log=log))
+    model.notice_survey()
+    assert model.settings.permittivity == 9.0
     assert model.image is None and not model.additions.candidates
 
 
 @pytest.fixture
 def additions(node, now):
     additions = AdditionsPresenter(Imaging(node, now), lambda: "Ana")
-    additions.follow(SURVEY, can_read=True)
+    additions.follow(make_grid())
+    additions.refresh()
     return additions
 
 
 def test_markers_are_asked_for_once_and_again_after_a_failure(node, now, additions):
-    additions.follow(SURVEY, can_read=True)
-    for answer in (lambda one: one.fail(verbatim("no")), lambda one: one.done(StoredSurvey("", 0))):
+    additions.follow(make_grid())
+    for answer in (
+        lambda one: one.fail(verbatim("no")),
+        lambda one: one.done(StoredSurvey("", ())),
+    ):
         asked = len(node.of("read"))
         answer(node.ticket("read"))
         for later_s in (RETRY_S / 2.0, RETRY_S):
@@ -256,14 +262,14 @@ def test_markers_are_asked_for_once_and_again_after_a_failure(node, now, additio
 def test_nothing_of_another_survey_is_shown(node, additions):
     first = node.ticket("read")
     additions.pictures.add_image(focused(survey_id=PAST))
-    additions.follow(PAST, can_read=True)
+    additions.follow(make_grid(survey_id=PAST))
+    additions.refresh()
     first.done(marked(MARKER))
     assert additions.markers == ()
     node.ticket("read").done(marked(MARKER))
     assert additions.markers == (MARKER,)
-    # A replay has no storage to ask.
-    additions.follow(SURVEY, can_read=False)
-    assert additions.markers == additions.candidates == () and not additions.can_mark
+    additions.follow(make_grid())
+    assert additions.markers == additions.candidates == ()
 
 
 def test_a_marker_is_shown_when_the_storage_has_it_and_each_failure_is_reported(node, additions):

@@ -86,7 +86,7 @@ def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(change
         due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
         assert len(node.of("focus")) - before == due
         if due:
-            assert node.of("focus")[-1] == (survey, permittivity or 0.0)
+            assert node.of("focus")[-1] == (survey, 0.0)
             asked, waits = wanted, True
         if waits and answered:
             focused(node, asked.survey_id)
@@ -99,6 +99,10 @@ def test_a_failure_is_kept_until_there_is_an_image_and_what_is_awaited_can_be_en
     imaging.keep(Wanted(SURVEY, 20, 4.0))
     node.ticket("focus").fail(verbatim("the analysis is not installed"))
     assert str(imaging.problem) == "the analysis is not installed"
+    now.s += PERIOD_S
+    imaging.keep(Wanted(SURVEY, 20, 4.0))
+    assert len(node.of("focus")) == 2
+    node.ticket("focus").fail(verbatim("the analysis is not installed"))
     now.s += PERIOD_S
     imaging.keep(Wanted(SURVEY, 21, 4.0))
     focused(node)

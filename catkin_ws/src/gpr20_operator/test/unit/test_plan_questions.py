@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from test_fields import parameters
 from view_kit import FOLDER, past_survey
 
-from gpr20_operator.plan.annotation import LONGEST_SHOWN, overwritten
+from gpr20_common.message import verbatim
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.form import preview
-from gpr20_operator.plan.hold_question import (
+from gpr20_operator.plan.form import LONGEST_SHOWN, overwritten, preview
+from gpr20_operator.plan.texts import (
     change_records_question,
     other_analyzer_question,
     plan_question,
@@ -88,7 +88,7 @@ def test_a_past_survey_is_named_before_it_is_resumed():
 MOVING = (start(), resume_question(None), resume_past_question(FOLDER, None))
 
 
-@each_case("question", [*MOVING, other_analyzer_question("Anritsu,MS2026C")])
+@each_case("question", [*MOVING, other_analyzer_question(verbatim("another VNA"))])
 def test_whatever_moves_the_robot_says_what_moves(question):
     warning = str(question.warning)
     assert warning.startswith("Hands clear!") and "X, Y and the antennas move" in warning

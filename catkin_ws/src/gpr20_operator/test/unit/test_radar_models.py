@@ -4,7 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -32,7 +31,7 @@ from gpr20_operator.ground.grid import Place, Stop
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_survey.trace.trace import TraceBlock
 
-PLAIN = RadarSettings(remove_background=False)
+PLAIN = RadarSettings()
 NOISE = 1e-4
 TENTH = 0.1
 
@@ -94,22 +93,26 @@ def test_what_was_not_measured_is_never_a_level():
     assert (np.isfinite(section.shades).any(axis=0) == model.present[0][1]).all()
     nothing = EchoSource(RadarModel())
     assert nothing.section(Place(0.0, 0.0), PLAIN) is None
-    assert nothing.slice(PLAIN) is nothing.level_db(Place(0.0, 0.0), PLAIN) is None
+    assert nothing.slice(PLAIN) is None
 
 
 def test_background_removal_takes_the_surface_and_leaves_the_target():
     def ground(_row, column):
         return depth_echo(0.0) + (depth_echo(0.1, level=0.1) if column == 2 else 0.0)
 
-    model, removed = filled(s21_of=ground), RadarSettings()
-    raw, clean = b_scan(model, Stop(1, 0), PLAIN), b_scan(model, Stop(1, 0), removed)
+    # The mean of one trace is the trace: the picture would be empty, and look like clear ground.
+    few = filled(range(0, 2 * (MIN_BACKGROUND_TRACES - 1), 2), s21_of=ground)
+    assert few.background(0) is None
+    whole = filled(s21_of=ground)
+    raw, clean = (b_scan(one, Stop(0, 0), PLAIN) for one in (few, whole))
     assert np.unravel_index(np.nanargmax(clean.shades), clean.shades.shape)[1] == 2
     surface = int(np.argmax(raw.shades[:, 0]))
     assert clean.shades[surface, 0] < 0.4 < 0.9 < raw.shades[surface, 0]
-    # The mean of one trace is the trace: the picture would be empty, and look like clear ground.
-    model = filled(range(0, 2 * (MIN_BACKGROUND_TRACES - 1), 2))
-    assert model.background(0) is None
-    assert np.nanmax(b_scan(model, Stop(0, 0), removed).shades) > 0.5
+    # Once it is taken out, the scale is no longer that of the surface.
+    for index in range(40):
+        row, column, _polarization = few.grid.cells(np.array(index))
+        add_trace(few, trace_at(few.grid, index, ground(int(row), int(column))))
+    assert few.scale() == whole.scale()
 
 
 def test_a_trace_that_does_not_belong_is_refused_and_not_asked_for_again():
@@ -216,11 +219,7 @@ def test_noise_alone_stays_below_a_tenth_of_the_scale():
         planned = 2 * size[0] * size[1]
         traces = planned if surface else int(rng.integers(1, planned + 1))
         model = noisy(seed, size, surface, traces)
-        settings = RadarSettings(
-            polarization=0,
-            remove_background=surface is not None or bool(rng.integers(2)),
-            permittivity=float(rng.uniform(1.0, 30.0)),
-        )
+        settings = RadarSettings(permittivity=float(rng.uniform(1.0, 30.0)))
         assert brightest(model, settings) < TENTH, (seed, settings)
 
 
@@ -229,21 +228,17 @@ def test_a_target_stays_visible_and_its_slice_is_above_the_noise():
     level = NOISE * 10 ** ((noise_threshold_db(40 * 162) + 20.0) / 20.0) * 0.09
     for seed in range(draws(3)):
         model = noisy(seed, ground=target_ground(level))
-        for remove in (True, False):
-            settings = RadarSettings(remove_background=remove, depth_m=0.1)
-            picture = c_scan(model, settings)
-            shades = picture.shades
-            assert np.unravel_index(np.argmax(shades), shades.shape) == (2, 2), seed
-            assert shades.max() > 0.5 and picture.above_noise, seed
-            empty = c_scan(model, dataclasses.replace(settings, depth_m=0.4))
-            assert not empty.above_noise and empty.shades.max() < TENTH, seed
+        picture = c_scan(model, RadarSettings(depth_m=0.1))
+        shades = picture.shades
+        assert np.unravel_index(np.argmax(shades), shades.shape) == (2, 2), seed
+        assert shades.max() > 0.5 and picture.above_noise, seed
+        empty = c_scan(model, RadarSettings(depth_m=0.4))
+        assert not empty.above_noise and empty.shades.max() < TENTH, seed
 
 
-@each_case("remove", [True, False])
-def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_arrive(remove):
+def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_arrive():
     model = noisy(3, ground=target_ground(0.1, surface=0.5))
-    settings = RadarSettings(remove_background=remove)
-    assert len({one.scale for one in pictures(model, settings)}) == 1
+    assert len({one.scale for one in pictures(model, PLAIN)}) == 1
     grid, ground = make_grid(16, 12), target_ground(0.01, surface=0.3)
     rng, scales = np.random.default_rng(4), []
     model = filled((), grid=grid)
@@ -253,7 +248,7 @@ def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_ar
         uneven = depth_echo(0.001 * rng.standard_normal(), level=0.3)
         s21 = noise(rng, NOISE) + uneven + ground(int(row), int(column))
         add_trace(model, trace_at(grid, index, s21))
-        scales.append(model.scale(remove))
+        scales.append(model.scale())
     tops = [one.top_db for one in scales[40:]]
     assert tops == sorted(tops)
     assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2

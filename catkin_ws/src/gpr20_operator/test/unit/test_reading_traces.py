@@ -20,16 +20,8 @@ from view_kit import (
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
-from gpr20_operator.ground.traces import (
-    RETRY_REFRESHES,
-    ReadingFailed,
-    SurveyDescribed,
-    SurveyRead,
-    SurveysListed,
-    TracePresenter,
-    TracesRead,
-)
-from gpr20_operator.robot.events import Replay
+from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed, TracePresenter
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey, SurveysListed, TracesRead
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace import TraceBlock
@@ -39,23 +31,25 @@ ALL_STORED = tuple(range(40))
 GRID = make_grid()
 
 
-def note(traces, code, survey=SURVEY, replay=None):
-    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey), replay=replay))
+def note(traces, code, survey=SURVEY):
+    traces.note_state(snapshot(code, state=state_of(code, survey_id=survey)))
 
 
 def open_past(traces):
     traces.open_survey(FOLDER)
-    traces.on_event(SurveyRead(FOLDER, description(survey_id=PAST), ALL_STORED))
+    traces.storage.answer(StoredSurvey(description(survey_id=PAST), ALL_STORED))
 
 
 def test_a_past_survey_says_so_and_which_one_it_is(traces):
     note(traces, SurveyState.IDLE)
     open_past(traces)
+    traces.list_surveys()
     listed = past_survey(outcome="finished", complete=True)
-    traces.on_event(SurveysListed("", (listed,), False))
+    traces.storage.answer(SurveysListed((listed,), False))
     assert str(traces.band) == f"PAST SURVEY: {local_time(listed.started)}, 7c9e6679"
     named = dataclasses.replace(listed, name="field 3, east")
-    traces.on_event(SurveysListed("", (named,), False))
+    traces.list_surveys()
+    traces.storage.answer(SurveysListed((named,), False))
     assert str(traces.band).endswith(", field 3, east")
     note(traces, SurveyState.SURVEYING)
     open_past(traces)
@@ -66,21 +60,12 @@ def test_a_past_survey_says_so_and_which_one_it_is(traces):
     assert traces.band is None
 
 
-def test_a_replay_is_shown_without_a_band_and_without_a_list_of_surveys(traces):
-    replay = Replay(PAST, folder=FOLDER, rate=1.0, state=SurveyState.SURVEYING)
-    note(traces, SurveyState.SURVEYING, PAST, replay)
-    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
-    assert (traces.shown.survey_id, traces.band, traces.past.replay) == (PAST, None, True)
-    # The traces come with the replay: no storage has them.
-    assert traces.source.asked == []
-
-
 @pytest.fixture
-def traces(storage):
+def traces(storage, now):
     """What MAP and RADAR show, without a window."""
     problems = []
-    traces = TracePresenter(storage, problems.append)
-    traces.problems = problems
+    traces = TracePresenter(Imaging(storage, now), problems.append)
+    traces.problems, traces.storage = problems, storage
     return traces
 
 
@@ -88,9 +73,9 @@ def stored(count, survey=SURVEY):
     return coverage_of_stored(survey, 40, range(count))
 
 
-def read(first_index, *indices, unreadable=None, grid=GRID):
+def read(*indices, unreadable=None, grid=GRID):
     traces = [trace_at(grid, index) for index in indices]
-    return TracesRead(first_index, TraceBlock.of(grid.survey_id, traces), unreadable or {})
+    return TracesRead(TraceBlock.of(grid.survey_id, traces), unreadable or {})
 
 
 def refresh(traces, times=1):
@@ -107,7 +92,8 @@ class Course:
 
     def __init__(self):
         self.storage, self.problems = AskedStorage(), []
-        self.traces = TracePresenter(self.storage, self.problems.append)
+        imaging = Imaging(self.storage, lambda: 0.0)
+        self.traces = TracePresenter(imaging, self.problems.append)
         self.stored = {SURVEY: 0, NEXT: 0, PAST: 12}
         self.running, self.measuring, self.live = "", False, ""
         self.wanted = self.opened = False
@@ -136,9 +122,11 @@ class Course:
         self.traces.open_survey(FOLDER)
 
     def read(self):
-        self.opened = self.opened or self.wanted
-        text = description(survey_id=PAST)
-        self.traces.on_event(SurveyRead(FOLDER, text, tuple(range(self.stored[PAST]))))
+        # It may come too late.
+        if self.storage.of("survey"):
+            text = description(survey_id=PAST)
+            self.storage.answer(StoredSurvey(text, tuple(range(self.stored[PAST]))))
+            self.wanted, self.opened = False, self.opened or self.wanted
 
     def open(self):
         self.ask()
@@ -157,7 +145,7 @@ class Course:
             for survey, indices in self.storage.of("traces")[self.answered :]:
                 self.answered += 1
                 assert max(indices) < self.stored[survey]
-                self.traces.on_event(read(*indices[:1], *indices, grid=make_grid(survey_id=survey)))
+                self.storage.answer(read(*indices, grid=make_grid(survey_id=survey)))
 
     def check(self):
         shown = self.traces.shown
@@ -188,7 +176,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     traces.open_survey(FOLDER)
     parameters = {**grid.plan[0].__dict__, "polarizations_deg": [0.0]}
     text = description(survey_id=PAST, parameters=parameters)
-    traces.on_event(SurveyRead(FOLDER, text, tuple(range(1100))))
+    storage.answer(StoredSurvey(text, tuple(range(1100))))
     requested, shown = [], traces.shown
     assert shown.loading.waiting.sum() == 1100 and not shown.loading.waiting[0, 22:].any()
     refresh(traces, 2)
@@ -199,7 +187,7 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
         # The last but one cannot be read.
         some = [one for one in indices if one != 1098]
         why = {1098: verbatim("torn")} if 1098 in indices else None
-        traces.on_event(read(indices[0], *some, unreadable=why, grid=shown.map.grid))
+        storage.answer(read(*some, unreadable=why, grid=shown.map.grid))
         here = len(requested) - (1098 in requested)
         assert (shown.loading.loaded, shown.loading.waiting.sum()) == (here, 1100 - len(requested))
     assert requested == list(range(1100))
@@ -226,7 +214,7 @@ def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(3))
     refresh(traces, 2)
-    traces.on_event(read(0, 2, unreadable={1: verbatim("no strict JSON")}))
+    storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
     refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
     assert "trace 1: no strict JSON" in map(str, traces.problems)
@@ -235,29 +223,32 @@ def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage
     assert "no file" in str(lost[0])
 
 
-def test_a_storage_that_does_not_answer_is_asked_again(traces, storage):
+def test_a_storage_that_does_not_answer_is_asked_again(traces, storage, now):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(2))
     refresh(traces, 2)
-    traces.on_event(ReadingFailed(verbatim("the storage did not answer")))
-    refresh(traces, RETRY_REFRESHES + 2)
+    storage.fail("traces", verbatim("the storage did not answer"))
+    refresh(traces, 2)
+    assert len(storage.asked) == 1
+    now.s += RETRY_S
+    refresh(traces, 2)
     assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
 
 
-def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage):
+def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage, now):
     for event in (
         SurveyDescribed("{"),
         CoverageRuns(SURVEY, 40, (3,), (0,)),
         CoverageRuns(SURVEY, 41, (0,), (0,)),
         trace_at(GRID, 3, x_coord_mm=1.0),
         dataclasses.replace(trace_at(GRID, 3), index=99),
-        SurveyRead(FOLDER, "{}", (0,)),
+        StoredSurvey("{}", (0,)),
     ):
         problems = []
-        traces = TracePresenter(storage, problems.append)
+        traces = TracePresenter(Imaging(storage, now), problems.append)
         traces.on_event(SurveyDescribed(description()))
         traces.open_survey(FOLDER)
-        traces.on_event(event)
+        storage.answer(event) if isinstance(event, StoredSurvey) else traces.on_event(event)
         traces.refresh()
         assert len(problems) == 1, event
         traces.on_event(trace_at(GRID, 0))

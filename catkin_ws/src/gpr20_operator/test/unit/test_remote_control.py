@@ -19,9 +19,9 @@ from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_operator.high import remote_control as topics
+from gpr20_operator.high import control_client as topics
 from gpr20_operator.plan.fields import default_parameters
-from gpr20_operator.plan.hold_question import remote_question
+from gpr20_operator.plan.texts import remote_question
 from gpr20_operator.robot.events import Replay, StartPlan
 from gpr20_operator.robot.remote_control import (
     REMOTE_LIMIT_S,
@@ -49,7 +49,7 @@ FORBIDDING = {
         SurveyState.IDLE, axes=(AxisReport(AxisId.X, 0.0, True, True, "/other", 0.0),)
     ),
     "service": snapshot(SurveyState.IDLE, service=verbatim("moving the X axis")),
-    "replay": snapshot(SurveyState.IDLE, replay=Replay(state=SurveyState.IDLE)),
+    "replay": snapshot(SurveyState.IDLE, replay=Replay()),
 }
 ENDING = {"fault": FAULT, "other fault": OTHER_FAULT, **FORBIDDING}
 
@@ -83,6 +83,11 @@ def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second():
             window.note(WELL)
         assert window.arming.armed is armed and all(one.armed is armed for one in window.sent)
         assert len(window.sent) == pytest.approx(times, rel=0.01)
+    # A touch ends it at once.
+    window.arming.arm(WELL)
+    window.arming.touched()
+    assert not window.arming.armed and [one.armed for one in window.sent[-2:]] == [True, False]
+    window.sent.clear()
     # Another plan is sent at once.
     plan = replace(PLAN, permittivity=9.0)
     for shown_plan in (plan, plan, None):

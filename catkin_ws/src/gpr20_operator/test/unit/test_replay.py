@@ -1,7 +1,6 @@
 """A replay never looks like a robot, and never hides one."""
 
 import contextlib
-from dataclasses import replace
 
 import pytest
 
@@ -13,22 +12,23 @@ from hypothesis import given
 from hypothesis import strategies as some
 from topics_kit import Graph
 
+from gpr20_common.faults import MAY_MOVE
 from gpr20_common.message import verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, NodeHealth
+from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import ControlStatus, Coordinates, CurrentCoordinate, SurveyData
 from gpr20_msgs.msg import Replay as ReplayMessage
 from gpr20_operator.high import ros_events
 from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.robot.condition import JobLevel, condition_of
-from gpr20_operator.robot.events import (
-    ControlState,
-    Progress,
-    Replay,
-    ReplayPhase,
-    Request,
-    Senders,
-)
-from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
+from gpr20_operator.high.storage_client import NO_ROBOT, StorageClient
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
+from gpr20_operator.robot.events import ControlState, Progress, Senders
+from gpr20_operator.robot.notices import CardWatch
+from gpr20_operator.robot.remote_control import remote_obstacle
+from gpr20_operator.robot.snapshot import SurveyModel
+from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
 # `rosbag play`, replay.launch, a window, and nodes of other robots.
@@ -36,8 +36,6 @@ OTHERS = (
     *("/play_1795334095431", "/replay/replay", "/user_interface", "/some_player"),
     *("/robot2/main_control", "/replay/main_control", "/main_control_", "main_control"),
 )
-MARK = Replay("id", "2026-11-22T07:53:11.859801+00:00", "20261122T075311_58860593")
-SURVEY = f"Survey of 2026-11-22 07:53 UTC, {MARK.folder}"
 
 
 @contextlib.contextmanager
@@ -73,8 +71,8 @@ def message(kind, number):
         "progress": ("control_survey_data", SurveyData(survey_id=survey, visited_points=number)),
         "place": ("control_current_coordinate", Coordinates(x_mm=number)),
         "axis": ("x_axis/current_coord", CurrentCoordinate(moving=bool(number % 2))),
+        "mark": ("replay", ReplayMessage(state=number % 3)),
         "health": ("/diagnostics", report(EXPECTED_NODES[number % 3], number % 3)),
-        "mark": ("replay", ReplayMessage(survey_id=survey)),
     }[kind]
 
 
@@ -118,65 +116,47 @@ def test_on_the_topic_of_all_robots_only_who_speaks_for_this_one_is_reported():
 def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics():
     with listening(replay=True) as ((graph, events), _clock):
         for node in (*EXPECTED_NODES, "simulator"):
-            for kind in ("state", "progress", "place", "axis", "mark"):
+            for kind in ("state", "progress", "place", "axis", "health"):
                 graph.send(f"/{node}", *message(kind, 1))
         assert events == []
         graph.send("/play_1", *message("state", 4))
-        assert [one.survey_id for one in events] == ["survey 1"]
+        assert events.pop().survey_id == "survey 1"
+        model = SurveyModel(FakeClock(), replay=True)
+        for phase, title in enumerate(("REPLAY", "REPLAY PAUSED", "REPLAY ENDED")):
+            graph.send("/play_1", "replay", ReplayMessage(state=phase))
+            model.handle(events.pop())
+            assert str(condition_of(model.snapshot()).title) == title
 
 
-def state(code, survey_id="id"):
-    return ControlState(SurveyState(code), verbatim("as it is"), survey_id, False)
-
-
-def progress(survey_id="id"):
-    return Progress(survey_id, 50.0, 18, 9, 30.0)
-
-
-def assert_harmless(snapshot):
-    """A replay offers no request to a robot and raises no alarm."""
-    assert snapshot.replay is not None
-    assert condition_of(snapshot).level is JobLevel.REPLAY
-    assert not (snapshot.can_start or snapshot.can_pause or snapshot.can_resume)
-    assert snapshot.fields_locked
-
-
-def played(*events):
-    model = ReplayModel()
-    for event in events:
-        model.handle(event)
-    return model
-
-
-def test_a_window_of_a_replay_is_one_before_anything_is_played_and_in_every_state():
-    model = played(NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}))
-    model.request_sent(Request.STOP)
-    snapshot = model.snapshot()
-    assert_harmless(snapshot)
-    assert snapshot.replay.message and not snapshot.pending and not snapshot.simulated
-    for code in SurveyState:
-        model = played(MARK, state(code), progress())
-        assert_harmless(model.snapshot())
-        model.handle(replace(MARK, phase=ReplayPhase.PAUSED, rate=2.0))
-        assert str(model.snapshot().replay.title) == "REPLAY PAUSED"
-        assert_harmless(model.snapshot())
-
-
-def test_the_end_of_a_replay_names_the_end_of_the_survey():
-    cut_off = "SURVEYING, and the recording does not contain the survey's end"
-    ended = replace(MARK, phase=ReplayPhase.ENDED, rate=1.0)
-    for code, mark, title, text in (
-        (SurveyState.SURVEYING, MARK, "REPLAY", "SURVEYING"),
-        (SurveyState.SURVEYING, ended, "REPLAY ENDED", cut_off),
-        (SurveyState.FINISHED, ended, "REPLAY ENDED", "FINISHED"),
-        # The player of `rosbag play` does not report.
-        (SurveyState.FINISHED, MARK, "REPLAY ENDED", "FINISHED"),
+@given(some.sampled_from(SurveyState), some.floats(0.0, 100.0), some.booleans())
+def test_a_window_of_a_replay_is_one_in_every_state_and_asks_a_robot_for_nothing(
+    code, passed_s, failed
+):
+    clock = FakeClock()
+    model = SurveyModel(clock, replay=True)
+    assert "Waiting" in str(condition_of(model.snapshot()).message)
+    said = MAY_MOVE.remedy.with_fault(MAY_MOVE) if failed else verbatim("as it is")
+    for event in (
+        NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}),
+        ControlState(SurveyState.SURVEYING, verbatim("on"), "id", False),
+        ControlState(code, said, "id", False),
+        AxisReport(AxisId.X, 1.0, True, True),
+        Progress("id", 50.0, 18, 9, 30.0),
     ):
-        view = played(mark, state(code)).snapshot().replay
-        assert (str(view.title), str(view.message)) == (title, f"{text}. {SURVEY}")
+        model.handle(event)
+    clock.advance(passed_s)
+    shown = model.snapshot()
+    condition = condition_of(shown)
+    assert (condition.level, str(condition.title)) == (JobLevel.REPLAY, "REPLAY")
+    assert code.name in str(condition.message)
+    assert not (shown.can_start or shown.can_pause or shown.can_resume) and shown.fields_locked
+    assert CardWatch().note(shown) is left_of(shown) is None
+    assert remote_obstacle(shown) is not None and shown.health.trouble is None
 
 
-def test_another_survey_shows_nothing_of_the_one_before():
-    model = played(MARK, state(SurveyState.FINISHED), progress("other"))
-    assert model.snapshot().state is None
-    assert model.snapshot().replay == Replay("other")
+def test_a_window_of_a_replay_asks_no_storage(services, events):
+    client = StorageClient(events.put, Senders("/", replay=True))
+    job = Imaging(client, lambda: 0.0).job(Service.READ)
+    job.ask(survey="id")
+    events.get_nowait().deliver()
+    assert job.problem == NO_ROBOT and services.asked.empty()

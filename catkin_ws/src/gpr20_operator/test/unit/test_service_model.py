@@ -1,7 +1,6 @@
 """SERVICE: when the robot may be serviced, and when it ends by itself."""
 
 import random
-from dataclasses import replace
 
 import pytest
 from result_kit import ServiceTools
@@ -11,7 +10,7 @@ from view_kit import snapshot
 from gpr20_common.message import Message
 from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import CurrentPosition, Replay, Request
+from gpr20_operator.robot.events import CurrentPosition, Request
 from gpr20_operator.robot.service_model import (
     IDLE_LIMIT_S,
     LAMP_S,
@@ -92,12 +91,6 @@ def test_the_lamp_shows_a_short_touch_and_no_old_state(model, clock):
     assert lamp() is False
     clock.advance(1.0)
     assert lamp() is None
-
-
-def test_nothing_is_found_wrong_with_the_robot_of_a_replay(model):
-    assert model.findings()
-    model.refresh(replace(at_rest(), replay=Replay()))
-    assert model.findings() == () and model.obstacle is not None
 
 
 OTHERS = {

@@ -11,7 +11,7 @@ from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.plan.annotation import NextAnnotation, next_name
+from gpr20_operator.plan.form import NextAnnotation, next_name
 from gpr20_operator.settings_file import MAX_BYTES, PlanMemory, RememberedPlan, SettingsFile
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 

@@ -20,8 +20,7 @@ from gpr20_operator.robot.events import (
     Request,
     TargetPosition,
 )
-from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, JobScreen
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, SurveyModel
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
@@ -91,7 +90,6 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
 
 
 def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_looked(model):
-    job = JobScreen()
     model.handle(state(S.SURVEYING))
     model.handle(replace(PROGRESS, completion_percent=100.0))
     for end, level in ((S.FINISHED, JobLevel.DONE), (S.FAILED, JobLevel.FAULT)):
@@ -100,8 +98,6 @@ def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_
         assert not snapshot.interrupted and allowed(snapshot) == {R.START}
         condition = condition_of(snapshot)
         assert (condition.level, str(condition.title)) == (level, f"{end.name} 100 %")
-        job.note(snapshot)
-        assert job.visible
 
 
 def test_what_is_old_is_not_shown_as_now(model, clock):

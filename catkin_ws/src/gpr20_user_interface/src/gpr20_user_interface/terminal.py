@@ -33,9 +33,8 @@ from gpr20_operator.robot.events import (
     StartPlan,
 )
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, remaining
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, SurveyModel, remaining
 from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState

@@ -47,7 +47,7 @@ def shown(window: Any) -> Dict[str, Any]:
         "on_map": 0 if counts is None else 2 * counts[StopState.DONE] + counts[StopState.PARTLY],
         "parameters": str(plan_fields(StartPlan(window.control.parameters))["parameters"]),
         "locked": not window.control.tiles[Tile.AREA].isEnabled(),
-        "replay": bar.band.title.text() if snapshot.replay is not None else "",
+        "replay": bar.band.title.text() if snapshot.replay else "",
         "survey": bar.band.message.text(),
         "stop": bar.stop.isVisible() and bar.stop.isEnabled(),
         "alarm": bar.band.message.text() if bar.band.level is JobLevel.FAULT else "",

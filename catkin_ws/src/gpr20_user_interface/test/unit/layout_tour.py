@@ -20,18 +20,18 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, hold, is_cut, open_field, show
+from window_helpers import click, hold, is_cut, open_field, show, take_list
 
 from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.jobs.pictures import Exported
 from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
-from gpr20_operator.robot.notices import Refused, analyzer_notice, refusal_notice
+from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_operator.robot.remote_control import WebStatusReported
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
 from gpr20_survey.plan.markers import What
@@ -51,6 +51,10 @@ LARGEST = SurveyPreview(
 )
 WITH_DETAILS = Message("{reason}", reason=verbatim(LONG), details=LONG)
 IDENTITY = "Rohde&Schwarz,ZNB20-4Port,1311601062100123,3.40.0.1 con opciones K2, K4 y B16"
+OTHER_VNA = verbatim(
+    f"el VNA es {IDENTITY}, pero la campaña se midió con {IDENTITY}; conecte ese VNA de nuevo, o "
+    "acepte el otro cuando reanude la campaña"
+)
 NAME = "Ana María Rodríguez Vargas de la Cruz y Peña"
 SITE = "Vereda El Salado, franja 12, junto al camino viejo"
 LONGEST = {
@@ -111,7 +115,7 @@ def plan(*acts):
         window.touch_binding.set_locked(False)
         window.show_tab(TabName.SURVEY)
         window.survey.preview = LARGEST
-        window.on_event(SurveysListed("", (), False))
+        take_list(window, ())
         window.control.form.set_texts(LONGEST)
         window.control.show_plan()
         show(window, busiest(SurveyState.IDLE))
@@ -133,7 +137,7 @@ def running(code=SurveyState.SURVEYING, **changes):
 
 def to_resume(window):
     survey = past_survey(name="W" * 60, stored_traces=999999, planned_traces=1000000)
-    window.on_event(SurveysListed("", (survey,), False))
+    take_list(window, (survey,))
     show(window, busiest(SurveyState.IDLE))
     assert window.control.resume.isVisible()
 
@@ -222,14 +226,14 @@ def surveys(window):
     window.show_tab(TabName.SURVEYS)
     whole = past_survey(stored_traces=25000, planned_traces=25000, name="Campo 7, norte")
     many = [past_survey(folder=f"{FOLDER[:-2]}{one}", name=f"Lane {one}") for one in range(60)]
-    window.on_event(SurveysListed("", (whole, *many), False))
+    take_list(window, (whole, *many))
     window.past.choose(whole)
     show(window, busiest(SurveyState.IDLE))
 
 
 def list_fails(window):
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (), False))
+    take_list(window, ())
     window.traces.past.set_problem(verbatim("el servidor no contesta"))
     show(window, snapshot())
 
@@ -274,13 +278,10 @@ STOPS = {
     "position": keys("position", "91,0"),
     "start": start_sheet("ask_start", default_parameters(), 4.0, PEOPLE),
     "resume": start_sheet("ask_resume_past", FOLDER),
-    "other analyzer": start_sheet("ask_resume_with", IDENTITY),
+    "other analyzer": start_sheet("ask_resume_with", IDENTITY, OTHER_VNA),
     **{code.name.lower(): running(code) for code in SurveyState},
     **{f"refused {one.name}": refused(one) for one in Refused},
     "details": details,
-    "question": lambda window: window.question.show_notice(
-        analyzer_notice(WITH_DETAILS, IDENTITY), list
-    ),
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,

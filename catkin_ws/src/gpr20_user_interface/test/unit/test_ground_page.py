@@ -16,7 +16,17 @@ from PyQt5.QtTest import QTest
 from result_examples import a_map, imported_folder
 from test_ground_model import cover, image_of
 from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
-from window_helpers import click, colours, drag, hold, pixel_of, press_keys, show, touch
+from window_helpers import (
+    click,
+    colours,
+    drag,
+    hold,
+    pixel_of,
+    press_keys,
+    show,
+    take_list,
+    touch,
+)
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.ground.coverage import (
@@ -26,10 +36,10 @@ from gpr20_operator.ground.coverage import (
     StopState,
 )
 from gpr20_operator.ground.echoes import LevelScale
-from gpr20_operator.ground.patterns import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_operator.ground.texts import GroundMark
-from gpr20_operator.ground.traces import SurveyRead, SurveysListed, TracesRead
+from gpr20_operator.jobs.pictures import StoredSurvey, TracesRead
+from gpr20_operator.palette import LAST_SHADE, TILES, shade_colours
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
@@ -105,7 +115,7 @@ def test_the_settings_change_what_is_drawn_and_never_the_data(filled, view):
     sheet, model = filled.ground.layers, filled.ground.model
     echoes, before = filled.traces.live.radar.echoes.copy(), model.settings
     sheet.open()
-    for name in ("along", "polarization", "background", "follow"):
+    for name in ("along", "polarization", "follow"):
         click(getattr(sheet, name))
     now = dataclasses.asdict(model.settings).items()
     same = {name for name, value in now if getattr(before, name) == value}
@@ -173,7 +183,7 @@ def test_what_is_missing_is_said(window, view):
     fill(window, 1, height_m=float("nan"))
     assert view.note.text().startswith(f"SIMULATED. {NO_MINE}")
     assert "No height was measured" in view.above.notice
-    assert view.section.axis is Axis.DELAY_NS and not view.deeper.isEnabled()
+    assert view.section.extent is None and not view.deeper.isEnabled()
     assert "The background is not removed from fewer than 8 traces" in view.note.text()
     window.traces.live.radar.give_up(5, verbatim("torn"))
     assert "Cannot be shown: 1" in refreshed(view).note.text()
@@ -240,21 +250,23 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
 
 @pytest.mark.parametrize("columns,rows", [(1, 5), (6, 4)])
 def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
-    window, tmp_path, columns, rows
+    window, storage, tmp_path, columns, rows
 ):
     folder, count = imported_folder(tmp_path / "imported", columns, rows), columns * rows
     counts = {"stored_traces": count, "planned_traces": 0, "verdict": None, "simulated": False}
     imported = past_survey(folder=folder.name, outcome="imported", **counts)
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", (imported,), False))
+    take_list(window, (imported,))
     window.past.choose(imported)
     assert not window.past.resume.isVisible()
     click(window.past.open)
     text = (folder / "survey.json").read_text("ascii")
-    window.on_event(SurveyRead(folder.name, text, tuple(range(count))))
+    storage.answer(StoredSurvey(text, tuple(range(count))))
+    for _ in range(2):
+        window.draw()
     shown = window.traces.shown
     traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
-    window.on_event(TracesRead(0, TraceBlock.of(shown.map.grid.survey_id, traces), {}))
+    storage.answer(TracesRead(TraceBlock.of(shown.map.grid.survey_id, traces), {}))
     window.refresh()
     assert shown.map.counts()[StopState.DONE] == shown.radar.count == count
     assert shown.map.grid.simulated is False and shown.map.grid.plan is None
@@ -329,10 +341,10 @@ def test_each_stop_is_drawn_where_it_is_measured(application, left, down):
 @given(st.integers(0, 2), st.integers(0, 3), st.booleans())
 def test_an_echo_is_drawn_where_it_was_measured(application, row, column, is_section):
     """A picture that is turned over would send people to the wrong place."""
-    shades = np.full((3, 4), 0.1)
-    shades[row, column] = 1.0
+    levels_db = np.full((3, 4), -1.0)
+    levels_db[row, column] = 10.0
     axis = Axis.DEPTH_MM if is_section else Axis.Y_MM
-    shown = Picture(shades, (0.0, 400.0), (30.0, 330.0), axis, LevelScale(1.0, 0.0, 10.0), True)
+    shown = Picture(levels_db, (0.0, 400.0), (30.0, 330.0), axis, LevelScale(1.0, 0.0, 10.0))
     plot = SectionPlot() if is_section else GroundPicture()
     plot.resize(400, 300)
     if is_section:

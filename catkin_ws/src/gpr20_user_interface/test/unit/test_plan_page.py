@@ -17,11 +17,11 @@ from window_helpers import (
     press_keys,
     show,
     start,
+    take_list,
     wishes,
 )
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.plan.fields import VALUE_TILES, Tile, default_parameters
 from gpr20_operator.plan.form import preview
 from gpr20_operator.robot.events import Answer, Replay, Request
@@ -102,14 +102,13 @@ def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle
 
 
 def test_start_says_why_it_is_locked_and_a_replay_offers_no_notes(window):
-    replay = Replay(state=SurveyState.SURVEYING)
     control = window.control
     for shown, reason in (
         (IDLE, ""),
         (replace(IDLE, control_alive=False), "No contact with the robot"),
         (snapshot(SurveyState.SURVEYING), "A survey is running"),
         (replace(IDLE, pending=frozenset([Request.START])), "The survey is starting"),
-        (snapshot(replay=replay), "A replay is shown"),
+        (snapshot(SurveyState.SURVEYING, replay=Replay()), "A replay is shown"),
     ):
         show(window, shown)
         assert control.start.isEnabled() is (shown is IDLE)
@@ -181,7 +180,7 @@ def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idl
 def test_a_survey_that_ended_early_is_resumed_by_a_hold_and_start_comes_second(window):
     show(window, IDLE)
     listed = past_survey(name="El Carmen 2", stored_traces=1234, planned_traces=4489)
-    window.on_event(SurveysListed("", (listed,), False))
+    take_list(window, (listed,))
     for now in (snapshot(SurveyState.IDLE, alive=False), snapshot(SurveyState.SURVEYING)):
         show(window, now)
         assert not window.control.resume.isVisible()
@@ -245,7 +244,7 @@ def test_the_answer_takes_no_touch_or_of_a_stored_survey_two_and_a_report_two_mo
         show(window, ended)
         if touches:
             walk.touch(window.rail.tabs[TabName.SURVEYS])
-            window.on_event(SurveysListed("", (listed,), False))
+            take_list(window, (listed,))
             walk.touch(window.past.result)
             show(window, ended)
             assert node.of("read")[-1] == (listed.folder,)

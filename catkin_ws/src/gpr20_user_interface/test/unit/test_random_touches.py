@@ -11,10 +11,10 @@ from PyQt5.QtCore import QPoint
 from PyQt5.QtWidgets import QAbstractButton, QApplication
 from run_seed import draws
 from view_kit import FOLDER, PAST, description, past_survey, snapshot
-from window_helpers import AFTER_S, Finger, place_of, show, wishes
+from window_helpers import AFTER_S, Finger, place_of, show, take_list, wishes
 
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.traces import SurveyRead, SurveysListed
+from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, Progress, Request
 from gpr20_operator.robot.notices import Refused, refusal_notice
@@ -48,7 +48,7 @@ class Field:
         self.random, self.arming = random.Random(SEED), Arming(clock)
         self.window = opened(arming=self.arming)
         self.opened, self.answered, self.acts = set(), 0, []
-        self.window.on_event(SurveysListed("", (past_survey(),), False))
+        take_list(self.window, (past_survey(),))
         self.window.on_event(WebStatusReported("192.168.1.10", 8443, "AB12 CD34", 3, "Ana"))
         self.overlays = self.window.findChildren(Overlay)
         self.buttons = self.window.findChildren(QAbstractButton)
@@ -78,7 +78,7 @@ class Field:
         window = self.window
         notice = refusal_notice(Refused.PAUSE, verbatim("the reason"))
         refusal = Answer(Request.RESUME, False, verbatim("another one"), "", IDENTITY)
-        read = SurveyRead(FOLDER, description(survey_id=PAST), tuple(range(40)))
+        read = StoredSurvey(description(survey_id=PAST), tuple(range(40)))
         return (
             lambda: window.show_tab(self.random.choice(list(TabName))),
             lambda: window.past.choose(window.traces.past.surveys[0]),
@@ -86,7 +86,7 @@ class Field:
             lambda: self.mean(SurveyState.PAUSED, window.top_bar.pause),
             lambda: window.notice.show_notice(notice),
             lambda: window.alerts.take_refusal(refusal),
-            lambda: window.on_event(read),
+            lambda: (window.traces.open_survey(FOLDER), window.traces.opening._done(read)),
             lambda: (self.clear(), window.remote.open()),
             lambda: window.annotation.show_annotation(FOLDER, Annotation("Ana", name="field 3")),
             window.draw,
@@ -185,5 +185,5 @@ def test_random_touches_neither_start_nor_resume_nor_home_nor_change(opened, clo
             raise AssertionError(f"touch {number} of seed {SEED}") from error
         assert not raised, f"touch {number} of seed {SEED}"
     # The touches were at the buttons that matter.
-    asking = {window.start_sheet, window.question, window.remote}
+    asking = {window.start_sheet, window.remote}
     assert asking <= field.opened

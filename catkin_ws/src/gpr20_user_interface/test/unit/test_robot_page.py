@@ -21,7 +21,7 @@ from gpr20_doctor.mid.node_health import (
 )
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.robot.events import CurrentPosition, Replay
+from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CHECK_ORDER
@@ -75,14 +75,6 @@ def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
         service.tools.done(Service.MOVE, verbatim("The axis is at 20 mm."))
         service.refresh()
         assert service.robot.service.outcome.text() == "The axis is at 20 mm."
-
-
-def test_a_replay_offers_no_check_and_no_service(service):
-    overview = service.robot.overview
-    for replay, offered in ((Replay(), False), (None, True)):
-        show(service, replace(AT_REST, replay=replay))
-        assert [one.isVisible() for one in overview.needs_robot] == [offered] * 3
-        assert ("replay" in overview.hint.text()) != offered
 
 
 def test_endstops_and_positions_are_shown(service):

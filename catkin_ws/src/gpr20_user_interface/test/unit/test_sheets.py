@@ -44,7 +44,7 @@ def read(window, node, survey, annotation):
     else:
         window.annotation.read(survey)
     assert node.of("read")[-1] == (survey,)
-    node.ticket("read").done(StoredSurvey(json.dumps({"annotation": annotation.values()}), 0))
+    node.ticket("read").done(StoredSurvey(json.dumps({"annotation": annotation.values()}), ()))
 
 
 def asked(node):
@@ -146,7 +146,7 @@ def test_records_that_cannot_be_read_are_said_and_those_of_an_older_survey_are_e
     window, node, sheet, text
 ):
     sheet.read(FOLDER)
-    node.ticket("read").done(StoredSurvey(text, 0))
+    node.ticket("read").done(StoredSurvey(text, ()))
     assert sheet.isVisible() is (text == "{}") is not window.notice.isVisible()
     assert not any(sheet.texts.values())
 

@@ -11,11 +11,11 @@ from PyQt5.QtCore import QPoint
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QScroller
 from view_kit import FOLDER, SURVEY, description, past_survey, snapshot, state_of
-from window_helpers import AFTER_S, click, show
+from window_helpers import AFTER_S, click, show, take_list
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.ground.traces import SurveyDescribed, SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import SurveySummary
@@ -51,7 +51,7 @@ def listed(window, storage):
     """One survey that was cut off, chosen."""
     window.show_tab(TabName.SURVEYS)
     survey = past_survey(survey_id=SURVEY, outcome="", verdict=None)
-    window.on_event(SurveysListed("", (survey,), False))
+    take_list(window, (survey,))
     window.past.choose(survey)
     storage.asked.clear()
     return window.past
@@ -61,7 +61,7 @@ def test_only_a_survey_that_can_be_read_and_is_not_finished_is_resumed(window, l
     found = []
     for changes in ({}, {"outcome": "finished", "complete": True}, {"problem": verbatim("torn")}):
         survey = past_survey(**changes)
-        window.on_event(SurveysListed("", (survey,), False))
+        take_list(window, (survey,))
         listed.choose(survey)
         found.append((listed.resume.isVisible(), listed.open.isVisible()))
     assert found == [(True, True), (False, True), (False, False)]
@@ -85,12 +85,12 @@ def test_a_survey_that_begins_is_not_resumed_and_the_list_is_read_again(window, 
 def test_the_choice_stays_with_its_survey_while_it_is_listed(window, listed):
     chosen = listed.chosen
     newer = dataclasses.replace(chosen, folder="20261122T051000_0f8fad5b")
-    window.on_event(SurveysListed("", (newer, chosen), False))
+    take_list(window, (newer, chosen))
     assert listed.chosen == chosen
-    window.on_event(SurveysListed("", (newer,), False))
+    take_list(window, (newer,))
     assert listed.chosen == newer
     first, other = many(1)[0], past_survey(name="Salado")
-    window.on_event(SurveysListed("", (first, other), False))
+    take_list(window, (first, other))
     listed.choose(first)
     listed.search_for("salado")
     assert listed.chosen == other and listed.resume.isVisible()
@@ -101,7 +101,7 @@ def test_the_choice_stays_with_its_survey_while_it_is_listed(window, listed):
 def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
     window.show_tab(TabName.SURVEYS)
     survey = dataclasses.replace(PART, folder=FOLDER, name="Lane 9", started=STARTED)
-    window.on_event(SurveysListed("", (survey, *many(2)), False))
+    take_list(window, (survey, *many(2)))
     listed = window.past
     assert listed.chosen == survey and listed.map.isVisible()
     assert shown_text(local_time(STARTED)) in listed.details.text()
@@ -159,26 +159,26 @@ def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(window):
 
 def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):
     surveys, bar = many(100), listed.list.verticalScrollBar()
-    window.on_event(SurveysListed("", surveys[:50], True))
+    take_list(window, surveys[:50], True)
     QTest.qWait(1)
     assert storage.asked == []
     bar.setValue(bar.maximum())
     assert storage.asked == [("list", surveys[49].folder)]
     at = bar.value()
-    window.on_event(SurveysListed(surveys[49].folder, surveys[50:], False))
+    take_list(window, surveys[50:], False, surveys[49].folder)
     assert bar.value() == at and listed.model.rowCount() == 100
 
 
 def test_a_search_reads_on_until_the_list_is_full_or_ends(window, listed, storage):
     surveys = many(150)
-    window.on_event(SurveysListed("", surveys[:50], True))
+    take_list(window, surveys[:50], True)
     QTest.qWait(1)
     assert storage.asked == []
     listed.search_for("lane 77")
     assert storage.asked == [("list", surveys[49].folder)]
-    window.on_event(SurveysListed(surveys[49].folder, surveys[50:100], True))
+    take_list(window, surveys[50:100], True, surveys[49].folder)
     assert storage.asked[1:] == [("list", surveys[99].folder)]
-    window.on_event(SurveysListed(surveys[99].folder, surveys[100:], False))
+    take_list(window, surveys[100:], False, surveys[99].folder)
     assert listed.search.text() == "lane 77 · 1"
     listed.search_for("no such survey")
     assert listed.empty.isVisible() and listed.empty.sentence.text()
@@ -211,7 +211,7 @@ STEPS = st.lists(st.tuples(st.integers(-40, 40), st.integers(-90, 90)), min_size
 
 def test_a_shaking_tap_chooses_the_survey_below_it_and_a_pull_none(window, finger):
     window.show_tab(TabName.SURVEYS)
-    window.on_event(SurveysListed("", many(300), False))
+    take_list(window, many(300))
     QTest.qWait(1)
     finger.wait(AFTER_S)
     page = window.past

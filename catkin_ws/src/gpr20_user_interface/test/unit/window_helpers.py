@@ -93,7 +93,7 @@ def opened_window(
     window = MainWindow(
         Presenters(
             survey or Survey(),
-            TracePresenter(storage or AskedStorage(), problems.append),
+            TracePresenter(Imaging(storage or AskedStorage(), time.monotonic), problems.append),
             Imaging(node, time.monotonic),
             ServiceModel(tools, tools.examine, clock),
             PlanMemory(
@@ -123,6 +123,12 @@ def close(window):
 def show(window, shown):
     window.survey.snapshot = shown
     window.refresh()
+
+
+def take_list(window, surveys, more=False, before=""):
+    """Let the storage have listed surveys."""
+    window.traces.past.take(before, surveys, more)
+    window.past.on_event(None)
 
 
 def wishes(window):

@@ -12,9 +12,8 @@ from trace_examples import METADATA, POINTS, STARTED_US, SURVEY, planned_trace
 from web_kit import route_of
 
 from gpr20_imaging.mid.imaging import Imaging
-from gpr20_operator.ground.traces import SurveysListed
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.pictures import Exported, StoredSurvey
+from gpr20_operator.jobs.pictures import Exported, StoredSurvey, SurveysListed
 from gpr20_survey.folder.recovery import read_description
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.results.candidates import Flag
@@ -50,10 +49,10 @@ class Services:
             raise self.failure
         if service is Service.LIST:
             found, more = self._archive.list(**fields)
-            return SurveysListed("", tuple(found), more)
+            return SurveysListed(tuple(found), more)
         if service is Service.READ:
             found = self._archive.survey(survey)
-            return StoredSurvey(json.dumps(found.description), len(found.stored_indices))
+            return StoredSurvey(json.dumps(found.description), tuple(found.stored_indices))
         if service is Service.FACT:
             values_json = json.dumps(fields["values"])
             return self._processing.add_fact(survey, fields["kind"].value, values_json)

@@ -20,7 +20,7 @@ from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, ControlState, Request, StartPlan
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.axes import AxisId
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import parse_object

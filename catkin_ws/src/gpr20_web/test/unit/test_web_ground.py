@@ -4,22 +4,24 @@ from dataclasses import replace
 
 import pytest
 from case_kit import each_case
-from map_kit import focused, marked
+from map_kit import MARKER, focused, marked
+from result_kit import TIME_US, noted, stored
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import FOLDER, PERIOD_S, SURVEY, Server
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import Place
-from gpr20_operator.ground.patterns import pattern, pattern_colours, shade_colours, shade_numbers
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
-from gpr20_operator.ground.traces import ReadingFailed, SurveyDescribed, SurveysListed
-from gpr20_operator.palette import Theme
+from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed
+from gpr20_operator.jobs.pictures import SurveysListed
+from gpr20_operator.palette import Theme, pattern, pattern_colours, shade_colours, shade_numbers
 from gpr20_operator.robot.events import Progress
+from gpr20_survey.folder.log_record import soil_values
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
-from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
-from gpr20_web.mid.shown_ground import AGAIN_REFRESHES, PATTERN_PX
+from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_web.mid.shown_ground import AGAIN_S, PATTERN_PX
 
 TARGETED = Place(150.0, 90.0)
 
@@ -101,24 +103,24 @@ def test_while_nobody_watches_no_traces_are_read(server):
     for _second in range(5):
         server.now_s += PERIOD_S
         server.page.refresh(server.snapshot)
-    assert not server.storage.asked
+    assert not server.node.asked
     server.tick()
     server.tick()
-    assert server.storage.of("traces") == [(SURVEY, (0, 1, 2, 3))]
+    assert server.node.of("traces") == [(SURVEY, (0, 1, 2, 3))]
 
 
 def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
     server.run()
     assert server.ask(survey=FOLDER)["title"] == "Loading…"
-    assert server.storage.of("survey") == [(FOLDER,)]
+    assert server.node.of("read")[-1] == (FOLDER,)
     server.ask(survey=FOLDER)
-    assert len(server.storage.of("survey")) == 1
-    server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
+    assert server.node.of("read").count((FOLDER,)) == 1
+    server.node.ticket("read").fail(verbatim("the disk is gone"))
     assert server.ask(survey=FOLDER)["title"] == "the disk is gone"
-    for _second in range(AGAIN_REFRESHES + 1):
-        server.page.on_event(ReadingFailed(verbatim("the disk is gone")))
-        server.tick()
-    assert len(server.storage.of("survey")) == 2
+    server.tick(RETRY_S - 0.5)
+    assert server.node.of("read").count((FOLDER,)) == 1
+    server.tick()
+    assert server.node.of("read").count((FOLDER,)) == 2
     assert server.problems == []
 
 
@@ -139,7 +141,7 @@ def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server,
     revision = server.ask(layer="echoes")["revision"]
     assert len(made) == 2
     assert "ground" not in server.ask(layer="echoes", known=revision)
-    server.node.ticket("read").done(marked())
+    server.node.ticket("read").done(marked(MARKER))
     assert "ground" in server.ask(layer="echoes", known=revision)
 
 
@@ -170,22 +172,20 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
     assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
     assert "2 places to check" in server.ask()["ground"]["lines"]
     assert server.pixels(layer="focused").shape[:2] == (2, 3)
-    # The same answer is nothing new; another one is, whoever has entered what the ground is.
+    # Another screen has entered what the ground is.
     revision = server.ask()["revision"]
-    for image in (focused(), with_soil(focused(), 9.0)):
-        asked = len(server.look())
-        server.ask()
+    for soil in (4.0, 9.0):
         server.tick(AGAIN_S)
-        assert len(server.node.of("focus")) == asked + 1
-        server.node.ticket("focus").done(image)
-        known = server.ask(known=revision)
-        assert ("ground" in known) == (image.found.permittivity == 9.0)
-    assert len(known["ground"]["marks"]) == 2
+        log = [noted("decision", soil_values(soil, TIME_US))]
+        server.node.ticket("read").done(stored(log=log))
+        assert ("ground" in server.ask(known=revision)) == (soil == 9.0)
+        assert len(server.look()) == 1 + (soil == 9.0)
+    assert server.ask(layer="focused")["ground"]["marks"] == []
+    image = focused()
+    image = replace(image, found=replace(image.found, permittivity=9.0))
+    server.node.ticket("focus").done(image)
+    assert len(server.ask()["ground"]["marks"]) == 2
     assert {one[1] for one in server.node.of("focus")} == {0.0}
-
-
-def with_soil(image, permittivity):
-    return replace(image, found=replace(image.found, permittivity=permittivity))
 
 
 def test_the_picture_of_survey_is_what_is_measured_until_all_is_and_its_traces_are_here(server):
@@ -213,7 +213,7 @@ def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     server.tick()
     server.tick(AGAIN_S)
     server.node.ticket("focus").done(focused())
-    server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
+    server.node.ticket("list").done(SurveysListed((past_survey(survey_id=SURVEY),), False))
     assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 places to check"}
     server.tick(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))
     assert server.page.live(str)["result"] is None
@@ -246,15 +246,14 @@ def test_what_no_page_sends_is_refused(name, value):
 
 def test_the_folder_of_the_running_survey_is_found_and_not_asked_for_all_the_time(server):
     for _second in range(30):
-        server.page.on_event(ReadingFailed(verbatim("no")))
         server.tick()
-    assert len(server.storage.asked) == 0
+    assert server.node.asked == []
     server.run(stored=4)
     for _second in range(30):
         server.tick()
-    assert len(server.storage.of("list")) == 1
+    assert len(server.node.of("list")) == 1
     assert server.ask()["folder"] == ""
-    server.page.on_event(SurveysListed("", (past_survey(survey_id=SURVEY),), False))
+    server.node.ticket("list").done(SurveysListed((past_survey(survey_id=SURVEY),), False))
     assert server.ask()["folder"] == FOLDER
     server.tick(code=SurveyState.FINISHED)
     assert server.ask()["title"].startswith("Last survey: 2026-11-21 ")

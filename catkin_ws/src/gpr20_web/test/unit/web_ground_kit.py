@@ -7,18 +7,13 @@ import numpy as np
 import view_kit
 from PIL import Image
 from result_kit import Requests
-from storage_kit import AskedStorage
 from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
 from web_kit import route_of
 
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import grid_from_description
-from gpr20_operator.ground.traces import (
-    SurveyDescribed,
-    SurveyRead,
-    SurveysListed,
-    TracesRead,
-)
+from gpr20_operator.ground.traces import SurveyDescribed
+from gpr20_operator.jobs.pictures import StoredSurvey, SurveysListed, TracesRead
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.trace.trace import TraceBlock
 from gpr20_web.calls import Body, Call, Person, Role
@@ -34,9 +29,9 @@ class Server:
 
     def __init__(self):
         self.now_s = 1000.0
-        self.storage, self.node, self.problems = AskedStorage(), Requests(), []
+        self.node, self.problems = Requests(), []
         self.page = GroundPage(
-            self.storage, self.node, lambda: self.now_s, lambda one: self.problems.append(str(one))
+            self.node, lambda: self.now_s, lambda one: self.problems.append(str(one))
         )
         self.snapshot = snapshot()
 
@@ -85,11 +80,14 @@ class Server:
     def open_past(self, stored=PLANNED, depth_m=0.2, **asked):
         """Ask for a past survey, and let the storage answer."""
         self.ask(survey=FOLDER, **asked)
-        self.page.on_event(SurveysListed("", (past_survey(),), False))
+        self.node.ticket("list").done(SurveysListed((past_survey(),), False))
         text = description(survey_id=PAST)
-        self.page.on_event(SurveyRead(FOLDER, text, tuple(range(stored))))
+        self.node.ticket("read").done(StoredSurvey(text, tuple(range(stored))))
+        # The first time they may still be on their way.
+        self.tick()
+        self.tick()
         grid = grid_from_description(text)
         traces = [trace_at(grid, index, s21=depth_echo(depth_m)) for index in range(stored)]
-        self.page.on_event(TracesRead(0, TraceBlock.of(PAST, traces), {}))
+        self.node.ticket("traces").done(TracesRead(TraceBlock.of(PAST, traces), {}))
         self.tick()
         return grid

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, NamedTuple, Tuple
 
 from result_kit import Requests
-from storage_kit import AskedStorage
 from surveys_kit import Surveys
 from test_commands import PLAN, Control
 from view_kit import SURVEY, depth_echo, description, trace_at
@@ -34,7 +33,7 @@ from gpr20_operator.ground.grid import grid_from_description
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
 from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web import faults
@@ -61,7 +60,7 @@ class WholePage:
     def __init__(self, folder: Path) -> None:
         self.clock, self.folder = ManualClock(), folder
         self.surveys = Surveys(folder / "data")
-        self.control, self.storage, self.requests = Control(), AskedStorage(), Requests()
+        self.control, self.requests = Control(), Requests()
         self.accounts = make_accounts(folder)
         self.logins = make_logins(self.accounts, self.clock)
         self._tokens: Dict[Role, str] = {}
@@ -90,7 +89,7 @@ class WholePage:
             {
                 "now": NowPage(""),
                 "commands": commands,
-                "map": GroundPage(self.storage, self.requests, self.clock.now_s, nothing),
+                "map": GroundPage(self.requests, self.clock.now_s, nothing),
                 "surveys": SurveysPage(self.surveys.services, self.surveys.data),
                 "service": ServicePage(nothing, self.clock),
             },
@@ -183,7 +182,7 @@ class WholePage:
                 return b""
 
     def forget(self) -> None:
-        kept = (self.control.asked, self.surveys.services.asked, self.storage.asked)
+        kept = (self.control.asked, self.surveys.services.asked)
         for one in (*kept, self.requests.asked, self.requests.cancelled):
             one.clear()
 
@@ -193,7 +192,7 @@ class WholePage:
         return (
             tuple(map(repr, self.control.asked)),
             tuple(map(repr, self.surveys.services.asked)),
-            (len(self.storage.asked), len(self.requests.asked), len(self.requests.cancelled)),
+            (len(self.requests.asked), len(self.requests.cancelled)),
             self.lease.holder,
             tuple((str(one), one.stat().st_size, one.stat().st_mtime_ns) for one in files),
             tuple(self.is_logged_in(role) for role in PEOPLE),

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import uuid
 from typing import Any, Callable, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
+from gpr20_operator.ground.grid import SurveyGrid
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.folder.log_record import Kind, soil_of_survey
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.answers import FocusedImage
@@ -32,7 +34,7 @@ class AdditionsPresenter:
         marking_failed: Called with the reason why a marker was not stored, or not removed.
         survey_id: The survey that is shown; empty: none.
         markers: Its markers.
-        permittivity: That of the image which may be shown; None: any.
+        permittivity: Of the ground, as stored with the survey; None: it is not known.
     """
 
     def __init__(self, imaging: Imaging, author: Callable[[], str]) -> None:
@@ -43,7 +45,6 @@ class AdditionsPresenter:
         self.markers: Tuple[Marker, ...] = ()
         self.permittivity: Optional[float] = None
         self._revision = 0
-        self._can_read = False
 
     @property
     def revision(self) -> Tuple[int, int]:
@@ -72,27 +73,24 @@ class AdditionsPresenter:
         image = self.image
         return () if image is None else image.found.shown()
 
-    @property
-    def can_mark(self) -> bool:
-        """Whether the survey that is shown can have markers: the robot's storage holds it."""
-        return bool(self.survey_id) and self._can_read
-
-    def follow(self, survey_id: str, can_read: bool) -> None:
-        """Show what belongs to another survey, if the storage can read it: not that of a replay."""
-        if (survey_id, can_read) != (self.survey_id, self._can_read):
-            self.survey_id, self._can_read = survey_id, can_read
-            self._show(())
+    def follow(self, grid: Optional[SurveyGrid]) -> None:
+        """Show what belongs to the survey of a plan; None: to none."""
+        survey_id = "" if grid is None else grid.survey_id
+        if survey_id != self.survey_id:
+            self.survey_id = survey_id
+            self._show((), None if grid is None else grid.permittivity)
             self._reading.end()
-            self.read_again()
 
     def read_again(self) -> None:
         """Read what belongs to the survey again: others may have added to it."""
-        if self.can_mark:
+        if self.survey_id:
             self._reading.ask(survey=self.survey_id)
 
-    def refresh(self) -> None:
-        """Ask again some time after a failure."""
-        if self._reading.state is JobState.FAILED and self._reading.age_s > RETRY_S:
+    def refresh(self, again_s: float = math.inf) -> None:
+        """Ask for what belongs to the survey; again after a time, and sooner after a failure."""
+        reading = self._reading
+        limit_s = {JobState.READY: 0.0, JobState.FAILED: RETRY_S, JobState.DONE: again_s}
+        if reading.age_s >= limit_s.get(reading.state, math.inf):
             self.read_again()
 
     def add_marker(
@@ -123,10 +121,13 @@ class AdditionsPresenter:
     def _take(self, stored: StoredSurvey) -> None:
         try:
             description = parse_object(stored.text, "metadata_json", MAX_FILE_BYTES)
-            self._show(present_markers(description))
+            soil = soil_of_survey(description)
+            markers = present_markers(description)
+            self._show(markers, None if soil is None else soil.permittivity)
         except (SurveyRefusedError, InvalidValueError) as error:
             self._reading.refuse(error.message)
 
-    def _show(self, markers: Tuple[Marker, ...]) -> None:
-        self.markers = markers
-        self._revision += 1
+    def _show(self, markers: Tuple[Marker, ...], permittivity: Optional[float]) -> None:
+        if (markers, permittivity) != (self.markers, self.permittivity):
+            self.markers, self.permittivity = markers, permittivity
+            self._revision += 1

@@ -99,8 +99,8 @@ class RadarModel:
         self._late = np.zeros((0, 0), np.complex64)
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._noises = np.full(shape, np.nan, np.float32)
-        # By whether the background is removed, with how many traces were here.
-        self._scales: Dict[bool, Tuple[int, SteadyScale]] = {}
+        # With whether the background is removed, and how many traces were here.
+        self._scale: Optional[Tuple[SteadyScale, bool, int]] = None
         self.count = 0
         self._median_height: Tuple[int, float] = (-1, float("nan"))
         self.latest: Dict[Optional[int], Stop] = {}
@@ -198,20 +198,20 @@ class RadarModel:
             return None
         return (self._sums[polarization] / count).astype(np.complex64)
 
-    def scale(self, remove_background: bool) -> Optional[LevelScale]:
+    def scale(self) -> Optional[LevelScale]:
         """Return the one scale of levels for all pictures; None before the first trace."""
         if self.transform is None:
             return None
         counts = np.count_nonzero(self.present, axis=(1, 2))
         # Only where every polarization that has traces has a background.
-        removed = remove_background and bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
-        samples, complete = self.present.size, self.count == self.present.size
-        before, steady = self._scales.get(
-            removed, (0, SteadyScale(samples * self.transform.samples))
-        )
-        if self.count >= SCALE_GROWTH * before + 1 or (complete and before < self.count):
+        removed = bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
+        stops, before = self.present.size, 0
+        steady = SteadyScale(stops * self.transform.samples)
+        if self._scale is not None and self._scale[1] is removed:
+            steady, _removed, before = self._scale
+        if self.count >= SCALE_GROWTH * before + 1 or before < self.count == stops:
             steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
-            self._scales[removed] = self.count, steady
+            self._scale = steady, removed, self.count
         return steady.scale()
 
     def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from dataclasses import dataclass
 from typing import Any, Optional, Tuple, Union
 
@@ -25,7 +24,7 @@ from gpr20_operator.ground.sources import (
 from gpr20_operator.ground.traces import ShownSurvey
 from gpr20_operator.jobs.pictures import Imaging, Wanted
 from gpr20_survey.plan.markers import Marker
-from gpr20_survey.radar import ANY_SOIL, delay_of_depth, depth_of_delay_m
+from gpr20_survey.radar import ANY_SOIL
 from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Candidate
 
@@ -81,20 +80,25 @@ class GroundModel:
             place: Where the crosshair is; None: it follows.
         """
         self.follow(True)
-        permittivity = self.settings.permittivity
-        self.settings = dataclasses.replace(settings, permittivity=permittivity)
+        self.settings = settings
         self.notice_survey()
         self.set_depth(settings.depth_m)
         if place is not None:
             self.choose_place(*place)
 
     def notice_survey(self) -> None:
-        """Begin again if another survey has begun, and leave a mark that is gone."""
+        """Follow survey and permittivity, and leave a mark that is gone."""
         if self.survey.survey_id != self._survey_id:
             self._forget(self.survey.survey_id)
         grid = self.survey.radar.grid
         if grid is not None and self.settings.polarization >= len(grid.rotations_deg):
             self.change(polarization=0)
+        used = self.additions.permittivity
+        if used is None:
+            used = ANY_SOIL.permittivity if self.image is None else self.image.found.permittivity
+        if used != self.settings.permittivity:
+            self.change(permittivity=used)
+            self.set_depth(self.settings.depth_m)
         marks = (*self.additions.candidates, *self.additions.markers)
         if self.mark is not None and self.mark not in marks:
             self.mark = self._chosen = None
@@ -109,8 +113,7 @@ class GroundModel:
         shown = self.survey
         return (
             *(shown, shown.map.revision, shown.map.current, shown.radar.revision),
-            *(self.settings, self._chosen, self.mark),
-            *(self.additions.revision, self.additions.permittivity),
+            *(self.settings, self._chosen, self.mark, self.additions.revision),
         )
 
     @property
@@ -169,9 +172,12 @@ class GroundModel:
         """Return what is shown now."""
         source, settings, place = self._source, self.settings, self.place
         above = source.slice(settings) if self.has_depth else None
-        if place is None:
-            return Shown(None, None, above)
-        return Shown(source.level_db(place, settings), source.section(place, settings), above)
+        section = None if place is None else source.section(place, settings)
+        across_mm, depth_mm = self.section_crosshair
+        level_db = None
+        if section is not None and across_mm is not None:
+            level_db = section.level_db(across_mm, depth_mm)
+        return Shown(level_db, section, above)
 
     @property
     def follows(self) -> bool:
@@ -243,32 +249,16 @@ class GroundModel:
         """Let the crosshair follow the trace that came last, or stay where it is."""
         self.mark, self._chosen = None, None if follows else self.place
 
-    def touch_section(self, across_mm: float, second: float, axis: Axis) -> None:
-        """Move the crosshair to a place of the section, and to a depth [mm] or delay [ns]."""
-        place, height_m = self.place, self.survey.radar.typical_height_m()
-        if place is not None and self.settings.along is Axis.X_MM:
-            self.choose_place(across_mm, place.y_mm)
-        elif place is not None:
-            self.choose_place(place.x_mm, across_mm)
-        if axis is Axis.DEPTH_MM:
-            self.set_depth(second / 1000.0)
-        elif math.isfinite(height_m):
-            permittivity = self.settings.permittivity
-            self.set_depth(depth_of_delay_m(second * 1e-9, height_m, permittivity))
+    def touch_section(self, across_mm: float, depth_mm: float) -> None:
+        """Move the crosshair to a place and a depth of the section."""
+        if self.place is not None:
+            along_x = self.settings.along is Axis.X_MM
+            place = (across_mm, self.place.y_mm) if along_x else (self.place.x_mm, across_mm)
+            self.choose_place(*place, depth_mm)
 
     def change(self, **changes: Any) -> None:
         """Change some of the settings, by their names."""
         self.settings = dataclasses.replace(self.settings, **changes)
-
-    def take_soil(self, permittivity: Optional[float]) -> None:
-        """Use the permittivity of the survey that is shown; None: it is not known."""
-        self.additions.permittivity = used = permittivity
-        if used is None:
-            image = self.additions.image
-            used = ANY_SOIL.permittivity if image is None else image.found.permittivity
-        if used != self.settings.permittivity:
-            self.change(permittivity=used)
-            self.set_depth(self.settings.depth_m)
 
     def turn(self) -> None:
         """Show the section along the other axis."""
@@ -298,17 +288,12 @@ class GroundModel:
         self.mark = None
         self.set_depth(self.settings.depth_m + steps * DEPTH_STEP_M)
 
-    def crosshair_in(self, section: Picture) -> Tuple[Optional[float], Optional[float]]:
-        """Return the crosshair on both axes of the section; None: not known."""
-        place, settings = self.place, self.settings
-        across_mm = None
-        if place is not None:
-            across_mm = place.x_mm if settings.along is Axis.X_MM else place.y_mm
-        if section.axis is Axis.DEPTH_MM:
-            return across_mm, settings.depth_m * 1000.0
-        height_m = self.survey.radar.typical_height_m()
-        delay_ns = float(delay_of_depth(settings.depth_m, height_m, settings.permittivity)) * 1e9
-        return across_mm, delay_ns if math.isfinite(delay_ns) else None
+    @property
+    def section_crosshair(self) -> Tuple[Optional[float], float]:
+        """The crosshair on both axes of the section [mm]; None: not known."""
+        place, along_x = self.place, self.settings.along is Axis.X_MM
+        across_mm = None if place is None else place.x_mm if along_x else place.y_mm
+        return across_mm, self.settings.depth_m * 1000.0
 
     def is_measured(self, x_mm: float, y_mm: float) -> bool:
         """Return whether something is stored of the ground at a place."""

@@ -13,7 +13,6 @@ from gpr20_survey.plan.recorded_plan import IMPORTED
 from gpr20_survey.results.answers import SurveySummary
 
 Shown = Callable[[Message], str]
-NO_LIST = Message("During a replay no list of surveys is available.")
 
 
 class Ending(enum.Enum):
@@ -56,13 +55,12 @@ class PastSurveys:
         problem: Why the list or a survey cannot be read; None if it can.
         read: Whether a page has come.
         more: Whether there are older ones.
-        replay: Whether a replay is shown, and no robot.
     """
 
     def __init__(self) -> None:
         self.revision = 0
         self.surveys: Tuple[SurveySummary, ...] = ()
-        self.outdated = self.read = self.more = self.replay = False
+        self.outdated = self.read = self.more = False
         self.problem: Optional[Message] = None
         self._running_id = ""
         # How many surveys of the list began in which minute.
@@ -113,16 +111,10 @@ class PastSurveys:
             self._running_id = survey_id
             self.set_outdated()
 
-    def set_replay(self, replay: bool) -> None:
-        """Note whether a replay is shown, beside which nothing can be resumed."""
-        self.replay, self.outdated = replay, not replay
-        self.set_problem(NO_LIST if replay else None)
-
     def set_outdated(self) -> None:
         """Note that the surveys have changed."""
-        if not self.replay:
-            self.outdated = True
-            self.set_problem(None)
+        self.outdated = True
+        self.set_problem(None)
 
     def set_problem(self, problem: Optional[Message]) -> None:
         """Note why the list or a survey cannot be read; None: it can."""
@@ -160,8 +152,7 @@ class PastSurveys:
 
     def can_resume(self, survey: SurveySummary) -> bool:
         """Whether a survey could be measured to its end now."""
-        incomplete = self.ending_of(survey) is Ending.INCOMPLETE
-        return incomplete and not self.replay and not self._running_id
+        return self.ending_of(survey) is Ending.INCOMPLETE and not self._running_id
 
     def can_open(self, survey: SurveySummary) -> bool:
         """Whether there is something to show."""
@@ -169,4 +160,4 @@ class PastSurveys:
 
     def can_analyze(self, survey: SurveySummary) -> bool:
         """Whether it can be searched for candidates or exported: never during a survey."""
-        return self.can_open(survey) and not self._running_id and not self.replay
+        return self.can_open(survey) and not self._running_id

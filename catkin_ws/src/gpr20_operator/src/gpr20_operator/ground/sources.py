@@ -23,7 +23,6 @@ MAX_DEPTH_M = 0.5
 class Axis(enum.Enum):
     """What the axis of a picture is."""
 
-    DELAY_NS = "delay"
     DEPTH_MM = "depth"
     X_MM = "x"
     Y_MM = "y"
@@ -45,7 +44,6 @@ class RadarSettings:
 
     Args:
         polarization: Number of the antenna rotation, from 0.
-        remove_background: Take out what all traces of this polarization have in common.
         permittivity: Relative permittivity of the ground.
         depth_m: Depth of the slice and of the crosshair [m].
         along: Axis that the section is parallel to: X or Y.
@@ -53,7 +51,6 @@ class RadarSettings:
     """
 
     polarization: int = 0
-    remove_background: bool = True
     permittivity: float = 4.0
     depth_m: float = 0.05
     along: Axis = Axis.X_MM
@@ -65,26 +62,45 @@ class Picture:
     """A section (B-scan) or a slice (C-scan).
 
     Args:
-        shades: Place of each level in the scale from 0 to 1, shape (second axis, across); NaN
-            where nothing was measured.
+        levels_db: Levels [dB above noise], shape (second axis, across); NaN where nothing was
+            measured.
         across_mm: Outer edges along the first axis [mm].
         range: Outer edges along the second axis.
         axis: What the second axis is.
         scale: The scale of the survey.
-        above_noise: Whether any level is above all noise.
     """
 
-    shades: np.ndarray
+    levels_db: np.ndarray
     across_mm: Tuple[float, float]
     range: Tuple[float, float]
     axis: Axis
     scale: LevelScale
-    above_noise: bool
+
+    @property
+    def shades(self) -> np.ndarray:
+        """The place of each level in the scale, from 0 to 1."""
+        return self.scale.shades(self.levels_db)
 
     @property
     def measured(self) -> bool:
         """Whether there is anything to see."""
-        return bool(np.isfinite(self.shades).any())
+        return bool(np.isfinite(self.levels_db).any())
+
+    @property
+    def above_noise(self) -> bool:
+        """Whether any level is above all noise."""
+        return bool((self.levels_db > self.scale.threshold_db).any())
+
+    def level_db(self, across_mm: float, second: float) -> Optional[float]:
+        """Return the level of the cell at a place [dB above noise]; None: not measured."""
+        cell = []
+        for at, (first, last), count in zip(
+            (second, across_mm), (self.range, self.across_mm), self.levels_db.shape
+        ):
+            part = (at - first) / (last - first)
+            cell.append(min(max(int(part * count), 0), count - 1))
+        level = float(self.levels_db[tuple(cell)])
+        return level if np.isfinite(level) else None
 
 
 def _picture(
@@ -95,10 +111,8 @@ def _picture(
     scale: LevelScale,
 ) -> Picture:
     """Return the picture of levels at places (second axis, across), in their order."""
-    above = bool((levels_db > scale.threshold_db).any())
     (columns, across), (rows, edges_of_rows) = ascending(across_mm), ascending(second)
-    shades = scale.shades(levels_db[rows, columns])
-    return Picture(shades, across, edges_of_rows, axis, scale, above)
+    return Picture(levels_db[rows, columns], across, edges_of_rows, axis, scale)
 
 
 class EchoSource:
@@ -127,46 +141,27 @@ class EchoSource:
         return np.arange(count) * DEPTH_STEP_M - ABOVE_SURFACE_M
 
     def section(self, place: Place, settings: RadarSettings) -> Optional[Picture]:
-        """Return the section through the nearest stop; over delays while no height is known."""
-        grid, transform = self._model.grid, self._model.transform
-        scale = self._model.scale(settings.remove_background)
-        if grid is None or transform is None or scale is None:
+        """Return the section through the nearest stop; None while no height is known."""
+        grid, scale, depths = self._model.grid, self._model.scale(), self.depths_m(settings)
+        if grid is None or scale is None or depths is None:
             return None
         row, column = grid.closest_stop(*place)
         along_x = settings.along is Axis.X_MM
         stops = (row, slice(None)) if along_x else (slice(None), column)
-        depths = self.depths_m(settings)
-        if depths is None:
-            delays_s, second, axis = (
-                transform.delays_s[None],
-                transform.delays_s * 1e9,
-                Axis.DELAY_NS,
-            )
-        else:
-            delays_s = self._delays_s(stops, depths, settings)
-            second, axis = depths * 1000.0, Axis.DEPTH_MM
+        delays_s = self._delays_s(stops, depths, settings)
         levels_db = self._levels_db(stops, delays_s, settings, scale)
-        return _picture(levels_db.T, grid.xs_mm if along_x else grid.ys_mm, second, axis, scale)
+        across_mm = grid.xs_mm if along_x else grid.ys_mm
+        return _picture(levels_db.T, across_mm, depths * 1000.0, Axis.DEPTH_MM, scale)
 
     def slice(self, settings: RadarSettings) -> Optional[Picture]:
         """Return the slice at the depth of the settings."""
-        grid, scale = self._model.grid, self._model.scale(settings.remove_background)
+        grid, scale = self._model.grid, self._model.scale()
         if grid is None or scale is None or not np.isfinite(self._model.typical_height_m()):
             return None
         stops = (slice(None), slice(None))
         delays_s = self._delays_s(stops, settings.depth_m, settings)
         levels_db = self._levels_db(stops, delays_s, settings, scale).reshape(grid.shape)
         return _picture(levels_db, grid.xs_mm, grid.ys_mm, Axis.Y_MM, scale)
-
-    def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
-        """Return the level at the nearest stop and the depth [dB above noise]."""
-        grid, scale = self._model.grid, self._model.scale(settings.remove_background)
-        if grid is None or scale is None or not np.isfinite(self._model.typical_height_m()):
-            return None
-        stop = grid.closest_stop(*place)
-        delays_s = self._delays_s(stop, settings.depth_m, settings)
-        level = float(self._levels_db(stop, delays_s, settings, scale)[0, 0])
-        return level if np.isfinite(level) else None
 
     def _delays_s(self, stops: Any, depths_m: Any, settings: RadarSettings) -> np.ndarray:
         """Return the delays of depths [m] below stops [s] (stops x depths)."""
@@ -189,7 +184,7 @@ class EchoSource:
         part = (place - below).astype(np.float32)
         row = np.arange(len(echoes))[:, np.newaxis]
         found = echoes[row, below] * (1.0 - part) + echoes[row, below + 1] * part
-        background = model.background(number) if settings.remove_background else None
+        background = model.background(number)
         if background is not None:
             found -= background[below] * (1.0 - part) + background[below + 1] * part
         # Nothing is known between the stops, nor before the first delay and after the last one.
@@ -200,7 +195,7 @@ class EchoSource:
 class FocusedSource:
     """A focused image; its levels are above the noise already.
 
-    Polarization, background and permittivity were chosen when it was made.
+    Polarization and permittivity were chosen when it was made.
 
     Args:
         image: The image.
@@ -235,24 +230,16 @@ class FocusedSource:
 
     def slice(self, settings: RadarSettings) -> Optional[Picture]:
         """Return the layer nearest to the depth of the settings."""
-        return self._above(self.image.levels_db[self._layer(settings)])
+        layer = int(np.argmin(np.abs(self.image.depth_mm - settings.depth_m * 1000.0)))
+        return self._above(self.image.levels_db[layer])
 
     def from_above(self) -> Picture:
         """Return the largest level of all depths at each place."""
         return self._above(np.fmax.reduce(self.image.levels_db, axis=0))
 
-    def level_db(self, place: Place, settings: RadarSettings) -> Optional[float]:
-        """Return the level of a voxel [dB above noise]."""
-        row, column = self._index(place)
-        level = float(self.image.levels_db[self._layer(settings), row, column])
-        return level if np.isfinite(level) else None
-
     def _index(self, place: Place) -> Tuple[int, int]:
         row = int(np.argmin(np.abs(self.image.y_mm - place.y_mm)))
         return row, int(np.argmin(np.abs(self.image.x_mm - place.x_mm)))
-
-    def _layer(self, settings: RadarSettings) -> int:
-        return int(np.argmin(np.abs(self.image.depth_mm - settings.depth_m * 1000.0)))
 
     def _above(self, levels_db: np.ndarray) -> Picture:
         image, scale = self.image, self._steady.scale()

@@ -146,8 +146,7 @@ def remark(model: GroundModel) -> Message:
         return Message("Cannot be shown: {count}.", count=len(radar.given_up))
     if model.shows_focused and model.image is not None:
         return Message("Focused with permittivity {value:g}.", value=model.image.found.permittivity)
-    lacks = settings.remove_background and bool(radar.count)
-    if lacks and radar.background(settings.polarization) is None:
+    if radar.count and radar.background(settings.polarization) is None:
         return Message(
             "The background is not removed from fewer than {count} traces.",
             count=MIN_BACKGROUND_TRACES,
@@ -183,13 +182,11 @@ def nothing_in(model: GroundModel, picture: Picture, in_section: bool) -> Lines:
     return (NOTHING[not in_section, model.shows_focused], *partial, NO_CLEARANCE)
 
 
-def section_title(model: GroundModel, in_time: bool) -> Tuple[str, Message]:
+def section_title(model: GroundModel) -> Tuple[str, Message]:
     """Return the titles of both axes of the section, with where it is."""
     place, along_x = model.place, model.settings.along is Axis.X_MM
     across, other = ("X mm", "Y") if along_x else ("Y mm", "X")
     at_mm = 0.0 if place is None else place.y_mm if along_x else place.x_mm
-    if in_time:
-        return across, Message("Delay ns, at {axis} {at:.0f} mm", axis=other, at=at_mm)
     return across, Message("Depth mm, at {axis} {at:.0f} mm", axis=other, at=at_mm)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Callable, Iterable, List, Mapping, Optional, Protocol, Tuple
+from typing import Callable, Iterable, List, Optional, Tuple
 
 import numpy as np
 
@@ -14,15 +14,22 @@ from gpr20_operator.ground.coverage import CoverageRuns, MapModel, coverage_of_s
 from gpr20_operator.ground.echoes import RadarModel
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.ground.past_surveys import PastSurveys, past_band, survey_label
+from gpr20_operator.jobs.job import Job, JobState, Service
+from gpr20_operator.jobs.pictures import (
+    SURVEYS_PER_PAGE,
+    Imaging,
+    StoredSurvey,
+    SurveysListed,
+    TracesRead,
+)
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_operator.words import local_time
-from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.trace.trace import Trace, TraceBlock
 
 # What the storage answers at once at most.
 TRACES_PER_BLOCK = 1000
-# How long to wait for traces, in refreshes, before it is requested again.
-RETRY_REFRESHES = 80
+# After a failure it is asked again [s].
+RETRY_S = 10.0
 
 
 @dataclass(frozen=True)
@@ -30,40 +37,6 @@ class SurveyDescribed:
     """The storage has opened a survey; its survey.json as it was then."""
 
     text: str
-
-
-@dataclass(frozen=True)
-class SurveyRead:
-    """The plan of a past survey, and which of its traces are stored."""
-
-    folder: str
-    text: str
-    stored_indices: Tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class TracesRead:
-    """Stored traces, from a place in the plan on, and why others cannot be read, by theirs."""
-
-    first_index: int
-    block: TraceBlock
-    unreadable: Mapping[int, Message]
-
-
-@dataclass(frozen=True)
-class SurveysListed:
-    """A page of the list of past surveys, the newest first."""
-
-    before: str
-    surveys: Tuple[SurveySummary, ...]
-    more: bool
-
-
-@dataclass(frozen=True)
-class ReadingFailed:
-    """Something that was requested cannot be read now."""
-
-    reason: Message
 
 
 @dataclass(frozen=True)
@@ -116,8 +89,6 @@ class ShownSurvey:
             self._lacking = self._lacking[:0]
             self.radar.begin(grid)
             self.map.set_grid(grid)
-        else:
-            own.permittivity = grid.permittivity
 
     def take_traces(self, traces: Iterable[Trace]) -> Tuple[Message, ...]:
         """Take those traces that are of this survey; return why some of them cannot be shown.
@@ -131,15 +102,15 @@ class ShownSurvey:
             problems += self.radar.add_block(TraceBlock.of(self.survey_id, list(some)))
         return tuple(problems)
 
-    def take_block(self, read: TracesRead) -> Tuple[Message, ...]:
-        """Take traces that were read; return why some of them cannot be shown."""
+    def take_block(self, first_index: int, read: TracesRead) -> Tuple[Message, ...]:
+        """Take traces that were read from a place on; return why some cannot be shown."""
         if read.block.survey_id != self.survey_id:
             return ()
         unreadable = dict(read.unreadable)
         problems = [*self.radar.add_block(read.block)]
         # Whatever the answer was, the same place is not requested again and again.
-        if read.first_index in self._absent() and read.first_index not in unreadable:
-            unreadable[read.first_index] = Message("the storage has no file of this trace")
+        if first_index in self._absent() and first_index not in unreadable:
+            unreadable[first_index] = Message("the storage has no file of this trace")
         for index, reason in unreadable.items():
             self.radar.give_up(index, reason)
             problems.append(Message("trace {index}: {reason}", index=index, reason=reason))
@@ -172,24 +143,11 @@ class ShownSurvey:
         return self.radar.absent(self.map.stored)
 
 
-class TraceSource(Protocol):
-    """Requests to the storage, without waiting; the answers come as events."""
-
-    def list_surveys(self, before: str) -> None:
-        """Ask for the surveys older than a folder; empty: for the newest."""
-
-    def read_survey(self, folder: str) -> None:
-        """Ask for the plan of a past survey."""
-
-    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
-        """Ask for stored traces of a survey, by its id and their places in the plan."""
-
-
 class TracePresenter:
     """Collects what the storage and the main control report about traces. Belongs to one thread.
 
     Args:
-        source: The storage.
+        imaging: Asks the storage.
         report: Called with the reason why a trace or a survey cannot be shown.
 
     Attributes:
@@ -200,18 +158,26 @@ class TracePresenter:
         opened_folder: The folder of the past survey that is shown; empty: the one that runs.
     """
 
-    def __init__(self, source: TraceSource, report: Callable[[Message], None]) -> None:
-        self.source = source
+    def __init__(self, imaging: Imaging, report: Callable[[Message], None]) -> None:
         self.live = ShownSurvey()
-        self.past = PastSurveys()
+        self.past = past = PastSurveys()
+        self._listing: Job[SurveysListed] = imaging.job(
+            Service.LIST, self._take_list, past.set_problem
+        )
+        self.opening: Job[StoredSurvey] = imaging.job(Service.READ, self._open, past.set_problem)
+        self._reading: Job[TracesRead] = imaging.job(
+            Service.TRACES, self._take_read, past.set_problem
+        )
+        # The folder before which the page ends that was asked for last, the folder to open, and
+        # the place of the first trace that is read.
+        self._before = self._wanted = ""
+        self._first_due = 0
         self.carriage_mm: Optional[Tuple[float, float]] = None
         self._report = report
         # Of a survey that has begun and whose plan has not come: nothing of the one before it.
         self._awaited = ShownSurvey()
         self._running_id = ""
         self._measuring = False
-        # The survey that is replayed, empty if it is not known; None: there is a robot.
-        self._replayed_id: Optional[str] = None
         self._coverage: Optional[CoverageRuns] = None
         self._arrived: List[Trace] = []
         self.show_live()
@@ -224,7 +190,7 @@ class TracePresenter:
     @property
     def running(self) -> ShownSurvey:
         """The survey that runs or ran last; empty while the plan of one that begins is awaited."""
-        expected = self._running_id or self._replayed_id or self.live.survey_id
+        expected = self._running_id or self.live.survey_id
         return self.live if expected == self.live.survey_id else self._awaited
 
     @property
@@ -241,23 +207,25 @@ class TracePresenter:
             return Message("NOT THE RUNNING SURVEY: {name}", name=label)
         return past_band(label, "" if survey is None else survey.outcome)
 
+    def list_surveys(self, before: str = "") -> None:
+        """Ask for the past surveys older than a folder; empty: for the newest."""
+        self._before = before
+        self._listing.ask(before=before, max_surveys=SURVEYS_PER_PAGE)
+
     def open_survey(self, folder: str) -> None:
         """Ask for a past survey; it is shown once it is read."""
-        self._wanted_folder = folder
-        self.source.read_survey(folder)
+        self._wanted = folder
+        self.opening.ask(survey=folder)
 
     def show_live(self) -> None:
         """Show the survey that runs, and drop the past one."""
         self._opened: Optional[ShownSurvey] = None
-        self.opened_folder = self._wanted_folder = ""
-        self._waiting = 0
+        self.opened_folder = ""
+        # A survey that begins comes before one that is still being opened.
+        self.opening.end()
 
     def note_state(self, snapshot: Snapshot) -> None:
         """Note where the antennas are and which survey is running; show one that begins."""
-        if snapshot.replay is not None:
-            if self._replayed_id is None:
-                self.past.set_replay(True)
-            self._replayed_id = snapshot.replay.survey_id
         running_id, measuring = snapshot.running_survey, snapshot.running and not snapshot.paused
         if measuring and (not self._measuring or running_id != self._running_id):
             self.show_live()
@@ -300,38 +268,32 @@ class TracePresenter:
         elif isinstance(event, SurveyDescribed):
             self.live.begin(grid_from_description(event.text))
             self.past.set_outdated()
-        elif isinstance(event, TracesRead):
-            self._waiting = 0
-            for problem in self.shown.take_block(event):
-                self._report(problem)
-            self._ask_for_traces()
-        elif isinstance(event, SurveyRead):
-            self._open(event)
-        elif isinstance(event, SurveysListed):
-            self.past.take(event.before, event.surveys, event.more)
-        elif isinstance(event, ReadingFailed):
-            self.past.set_problem(event.reason)
 
-    def _open(self, survey: SurveyRead) -> None:
-        if survey.folder != self._wanted_folder:
-            return  # a survey has begun since it was asked for
-        grid, opened = grid_from_description(survey.text), ShownSurvey()
-        opened.begin(grid)
-        opened.map.set_coverage(
-            coverage_of_stored(grid.survey_id, grid.planned, survey.stored_indices)
-        )
-        self._opened, self.opened_folder = opened, survey.folder
-        self._waiting = 0
+    def _take_list(self, listed: SurveysListed) -> None:
+        self.past.take(self._before, listed.surveys, listed.more)
+
+    def _take_read(self, read: TracesRead) -> None:
+        for problem in self.shown.take_block(self._first_due, read):
+            self._report(problem)
+        self._ask_for_traces()
+
+    def _open(self, survey: StoredSurvey) -> None:
+        opened = ShownSurvey()
+        try:
+            grid = grid_from_description(survey.text)
+            opened.begin(grid)
+            opened.map.set_coverage(
+                coverage_of_stored(grid.survey_id, grid.planned, survey.stored_indices)
+            )
+        except SurveyNotReadableError as error:
+            self._report(error.message)
+            return
+        self._opened, self.opened_folder = opened, self._wanted
 
     def _ask_for_traces(self) -> None:
-        if self._replayed_id is not None:
-            # No storage has them: they come with the replay.
-            return
-        if self._waiting:
-            # The answer may have been lost with the storage.
-            self._waiting = (self._waiting + 1) % RETRY_REFRESHES
-            return
-        due = self.shown.due()
+        reading = self._reading
+        rests = reading.state is JobState.FAILED and reading.age_s < RETRY_S
+        due = () if reading.running or rests else self.shown.due()
         if due:
-            self._waiting = 1
-            self.source.read_traces(self.shown.survey_id, due)
+            self._first_due = due[0]
+            reading.ask(survey=self.shown.survey_id, indices=due)

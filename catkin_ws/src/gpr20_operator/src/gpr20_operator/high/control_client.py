@@ -1,4 +1,4 @@
-"""The main control and the axes: their topics as events, and requests without waiting."""
+"""Main control, axes and web page: their topics as events, and requests without waiting."""
 
 from __future__ import annotations
 
@@ -23,8 +23,10 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_doctor.high.graph import descriptions, node_healths
+from gpr20_doctor.mid.node_health import WEB
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_msgs import msg, srv
+from gpr20_msgs.msg import RemoteControl, WebStatus
 from gpr20_operator.high.robot_stop import RobotStop
 from gpr20_operator.high.ros_events import CONTROL_SILENT, RosEvents, in_background, no_answer
 from gpr20_operator.robot.events import (
@@ -36,7 +38,6 @@ from gpr20_operator.robot.events import (
     MeasuredHeight,
     Progress,
     Replay,
-    ReplayPhase,
     Request,
     RobotDescribed,
     Senders,
@@ -44,8 +45,9 @@ from gpr20_operator.robot.events import (
     StartPlan,
     TargetPosition,
 )
+from gpr20_operator.robot.remote_control import RemoteArmed, WebStatusReported
 from gpr20_survey.axes import AxisId
-from gpr20_survey.plan.annotation import Site
+from gpr20_survey.plan.annotation import Site, from_fields
 from gpr20_survey.plan.robot_description import ANALYZER, robot_config
 from gpr20_survey.plan.survey_parameters import (
     DEFAULT_POLARIZATIONS_DEG,
@@ -54,6 +56,7 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_state import SurveyState
 
+WINDOW = "user_interface"
 SET_TIMEOUT_S = 10.0
 PAUSE_TIMEOUT_S = 10.0
 # An axis reports itself at 10 Hz at rest and at 50 Hz while it moves: fewer are enough for what
@@ -62,6 +65,11 @@ AXIS_PERIOD_S = 0.2
 # Checks of the devices come before the answer, and homing may: at the lowest speed an axis
 # of 800 mm takes 800 s. The survey can be stopped meanwhile.
 START_TIMEOUT_S = 1200.0
+REPLAYS = {
+    msg.Replay.PLAYING: Replay(),
+    msg.Replay.PAUSED: Replay(Message("REPLAY PAUSED")),
+    msg.Replay.ENDED: Replay(Message("REPLAY ENDED")),
+}
 LIMITS_UNKNOWN = Message("the limits of the axes are not known").with_fault(VERSIONS_DIFFER)
 WITHDRAWN = Message("the survey was not started: STOP was pressed, or the permission ended")
 
@@ -90,7 +98,7 @@ class ControlClient(RosEvents):
     def listen(self) -> None:
         """Subscribe to state and progress of the survey, and to what is done for maintenance."""
         self._subscribe("control_status", msg.ControlStatus, control_state)
-        self._subscribe("replay", msg.Replay, _replay)
+        self._subscribe("replay", msg.Replay, lambda one: REPLAYS.get(one.state))
         self._subscribe("control_survey_data", msg.SurveyData, _progress)
         self._subscribe("service_status", msg.ServiceStatus, _activity)
         self._subscribe("robot_configuration", msg.RobotConfiguration, robot_described)
@@ -108,12 +116,8 @@ class ControlClient(RosEvents):
             topics.append((topic, msg.CurrentCoordinate, partial(self._measured, axis), 1))
             if axis is not AxisId.Z:
                 topics.append((f"{axis.value}_axis/endstop", Bool, partial(_endstop, axis), 10))
-        found = [self._subscriber(*one) for one in topics]
-        # What a recording says of health was true then.
-        if not self._senders.replay:
-            received = self._diagnosed
-            found.append(rospy.Subscriber("/diagnostics", DiagnosticArray, received, queue_size=20))
-        return found
+        health = rospy.Subscriber("/diagnostics", DiagnosticArray, self._diagnosed, queue_size=20)
+        return [health, *(self._subscriber(*one) for one in topics)]
 
     def start_survey(self, plan: StartPlan) -> None:
         """See `SurveyControl`."""
@@ -205,10 +209,6 @@ class ControlClient(RosEvents):
                 self._emit(health)
 
 
-def _replay(message: msg.Replay) -> Replay:
-    return record_of(Replay, message, phase=ReplayPhase(message.state), state=None)
-
-
 def _progress(message: msg.SurveyData) -> Progress:
     return record_of(Progress, message, remaining_s=message.remaining_time.to_sec())
 
@@ -270,3 +270,61 @@ def robot_described(message: msg.RobotConfiguration) -> RobotDescribed:
     except (Gpr20Error, ValueError, KeyError, TypeError) as error:
         return RobotDescribed(None, LIMITS_UNKNOWN.with_details(error))
     return RobotDescribed(Configured(config, settings, site, address), nodes=nodes)
+
+
+class RemoteControlClient(RosEvents):
+    """The web page's side: what the window of its robot allows, and nobody else.
+
+    Args:
+        listener: Gets the events.
+        namespace: Of the robot, with slashes at both ends or alone.
+    """
+
+    def __init__(self, listener: Callable[[Any], None], namespace: str) -> None:
+        super().__init__(listener, Senders(namespace, nodes=(WINDOW,)))
+
+    def listen(self) -> None:
+        self._subscribe("remote_control", RemoteControl, remote_armed)
+
+
+class WebPageClient(RosEvents):
+    """The window's side: what the web page says of itself, and what the window allows it.
+
+    Args:
+        listener: Gets the events.
+        namespace: Of the robot, with slashes at both ends or alone.
+    """
+
+    def __init__(self, listener: Callable[[Any], None], namespace: str) -> None:
+        super().__init__(listener, Senders(namespace, nodes=(WEB,)))
+        self._remote: Optional[rospy.Publisher] = None
+
+    def listen(self) -> None:
+        self._remote = rospy.Publisher("remote_control", RemoteControl, queue_size=10, latch=True)
+        self._subscribe("web_status", WebStatus, lambda one: record_of(WebStatusReported, one))
+
+    def send(self, event: RemoteArmed) -> None:
+        """Publish what is allowed; not when this node ends, which allows nothing any more."""
+        if self._remote is not None and not rospy.is_shutdown():
+            self._remote.publish(remote_message(event))
+
+
+def remote_message(event: RemoteArmed) -> RemoteControl:
+    """Return the message of an event."""
+    fields = {} if event.plan is None else {"has_plan": True, **plan_fields(event.plan)}
+    remaining = rospy.Duration.from_sec(event.remaining_s)
+    return RemoteControl(armed=event.armed, remaining=remaining, **fields)
+
+
+def remote_armed(message: RemoteControl) -> RemoteArmed:
+    """Convert `remote_control`."""
+    remaining_s = message.remaining.to_sec()
+    if not message.has_plan:
+        return RemoteArmed(message.armed, remaining_s)
+    plan = StartPlan(
+        parameters(message.parameters),
+        from_fields(message.annotation),
+        message.refines,
+        message.permittivity,
+    )
+    return RemoteArmed(message.armed, remaining_s, plan)

@@ -157,18 +157,6 @@ class RosEvents:
             if not self._closed:
                 self._listener(event)
 
-    def _emit_answer(self, ask: Callable[[], Any], failed: Callable[[Message], Any]) -> None:
-        """Emit in the background what a request returns, or the event of its failure."""
-
-        def work() -> None:
-            try:
-                event = ask()
-            except (RequestError, Gpr20Error) as error:
-                event = failed(error.message)
-            self._emit(event)
-
-        in_background(work)
-
 
 POLL_S = 0.2
 # A master that works answers sooner [s].

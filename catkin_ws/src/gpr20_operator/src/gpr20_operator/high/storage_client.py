@@ -6,11 +6,12 @@ import itertools
 import json
 import os
 from functools import partial
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence
 
 import rospy
 from std_msgs.msg import String
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.high.answers import fault_of, message_from, received, record_of
 from gpr20_common.high.raw_message import connection_header
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
@@ -21,23 +22,24 @@ from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_msgs import srv
 from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.traces import (
-    ReadingFailed,
-    SurveyDescribed,
-    SurveyRead,
-    SurveysListed,
-    TracesRead,
-)
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.high.ros_events import (
     CONTROL_SILENT,
     STORAGE_SILENT,
+    RequestError,
     RosEvents,
     accepted,
     call,
     in_background,
 )
 from gpr20_operator.jobs.job import Delivery, Service, Ticket
-from gpr20_operator.jobs.pictures import Exported, Sticks, StoredSurvey
+from gpr20_operator.jobs.pictures import (
+    Exported,
+    Sticks,
+    StoredSurvey,
+    SurveysListed,
+    TracesRead,
+)
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
@@ -63,7 +65,7 @@ MOVE_TIMEOUT_S = 1200.0
 HEIGHT_TIMEOUT_S = 10.0
 # Several requests to the VNA, of which each has its own limit in the main control.
 ANALYZER_TIMEOUT_S = 300.0
-SURVEYS_PER_PAGE = 50
+NO_ROBOT = Message("a replay is shown, and no robot")
 # A window that is slower loses traces; it reads them from the storage later.
 TRACE_QUEUE = 200
 
@@ -106,11 +108,14 @@ OFFERS: Dict[Service, _Offer] = {
     ),
     Service.READ: _Offer(
         *(srv.ReadSurvey, SHORT_TIMEOUT_S, STORAGE_SILENT),
-        lambda one: StoredSurvey(accepted(one).metadata_json, len(one.stored_indices)),
+        lambda one: StoredSurvey(accepted(one).metadata_json, tuple(one.stored_indices)),
     ),
     Service.LIST: _Offer(
         *(srv.ListSurveys, SHORT_TIMEOUT_S, STORAGE_SILENT),
-        lambda one: surveys_listed("", accepted(one)),
+        lambda one: surveys_listed(accepted(one)),
+    ),
+    Service.TRACES: _Offer(
+        *(srv.ReadTraces, SHORT_TIMEOUT_S, STORAGE_SILENT), lambda one: traces_read(accepted(one))
     ),
     Service.FACT: _Offer(srv.AddFact, FACT_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
@@ -129,7 +134,6 @@ class StorageClient(RosEvents):
     def __init__(self, listener: Callable[[Any], None], senders: Senders) -> None:
         super().__init__(listener, senders)
         self._clients = {one: ServiceClient(one.value, offer.kind) for one, offer in OFFERS.items()}
-        self._traces = ServiceClient("read_traces", srv.ReadTraces)
         self._cancel = ServiceClient("cancel_imaging", srv.CancelImaging)
         # The export alone reports its progress.
         self._exporting: Optional[Ticket[Any]] = None
@@ -147,15 +151,22 @@ class StorageClient(RosEvents):
 
     def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
         """Call a service in the background, and let the ticket take the answer."""
+        if self._senders.replay:
+            self._emit(Delivery(partial(ticket.fail, NO_ROBOT)))
+            return
         if service.can_be_cancelled:
             fields["request_id"] = ticket.request_id
         if service is Service.EXPORT:
             self._exporting = ticket
 
-        def answer() -> Delivery:
-            return Delivery(partial(ticket.done, self.wait_for(service, **fields)))
+        def work() -> None:
+            try:
+                answer = partial(ticket.done, self.wait_for(service, **fields))
+            except (RequestError, Gpr20Error) as error:
+                answer = partial(ticket.fail, error.message)
+            self._emit(Delivery(answer))
 
-        self._emit_answer(answer, lambda reason: Delivery(partial(ticket.fail, reason)))
+        in_background(work)
 
     def wait_for(self, service: Service, **fields: Any) -> Any:
         """Call a service in this thread, and return what its answer becomes.
@@ -166,7 +177,9 @@ class StorageClient(RosEvents):
         """
         if service is Service.FACT:
             fields = fact_fields(**fields)
-        return OFFERS[service].convert(self._call(service, **fields))
+        offer = OFFERS[service]
+        found = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
+        return offer.convert(found)
 
     def examine(
         self,
@@ -194,39 +207,6 @@ class StorageClient(RosEvents):
 
         in_background(work)
 
-    def list_surveys(self, before: str) -> None:
-        """Ask for the surveys older than a folder; empty: for the newest."""
-        self._emit_answer(lambda: surveys_listed(before, self._listed(before)), ReadingFailed)
-
-    def read_survey(self, folder: str) -> None:
-        """Ask for the plan of a past survey."""
-
-        def ask() -> SurveyRead:
-            answer = self._read(folder)
-            return SurveyRead(folder, answer.metadata_json, tuple(answer.stored_indices))
-
-        self._emit_answer(ask, ReadingFailed)
-
-    def read_traces(self, survey: str, indices: Tuple[int, ...]) -> None:
-        """Ask for stored traces of a survey, by its id and their places in the plan."""
-        fields = {"survey": survey, "indices": indices}
-
-        def ask() -> TracesRead:
-            answer = accepted(call(self._traces, STORAGE_SILENT, SHORT_TIMEOUT_S, **fields))
-            return traces_read(indices[0], answer)
-
-        self._emit_answer(ask, ReadingFailed)
-
-    def _listed(self, before: str) -> Any:
-        return accepted(self._call(Service.LIST, before=before, max_surveys=SURVEYS_PER_PAGE))
-
-    def _read(self, survey: str) -> Any:
-        return accepted(self._call(Service.READ, survey=survey))
-
-    def _call(self, service: Service, **fields: Any) -> Any:
-        offer = OFFERS[service]
-        return call(self._clients[service], offer.silent, offer.timeout_s, **fields)
-
     def _on_progress(self, message: ImagingProgress) -> Optional[Delivery]:
         ticket = self._exporting
         if ticket is None or message.request_id != ticket.request_id:
@@ -240,10 +220,10 @@ def fact_fields(survey: str, kind: Kind, values: Mapping[str, Any]) -> Dict[str,
     return {"survey": survey, "kind": kind.value, "values_json": values_json}
 
 
-def surveys_listed(before: str, response: Any) -> SurveysListed:
+def surveys_listed(response: Any) -> SurveysListed:
     """Convert the answer of `list_surveys`."""
     surveys = tuple(record_of(SurveySummary, one) for one in response.surveys)
-    return SurveysListed(before, surveys, response.more)
+    return SurveysListed(surveys, response.more)
 
 
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
@@ -257,14 +237,14 @@ def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     )
 
 
-def traces_read(first_index: int, response: Any) -> TracesRead:
+def traces_read(response: Any) -> TracesRead:
     """Convert the answer of `read_traces`.
 
     Raises:
         TraceRefusedError: A trace is not as it should be.
     """
     unreadable = _reasons(response.unreadable, response.unreadable_faults)
-    return TracesRead(first_index, block_from(response), unreadable)
+    return TracesRead(block_from(response), unreadable)
 
 
 def _reasons(texts: Sequence[str], faults_of: Sequence[Fault]) -> Dict[int, Message]:

@@ -30,6 +30,8 @@ class Service(enum.Enum):
     """The answer is a StoredSurvey."""
     LIST = "list_surveys"
     """The answer is a SurveysListed: those older than `before`, the newest first."""
+    TRACES = "read_traces"
+    """The answer is a TracesRead: those at some places in the plan."""
     FACT = "add_fact"
     """Adds a fact, by its `kind` and its `values`; the answer is a Message, as of those below."""
     MOVE = "service_move"

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any, Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, Requests, Service, job_of
-from gpr20_survey.results.answers import FocusedImage, Volume
+from gpr20_operator.jobs.job import Job, JobState, Requests, Service, job_of
+from gpr20_survey.results.answers import FocusedImage, SurveySummary, Volume
 from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.trace.trace import TraceBlock
 
 NOT_KNOWN = 0.0
 """What is sent as the permittivity to use that of the stored survey."""
@@ -16,6 +16,7 @@ NOT_KNOWN = 0.0
 PERIOD_S = 10.0
 # The imaging node refuses an image of fewer lines than three.
 FEWEST_TRACES = 9
+SURVEYS_PER_PAGE = 50
 # Images are large.
 MOST_IMAGES = 6
 
@@ -35,10 +36,24 @@ class Exported(NamedTuple):
 
 
 class StoredSurvey(NamedTuple):
-    """What the storage has of a survey: survey.json, and how many traces."""
+    """What the storage has of a survey: survey.json, and the places of its traces in the plan."""
 
     text: str
-    stored_traces: int
+    stored_indices: Tuple[int, ...]
+
+
+class SurveysListed(NamedTuple):
+    """A page of the list of past surveys, the newest first."""
+
+    surveys: Tuple[SurveySummary, ...]
+    more: bool
+
+
+class TracesRead(NamedTuple):
+    """Stored traces, and why others cannot be read, by their places in the plan."""
+
+    block: TraceBlock
+    unreadable: Mapping[int, Message]
 
 
 class Pictures:
@@ -97,12 +112,9 @@ class Imaging:
         requests: The imaging node and the storage.
         now_s: A clock that never goes back [s].
         pictures: Those of others, too; None: its own.
-        again_s: After how long to ask again though nothing is new here: another screen may have
-            entered what the ground is [s].
 
     Attributes:
         pictures: What it has found.
-        soils: The permittivity that is stored with each survey, by its id; None: not known.
     """
 
     def __init__(
@@ -110,11 +122,9 @@ class Imaging:
         requests: Requests,
         now_s: Callable[[], float],
         pictures: Optional[Pictures] = None,
-        again_s: float = math.inf,
     ) -> None:
-        self._requests, self._now_s, self._again_s = requests, now_s, again_s
+        self._requests, self._now_s = requests, now_s
         self.pictures = pictures or Pictures()
-        self.soils: Dict[str, Optional[float]] = {}
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
         self._asked = Wanted("", 0, None)
 
@@ -136,16 +146,12 @@ class Imaging:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
         if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
             return
-        period_s = 0.0
-        if wanted == self._asked:
-            period_s = self._again_s
-        elif wanted._replace(traces=self._asked.traces) == self._asked:
-            period_s = PERIOD_S
-        if self._shown.age_s >= period_s:
-            self._asked, permittivity = wanted, wanted.permittivity
-            if permittivity is None or permittivity == self.soils.get(wanted.survey_id):
-                permittivity = NOT_KNOWN
-            self._shown.ask(survey=wanted.survey_id, permittivity=permittivity)
+        is_new = wanted._replace(traces=self._asked.traces) != self._asked
+        is_due = wanted != self._asked or self._shown.state is JobState.FAILED
+        if is_new or (is_due and self._shown.age_s >= PERIOD_S):
+            self._asked = wanted
+            # The one that is stored.
+            self._shown.ask(survey=wanted.survey_id, permittivity=NOT_KNOWN)
 
     def end(self) -> None:
         """End what is awaited."""

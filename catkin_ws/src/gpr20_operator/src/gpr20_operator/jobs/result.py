@@ -88,7 +88,7 @@ def record_of(stored: StoredSurvey) -> Record:
     annotation = annotation_of(values)
     return Record(
         grid,
-        stored.stored_traces,
+        len(stored.stored_indices),
         str(values.get("outcome") or ""),
         annotation.name or annotation.site,
         annotation.operator,
@@ -344,8 +344,6 @@ class SurveyResult:
             self.record = record_of(stored)
         except (SurveyNotReadableError, InvalidValueError) as error:
             self.reading.refuse(error.message)
-            return
-        self._imaging.soils[self.record.survey_id] = self.permittivity
 
     def _take_image(self, image: FocusedImage) -> None:
         if self._is_other(image.found.survey_id):

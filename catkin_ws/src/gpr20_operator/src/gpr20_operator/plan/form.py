@@ -1,15 +1,18 @@
-"""What the operator plans: the texts of all fields, their checks, and the figures of the survey."""
+"""What the operator plans: the texts of all fields and their checks, figures, and names."""
 
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, replace
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple, Union
+from itertools import takewhile
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
-from gpr20_common.message import Message
+from gpr20_common.message import Message, verbatim
 from gpr20_operator.plan.fields import (
     PARAMETERS,
+    PEOPLE,
     PLAN,
     SPECS,
     FieldSpec,
@@ -20,8 +23,8 @@ from gpr20_operator.plan.fields import (
 from gpr20_operator.robot.events import Configured
 from gpr20_operator.settings_file import Newest
 from gpr20_operator.words import number_from_text
+from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
 from gpr20_survey.plan.survey_parameters import (
-    MAX_TRACES,
     MIN_GRID_POINTS,
     Relation,
     RobotTravel,
@@ -30,8 +33,10 @@ from gpr20_survey.plan.survey_parameters import (
 )
 from gpr20_survey.plan.survey_points import SurveyCost, survey_cost
 from gpr20_survey.radar import one_way_path_m
-from gpr20_survey.trace.sweep import MIN_FREQUENCY_SPACING_HZ
 
+# Of a text in a sheet, which has no room for more.
+LONGEST_SHOWN = 30
+_NUMBER_AT_END = re.compile(r"([0-9]{1,9})$", re.ASCII)
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5
 # Of an axis; the checks limit the size of the whole survey.
@@ -70,7 +75,8 @@ def check_plan(texts: Mapping[str, str], travel: RobotTravel) -> PlanCheck:
         if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
             for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
                 shown = SPACINGS.get(name, name)
-                problems.setdefault(shown, _correction(SPECS[name], found.of, travel))
+                own = found.of is Relation.FREQUENCY_ORDER or not isinstance(found.of, Relation)
+                problems.setdefault(shown, SPECS[name].allowed(travel) if own else found.message)
     in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
     return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
@@ -80,17 +86,6 @@ def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
         return spec.allowed(travel)
     # Many a keyboard and country writes 12,5.
     return Message("a number such as 12.5")
-
-
-def _correction(spec: FieldSpec, of: Union[str, Relation], travel: RobotTravel) -> Message:
-    if of is Relation.FREQUENCY_SPACING:
-        return Message("frequencies at least {least:g} Hz apart", least=MIN_FREQUENCY_SPACING_HZ)
-    if of in (Relation.X_SPACING, Relation.Y_SPACING):
-        step_mm = (travel.x if of is Relation.X_SPACING else travel.y).step
-        return Message("stops at least {step:g} mm apart", step=step_mm)
-    if of is Relation.SIZE:
-        return Message("at most {most} traces per survey", most=MAX_TRACES)
-    return spec.allowed(travel)
 
 
 class PlanForm:
@@ -235,3 +230,68 @@ class CostEstimator(Newest[Tuple[SurveyParameters, Configured]]):
         parameters, robot = asked
         cost = survey_cost(parameters, robot.config, robot.settings)
         self._listener(CostEstimated(parameters, cost))
+
+
+def annotation_texts(annotation: Annotation) -> Dict[str, str]:
+    """Return the text of each field."""
+    return {one.name: one.kind.write(getattr(annotation, one.name)) for one in PEOPLE}
+
+
+def annotation_from(texts: Mapping[str, str]) -> Annotation:
+    """Return what the texts of all fields say.
+
+    Raises:
+        InvalidValueError: One is not allowed.
+    """
+    return Annotation(**{one.name: one.kind.read(texts[one.name]) for one in PEOPLE})
+
+
+def overwritten(before: Annotation, after: Annotation) -> Tuple[Tuple[Message, Message], ...]:
+    """Return what changes, with the old and the new text from where they differ."""
+    rows = []
+    texts = annotation_texts(before).values(), annotation_texts(after).values()
+    for spec, old, new in zip(PEOPLE, *texts):
+        same = sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(old, new)))
+        if old != new and same >= LONGEST_SHOWN - 2:
+            old, new = (f"…{text[same - LONGEST_SHOWN // 3 :]}" for text in (old, new))
+        if old != new:
+            rows.append((spec.title, verbatim(f"{shortened(old)} → {shortened(new)}")))
+    return tuple(rows)
+
+
+def shortened(text: str) -> str:
+    """Return as much of a text as a sheet has room for, as one line; a dash if it is empty."""
+    line = " ".join(text.split()) or "—"
+    return line if len(line) <= LONGEST_SHOWN else line[: LONGEST_SHOWN - 1] + "…"
+
+
+def next_name(name: str) -> str:
+    """Return the name of the survey after one: "El Carmen 3" follows "El Carmen 2".
+
+    The number keeps its leading zeros. A name without a number gets a 2; no name stays none.
+    """
+    if not name:
+        return ""
+    found = _NUMBER_AT_END.search(name)
+    digits = "" if found is None else found.group(1)
+    number = str(int(digits) + 1).zfill(len(digits)) if digits else " 2"
+    return name[: len(name) - len(digits)][: MAX_NAME_CHARACTERS - len(number)] + number
+
+
+class NextAnnotation:
+    """Operator and site stay for the surveys that follow, and their names are numbered.
+
+    Notes and position are for one survey.
+    """
+
+    def __init__(self) -> None:
+        self.value = EMPTY
+
+    def take_defaults(self, defaults: Annotation) -> None:
+        """Fill the empty fields with those of the robot."""
+        self.value = self.value.with_defaults(defaults)
+
+    def note_started(self) -> None:
+        """Note that a survey has started with this annotation."""
+        named = next_name(self.value.name)
+        self.value = replace(self.value, name=named, notes="", position=None)

@@ -123,9 +123,12 @@ def condition_of(snapshot: Snapshot) -> Condition:
 
 def urgent(snapshot: Snapshot) -> Optional[Condition]:
     """Return what comes before the state: motion, no contact, a lost survey; None: nothing."""
-    if snapshot.replay is not None:
-        replay = snapshot.replay
-        return Condition(JobLevel.REPLAY, replay.title, replay.message)
+    if snapshot.replay:
+        message = Message("Waiting for a recording.")
+        if snapshot.state is not None:
+            state = snapshot.state.title
+            message = Message("A recorded survey, and no robot: {state}", state=state)
+        return Condition(JobLevel.REPLAY, snapshot.replay.title, message)
     return _motion(snapshot) or lost(snapshot)
 
 

@@ -20,7 +20,6 @@ from gpr20_survey.plan.survey_parameters import (
     Travel,
 )
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
-from gpr20_survey.trace.utc_time import moment_text
 
 # The limits of the documented system, for as long as the axes' own are not known:
 # the main control, which knows them, refuses what lies between the two.
@@ -222,64 +221,14 @@ class AxisStopAnswer:
     answered: bool
 
 
-class ReplayPhase(enum.IntEnum):
-    """What a replay does; the values are those of gpr20_msgs/Replay."""
-
-    PLAYING = 0
-    PAUSED = 1
-    ENDED = 2
+REPLAY = Message("REPLAY")
 
 
 @dataclass(frozen=True)
 class Replay:
-    """The last message of `replay`, and what is known besides; texts are empty if not known.
+    """One message of `replay`: what is shown where the state of a robot would be."""
 
-    Attributes:
-        started: Start of the survey, ISO 8601, UTC.
-        rate: How many times faster than it was recorded; 0: its player does not report it.
-        state: The last state of the recorded survey; None before the first.
-    """
-
-    survey_id: str = ""
-    started: str = ""
-    folder: str = ""
-    phase: ReplayPhase = ReplayPhase.PLAYING
-    rate: float = 0.0
-    state: Optional[SurveyState] = None
-
-    @property
-    def survey(self) -> Message:
-        """The survey, for a sentence."""
-        place = self.folder or self.survey_id[:8]
-        if len(self.started) >= 16:
-            time = moment_text(self.started[:16])
-            return Message("Survey of {time} UTC, {folder}", time=time, folder=place)
-        return Message("Survey {folder}", folder=place) if place else Message("Recorded survey")
-
-    @property
-    def ended(self) -> bool:
-        """Whether nothing more will come: of a player that does not report, by the survey."""
-        return self.phase is ReplayPhase.ENDED or (self.rate == 0.0 and self.state in ENDED)
-
-    @property
-    def title(self) -> Message:
-        """What is shown where the state of a robot would be."""
-        if self.ended:
-            return Message("REPLAY ENDED")
-        return Message("REPLAY PAUSED") if self.phase is ReplayPhase.PAUSED else Message("REPLAY")
-
-    @property
-    def message(self) -> Message:
-        """The survey, and its state or how it ended."""
-        if self.state is None:
-            return self.survey if self.survey_id else Message("Waiting for a recording.")
-        if self.ended and self.state not in ENDED:
-            return Message(
-                "{state}, and the recording does not contain the survey's end. {survey}",
-                state=self.state.label,
-                survey=self.survey,
-            )
-        return Message("{state}. {survey}", state=self.state.label, survey=self.survey)
+    title: Message = REPLAY
 
 
 @dataclass(frozen=True)

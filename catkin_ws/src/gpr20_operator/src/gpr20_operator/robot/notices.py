@@ -107,19 +107,6 @@ def remedy(reason: Message) -> Message:
     return first_step(reason) or LOOK
 
 
-def analyzer_notice(reason: Message, identity: str) -> Notice:
-    """Return what is asked before a survey is continued with another analyzer."""
-    return Notice(
-        Message("The VNA is not the one of this survey."),
-        reason,
-        Message(
-            "Connect the survey's VNA and press RESUME again, or continue with this VNA. The "
-            "survey then names both."
-        ),
-        details=(identity, *_details(reason)),
-    )
-
-
 def band_notice(snapshot: Snapshot) -> Notice:
     """Return all that the band says, and what to do first."""
     state = snapshot.state
@@ -153,7 +140,7 @@ class CardWatch:
     @staticmethod
     def _cards(snapshot: Snapshot) -> List[Tuple[object, Notice]]:
         """Return what must be seen at once, with what is the same while its numbers change."""
-        if snapshot.replay is not None:
+        if snapshot.replay:
             return []
         found: List[Tuple[object, Notice]] = []
         state = snapshot.state

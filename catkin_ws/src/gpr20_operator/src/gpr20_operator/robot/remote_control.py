@@ -25,7 +25,6 @@ NOT_ALLOWED = Message(
 NO_REPORT = Message("the touchscreen of the robot does not report that it is still allowed")
 FAULT_CAME = Message("a fault came since it was allowed: it must be allowed at the robot again")
 WAITING = Message("Waiting for the robot.")
-NO_ROBOT = Message("a replay is shown, and no robot")
 
 
 @dataclass(frozen=True)
@@ -62,8 +61,6 @@ class WebStatusReported:
 
 def remote_obstacle(snapshot: Snapshot) -> Optional[Message]:
     """Return why the robot can be allowed to nobody elsewhere now; None: it can."""
-    if snapshot.replay is not None:
-        return NO_ROBOT
     alarm = urgent(snapshot)
     if alarm is not None:
         return alarm.message

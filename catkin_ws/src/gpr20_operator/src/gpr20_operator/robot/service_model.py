@@ -115,8 +115,6 @@ class ServiceModel:
         shown = self._snapshot
         if shown is None or not shown.control_alive or not shown.master_alive:
             return Message("There is no contact with the robot.")
-        if shown.replay is not None:
-            return Message("A replay is shown: there is no robot.")
         if shown.running or {Request.START, Request.RESUME} & shown.pending:
             return Message("Service is not possible while a survey is running or paused.")
         return None
@@ -176,8 +174,8 @@ class ServiceModel:
     def findings(self) -> Tuple[Finding, ...]:
         """Return what is wrong with the robot, the worst first."""
         shown = self._snapshot
-        if shown is None or shown.replay is not None:
-            return ()  # what was wrong with the robot of a recording is in its survey
+        if shown is None:
+            return ()
         now_s = self._now_s()
         old = now_s - self.analyzer.changed_s >= TEST_AGE_S
         nodes = self._described.nodes

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Protocol, Union
+from typing import Optional, Protocol
 
 from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
@@ -13,8 +13,7 @@ from gpr20_operator.plan.form import (
     preview,
 )
 from gpr20_operator.robot.events import Answer, Request, StartPlan
-from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
+from gpr20_operator.robot.snapshot import Snapshot, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
@@ -54,7 +53,7 @@ class WindowPresenter:
 
     def __init__(
         self,
-        model: Union[SurveyModel, ReplayModel],
+        model: SurveyModel,
         control: SurveyControl,
         estimator: CostEstimator,
     ) -> None:

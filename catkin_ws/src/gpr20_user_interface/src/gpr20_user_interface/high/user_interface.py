@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional, Union
+from typing import Any, Callable, NoReturn, Optional
 
 import rosgraph
 import rospy
@@ -34,8 +34,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
 from gpr20_operator.errors import DisplayUnavailableError, MasterUnavailableError
 from gpr20_operator.ground.traces import TracePresenter
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.remote_control import WebPageClient
+from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
@@ -43,12 +42,13 @@ from gpr20_operator.plan.form import CostEstimator
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.robot.survey_model import ReplayModel, SurveyModel
 from gpr20_operator.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
 from gpr20_user_interface.pages.settings import WindowMemory
+from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 MASTER_WAIT_S = 30.0
@@ -95,25 +95,25 @@ class UserInterface:
 
     def __init__(
         self,
-        model: Union[SurveyModel, ReplayModel],
+        replay: bool,
         languages: Languages,
         plan_settings: SettingsFile,
         memory: Optional[WindowMemory] = None,
         full_screen: bool = False,
     ) -> None:
         self.signal = EventSignal()
-        # What is shown and who is believed belong together.
-        senders = Senders(rospy.get_namespace(), replay=isinstance(model, ReplayModel))
+        model, senders = SurveyModel(Clock(), replay), Senders(rospy.get_namespace(), replay)
         self.control = ControlClient(self.signal.emit_event, senders)
         self.storage = StorageClient(self.signal.emit_event, senders)
         self.plans = PlanMemory(plan_settings, self.signal.emit_event)
-        self.web = WebPageClient(self.signal.emit_event, senders)
+        self.web = WebPageClient(self.signal.emit_event, senders.namespace)
         self._clients = (self.control, self.storage, self.web)
+        imaging = Imaging(self.storage, time.monotonic)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
-                TracePresenter(self.storage, lambda reason: rospy.logwarn("not shown: %s", reason)),
-                Imaging(self.storage, time.monotonic),
+                TracePresenter(imaging, lambda reason: rospy.logwarn("not shown: %s", reason)),
+                imaging,
                 ServiceModel(self.storage, self.storage.examine, Clock()),
                 self.plans,
                 Arming(Clock(), self.web.send),
@@ -121,7 +121,11 @@ class UserInterface:
             languages,
             memory,
         )
-        if not senders.replay:
+        if replay:
+            # What they are about is not there.
+            for name in (TabName.SURVEYS, TabName.ROBOT):
+                self.window.rail.tabs[name].hide()
+        else:
             self.window.top_bar.show_robot(senders.namespace.strip("/"))
         self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
@@ -149,7 +153,7 @@ class UserInterface:
         """Return the health of this node."""
         # The snapshot is immutable: safe to read from ROS's threads.
         snapshot = self.window.survey.snapshot
-        if snapshot.replay is not None:
+        if snapshot.replay:
             return OK, Message("a replay is shown"), {}
         if snapshot.control_alive:
             return OK, Message("in contact with the main control"), {}
@@ -254,7 +258,7 @@ def _show(application: QApplication, signals: StopSignals, options: argparse.Nam
     memory = WindowMemory(SettingsFile(settings), _log)
     languages = Languages(application, _language(memory.settings.language))
     interface = UserInterface(
-        ReplayModel() if options.replay else SurveyModel(Clock()),
+        options.replay,
         languages,
         SettingsFile(settings.with_name(_plan_file(rospy.get_namespace()))),
         memory,

@@ -18,7 +18,6 @@ from gpr20_operator.robot.notices import (
     Notice,
     Refused,
     StopConfirmation,
-    analyzer_notice,
     band_notice,
     refusal_notice,
 )
@@ -48,27 +47,21 @@ class NoticeView(Overlay):
     def __init__(self, window: QWidget) -> None:
         super().__init__(window)
         self.notice: Optional[Notice] = None
-        self._on_accepted: Optional[Callable[[], None]] = None
         self.title = new_label("title", wraps=True)
         self.reason, self.details = PulledText("reason"), PulledText("details")
         self.first_title = new_label("first_title", text=Message("Do this first"))
         self.first, self.then = new_label("first", wraps=True), new_label(wraps=True)
-        self.accept_button = new_button(self._on_accept, Message("CONTINUE WITH THIS VNA"))
         self.resume = new_button(self._on_resume, Message("RESUME"))
         self.details_button = new_button(lambda: self._show_details(self.details.isHidden()))
-        self.close_button = new_button(self.hide)
-        # Its words are longer than those of the other buttons.
-        buttons = row((self.accept_button, 2), (self.resume, 1), (self.details_button, 1))
-        buttons.addWidget(self.close_button, 1)
+        self.close_button = new_button(self.hide, Message("CLOSE"))
+        buttons = row((self.resume, 1), (self.details_button, 1), (self.close_button, 1))
         texts = (self.title, (self.reason, 1), (self.details, 1), self.first_title, self.first)
         self.setLayout(column(*texts, self.then, buttons, margin=2 * GAP_PX))
 
-    def show_notice(self, notice: Notice, on_accepted: Optional[Callable[[], None]] = None) -> None:
-        """Open with a notice; or with a question, and call something if it is accepted."""
-        self.notice, self._on_accepted = notice, on_accepted
+    def show_notice(self, notice: Notice) -> None:
+        """Open with a notice."""
+        self.notice = notice
         self._show_details(False)
-        self.accept_button.setVisible(on_accepted is not None)
-        say(self.close_button, Message("NOT NOW") if on_accepted else Message("CLOSE"))
         self.details.setText("\n".join(notice.details))
         self.first_title.setVisible(notice.first is not None)
         self.resume.setVisible(notice.resumable)
@@ -83,11 +76,6 @@ class NoticeView(Overlay):
     def _on_resume(self) -> None:
         self.hide()
         self.resume_pressed.emit()
-
-    def _on_accept(self) -> None:
-        self.hide()
-        if self._on_accepted is not None:
-            self._on_accepted()
 
     def _show_details(self, shown: bool) -> None:
         # In the place of the sentence: there is no room for both.
@@ -127,7 +115,6 @@ class Alerts(Page):
 
     Attributes:
         notice: The card.
-        question: The question about another analyzer.
         stop_warning: What is shown until a STOP is confirmed.
     """
 
@@ -137,7 +124,7 @@ class Alerts(Page):
         survey: WindowPresenter,
         top_bar: TopBar,
         ask_resume: Callable[[], None],
-        ask_resume_with: Callable[[str], None],
+        ask_resume_with: Callable[[str, Message], None],
         clock: Clock,
     ) -> None:
         self._survey = survey
@@ -147,7 +134,6 @@ class Alerts(Page):
         self._opened: Optional[Notice] = None
         self._stop = StopConfirmation(clock)
         self.notice = NoticeView(window)
-        self.question = NoticeView(window)
         self.stop_warning = StopWarningView(window)
         self._answer_due = QTimer(window)
         self._answer_due.setSingleShot(True)
@@ -179,7 +165,7 @@ class Alerts(Page):
     def show_condition(self) -> None:
         """Show all that the band says, and what to do first."""
         snapshot = self._survey.snapshot
-        if snapshot.replay is None:
+        if not snapshot.replay:
             self.notice.show_notice(band_notice(snapshot))
 
     def take_refusal(self, refusal: Optional[Answer]) -> None:
@@ -189,22 +175,20 @@ class Alerts(Page):
         if not refusal.other_analyzer:
             self.show_refusal(Refused[refusal.request.name], refusal.message)
             return
-        # The status of the survey may have opened a notice with the same reason.
+        # The status of the survey opens a card with the same reason.
+        self._cards.note(self._survey.refresh())
         self.notice.hide()
-        self.question.show_notice(
-            analyzer_notice(refusal.message, refusal.other_analyzer),
-            lambda: self._ask_resume_with(refusal.other_analyzer),
-        )
+        self._ask_resume_with(refusal.other_analyzer, refusal.message)
 
     def show_refusal(self, refused: Refused, reason: Message) -> None:
         """Show why something did not succeed."""
         self.notice.show_notice(refusal_notice(refused, reason))
 
     def _open(self, card: Notice) -> None:
-        """Open the card of a fault, unless a dialog asks about it or says it already."""
+        """Open the card of a fault, unless a card says it already."""
         shown = self.notice.notice if self.notice.isVisible() else None
         said = shown is not None and (shown.text, shown.first) == (card.text, card.first)
-        if not self.question.isVisible() and not said:
+        if not said:
             self._opened = card
             self.notice.show_notice(card)
 

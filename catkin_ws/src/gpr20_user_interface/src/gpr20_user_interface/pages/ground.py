@@ -16,13 +16,13 @@ from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.coverage import StopState
 from gpr20_operator.ground.grid import SurveyGrid, plan_finer
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.patterns import TILES, pattern_colours
 from gpr20_operator.ground.sources import Axis, Layer
 from gpr20_operator.ground.texts import STATE_NAMES, place_text
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.palette import TILES, pattern_colours
 from gpr20_operator.plan.fields import Keys
-from gpr20_operator.plan.hold_question import remove_marker_question
+from gpr20_operator.plan.texts import remove_marker_question
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
@@ -61,7 +61,6 @@ class LayersSheet(Overlay):
         self.next_problem = self._key(model.choose_next_problem)
         self.along = self._key(model.turn)
         self.polarization = self._key(model.next_polarization)
-        self.background = self._key(self._toggle_background)
         self.follow = self._key(lambda: model.follow(not model.follows))
         self.done = self._key(self.hide)
         say(self.done, Message("CLOSE"))
@@ -103,8 +102,6 @@ class LayersSheet(Overlay):
         say(self.polarization, Message("Antenna\n{rotation:g}°", rotation=rotation_deg))
         along_x, along_y = Message("Section\nalong X"), Message("Section\nalong Y")
         say(self.along, along_x if settings.along is Axis.X_MM else along_y)
-        removed, included = Message("Background\nremoved"), Message("Background\nincluded")
-        say(self.background, removed if settings.remove_background else included)
         follows, stays = Message("Crosshair\nlast trace"), Message("Crosshair\nstays")
         say(self.follow, follows if model.follows else stays)
 
@@ -119,12 +116,9 @@ class LayersSheet(Overlay):
         self._show()
         self.changed.emit()
 
-    def _toggle_background(self) -> None:
-        self._model.change(remove_background=not self._model.settings.remove_background)
-
     def _lay_out(self) -> None:
         swatches = (part for one, name in self.legend.values() for part in (one, (name, 1)))
-        keys = self.along, self.polarization, self.background, self.follow, self.done
+        keys = self.along, self.polarization, self.follow, self.done
         # CLOSE ends below the middle, where other sheets have what is held.
         rows = (
             (row(*((one, 1) for one in self.layers.values())), 3),
@@ -163,10 +157,8 @@ class GroundPage(QObject, Page):
         super().__init__(window)
         self._survey, self._traces, self._additions = survey, traces, additions
         self._imaging, self._show_refusal = imaging, show_refusal
-        self._replay = False
         # A survey, and its place (X, Y, depth) that is shown as soon as the survey is here.
         self._awaited: Tuple[str, Tuple[float, float, float]] = "", (0.0, 0.0, 0.0)
-        self._described: Tuple[Optional[SurveyGrid], Optional[float]] = (None, None)
         self.model = GroundModel(traces.shown, additions)
         self.view = GroundView(self.model)
         self.layers = LayersSheet(window, self.model)
@@ -214,10 +206,9 @@ class GroundPage(QObject, Page):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow the survey that is shown, and whether one runs."""
-        self._replay = snapshot.replay is not None
         self._traces.note_state(snapshot)
         self._follow()
-        self._additions.follow(self._traces.shown.survey_id, not self._replay)
+        self._additions.follow(self._traces.shown.map.grid)
         self._additions.refresh()
         self.view.is_running = snapshot.running
 
@@ -229,8 +220,7 @@ class GroundPage(QObject, Page):
     def draw(self) -> None:
         """Request the missing traces and draw what is new."""
         self._traces.refresh()
-        self._follow_soil()
-        if not self._replay and self.view.isVisible():
+        if self.view.isVisible():
             self.model.keep_image(self._imaging)
         self.view.problem = self._imaging.problem
         self.view.carriage_mm = self._traces.carriage_mm
@@ -247,7 +237,7 @@ class GroundPage(QObject, Page):
             place, marker_id = place_text(mark.x_mm, mark.y_mm, mark.depth_mm), mark.marker_id
             question = remove_marker_question(place, mark.text)
             self.confirm.ask(question, lambda: additions.remove_marker(marker_id))
-        elif point is not None and additions.can_mark:
+        elif point is not None and additions.survey_id:
             # Another survey may begin while the text is written.
             self._ask_text(additions.survey_id, *point)
 
@@ -287,17 +277,6 @@ class GroundPage(QObject, Page):
             self._awaited = "", place
             self.show_place(*place)
             self.wanted.emit()
-
-    def _follow_soil(self) -> None:
-        """Use the permittivity of the survey that is shown."""
-        grid, soils = self._traces.shown.map.grid, self._imaging.soils
-        if grid is not None:
-            # Once: somebody may enter another one later.
-            if (grid, grid.permittivity) != self._described:
-                self._described = grid, grid.permittivity
-                if grid.permittivity is not None:  # of a survey that runs it is not read yet
-                    soils[grid.survey_id] = grid.permittivity
-            self.model.take_soil(soils.get(grid.survey_id))
 
 
 def _problem_of_text(text: str) -> str:

@@ -14,9 +14,9 @@ from gpr20_common.message import Message
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.model import GroundModel
-from gpr20_operator.ground.patterns import LAST_SHADE, shade_colours
-from gpr20_operator.ground.sources import Axis, Layer, Picture
+from gpr20_operator.ground.sources import Layer, Picture
 from gpr20_operator.ground.texts import marks_above, marks_in_section
+from gpr20_operator.palette import LAST_SHADE, shade_colours
 from gpr20_survey.plan.markers import Marker
 from gpr20_user_interface.look.look import Mark, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_number, shown_text
@@ -216,12 +216,11 @@ class GroundView(QWidget):
     def _draw_section(self, picture: Optional[Picture]) -> None:
         model, section = self.model, self.section
         section.show_section(picture, model.waiting_along)
-        in_time = section.axis is Axis.DELAY_NS
-        across, second = texts.section_title(model, in_time)
+        across, second = texts.section_title(model)
         section.labels = (across, shown_text(second))
         if picture is not None:
-            section.set_crosshair(*model.crosshair_in(picture))
-            section.set_marks(() if in_time else marks_in_section(model))
+            section.set_crosshair(*model.section_crosshair)
+            section.set_marks(marks_in_section(model))
             section.set_notice(_sentences(texts.nothing_in(model, picture, True)))
 
     def _show_keys(self) -> None:
@@ -237,7 +236,7 @@ class GroundView(QWidget):
         offer(self.next, following, None if gap else Message("No gap\nis left"))
         obstacle = None if has_point else Message("Touch\na place")
         act = Message("Remove\nmarker") if removes else Message("Set\nmarker")
-        offer(self.set_marker, act, obstacle if additions.can_mark else Message("Not in\na replay"))
+        offer(self.set_marker, act, obstacle)
         if self.is_running:
             obstacle = Message("Finer:\nafterwards")
         elif ground.grid is None or ground.grid.plan is None:
@@ -259,9 +258,6 @@ class GroundView(QWidget):
         change()
         self.refresh()
 
-    def _on_section(self, across_mm: float, second: float) -> None:
-        self.model.touch_section(across_mm, second, self.section.axis)
-
     def _refresh_soon(self) -> None:
         if not self._slow.isActive():
             self._slow.start()
@@ -272,7 +268,7 @@ class GroundView(QWidget):
         above.place_touched.connect(self.model.choose_place)
         above.mark_touched.connect(self.model.choose_mark)
         for signal in (section.touched, section.dragged):
-            signal.connect(self._on_section)
+            signal.connect(self.model.touch_section)
         for signal in touches:
             signal.connect(self._refresh_soon)
         for plot in (above, section):

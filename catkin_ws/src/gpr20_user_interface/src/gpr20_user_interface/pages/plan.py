@@ -10,10 +10,9 @@ from PyQt5.QtWidgets import QWidget
 
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.annotation import NextAnnotation
 from gpr20_operator.plan.fields import Tile
-from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
-from gpr20_operator.plan.tiles import (
+from gpr20_operator.plan.form import NextAnnotation, PlanCheck, PlanForm, SurveyPreview
+from gpr20_operator.plan.texts import (
     resumable,
     resume_lines,
     short_size,
@@ -124,7 +123,7 @@ class PlanPage(QWidget, Page):
         before, self._snapshot = self._snapshot, snapshot
         changed, robot = False, snapshot.robot
         if robot is not None and (before is None or robot != before.robot):
-            changed = snapshot.replay is None
+            changed = not snapshot.replay
             if changed:
                 self.next_annotation.take_defaults(robot.site.annotation)
         travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
@@ -140,13 +139,13 @@ class PlanPage(QWidget, Page):
         locked = snapshot.fields_locked
         for tile, button in self.tiles.items():
             named = tile is Tile.NAME
-            button.setEnabled(snapshot.replay is None if named else not locked)
+            button.setEnabled(not snapshot.replay if named else not locked)
         if locked:
             # An entry would replace the survey's parameters in the fields.
             self.values.hide()
         self._ask_for_surveys(snapshot)
         self._show_commands()
-        if not self.values.isVisible() and snapshot.replay is None:
+        if not self.values.isVisible() and not snapshot.replay:
             people = replace(self.next_annotation.value, notes="", position=None)
             self._memory.save(RememberedPlan(dict(self.form.texts), people))
 
@@ -231,9 +230,9 @@ class PlanPage(QWidget, Page):
         past = self._traces.past
         self._waiting = max(0, self._waiting - 1)
         wanted = (past.outdated or not past.read) and not self._waiting
-        if wanted and self.isVisible() and snapshot.control_alive and snapshot.replay is None:
+        if wanted and self.isVisible() and snapshot.control_alive:
             past.outdated, self._waiting = False, RETRY_REFRESHES
-            self._traces.source.list_surveys("")
+            self._traces.list_surveys()
 
     def _on_tile(self, tile: Tile) -> None:
         if tile is Tile.NAME:

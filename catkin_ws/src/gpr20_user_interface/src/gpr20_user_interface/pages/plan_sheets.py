@@ -12,7 +12,6 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs.job import Job, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
-from gpr20_operator.plan.annotation import annotation_from, annotation_texts
 from gpr20_operator.plan.fields import (
     PEOPLE,
     SPECS,
@@ -22,8 +21,13 @@ from gpr20_operator.plan.fields import (
     Preset,
     Tile,
 )
-from gpr20_operator.plan.form import PlanForm, quarter_wavelength_mm
-from gpr20_operator.plan.hold_question import change_records_question
+from gpr20_operator.plan.form import (
+    PlanForm,
+    annotation_from,
+    annotation_texts,
+    quarter_wavelength_mm,
+)
+from gpr20_operator.plan.texts import change_records_question
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.folder.log_record import Kind

@@ -121,7 +121,7 @@ class ResultPage(QWidget, Page):
         if snapshot.running:
             for sheet in (*self.sheets, self.place_sheet.pad, self.soil_sheet.pad):
                 sheet.hide()
-        if self.isVisible() and snapshot.replay is None:
+        if self.isVisible():
             self.result.keep()
             # Whether one is plugged in is seen before the report is asked for.
             self.result.export.look_for_sticks()

@@ -75,8 +75,6 @@ class Overview(QWidget):
         self.enter_button = HoldButton()
         say(self.enter_button, Message("HOLD FOR SERVICE"))
         self.enter_button.held.connect(self.entered)
-        # A replay has none of them.
-        self.needs_robot = (self.headline, self.check_button, self.enter_button)
         self._lay_out()
         self.show_findings(())
 
@@ -201,8 +199,6 @@ class RobotPage(QStackedWidget, Page):
             self._model.set_watched(self._watched)
         self._model.refresh(snapshot)
         self._report = snapshot.health
-        for one in self.overview.needs_robot:
-            one.setHidden(snapshot.replay is not None)
         if self._watched or changed:
             self._show()
 

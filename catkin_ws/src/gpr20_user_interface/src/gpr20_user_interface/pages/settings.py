@@ -15,7 +15,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.errors import SettingsError
 from gpr20_operator.palette import Theme
-from gpr20_operator.plan.hold_question import HoldQuestion, remote_question
+from gpr20_operator.plan.texts import HoldQuestion, remote_question
 from gpr20_operator.robot.events import StartPlan
 from gpr20_operator.robot.remote_control import Arming, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot

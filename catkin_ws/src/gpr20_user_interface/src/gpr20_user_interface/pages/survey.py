@@ -11,13 +11,13 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed, TracePresenter
 from gpr20_operator.robot.condition import left_of
 from gpr20_operator.robot.snapshot import (
-    JobScreen,
     Snapshot,
     area_of,
     line_of,
     percent_of,
     survey_name,
 )
+from gpr20_survey.plan.survey_state import ENDED
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
 from gpr20_user_interface.widgets.ground_picture import GroundPicture
@@ -72,7 +72,7 @@ class JobPage(QWidget, Page):
         parameters = snapshot.job_parameters
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.setText(", ".join(text for text in (name if known else "", area) if text))
-        self.notes.setVisible(snapshot.running and snapshot.replay is None)
+        self.notes.setVisible(snapshot.running and not snapshot.replay)
 
     def draw(self) -> None:
         """Draw the map, if it is seen and something has changed."""
@@ -99,7 +99,8 @@ class SurveyTab(QStackedWidget, Page):
         self, plan: QWidget, job: QWidget, result: QWidget, open_result: Callable[[str], None]
     ) -> None:
         super().__init__()
-        self._screen = JobScreen()
+        # The survey that ended and was left for the plan of the next one.
+        self._left = ""
         self._plan, self._job = plan, job
         self._result, self._open_result = result, open_result
         # Folder of a stored survey whose result was opened; empty: none.
@@ -109,15 +110,15 @@ class SurveyTab(QStackedWidget, Page):
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Show the screen that is needed now."""
-        self._screen.note(snapshot)
         if snapshot.running:
-            self._opened = ""
+            self._opened = self._left = ""
         self._show(snapshot)
 
     def show_plan(self, snapshot: Snapshot) -> None:
         """Show the plan of the next survey; not while one is running."""
         self._opened = ""
-        self._screen.leave(snapshot)
+        if snapshot.state is not None and not snapshot.running:
+            self._left = snapshot.state.survey_id
         self._show(snapshot)
 
     def show_result(self, folder: str, snapshot: Snapshot) -> None:
@@ -127,11 +128,14 @@ class SurveyTab(QStackedWidget, Page):
             self._show(snapshot)
 
     def _show(self, snapshot: Snapshot) -> None:
-        survey, screen = self._opened, self._plan
-        if self._screen.visible:
+        survey, screen, state = self._opened, self._plan, snapshot.state
+        if snapshot.running:
             screen = self._job
-            if snapshot.state is not None and not snapshot.running and snapshot.replay is None:
-                survey = survey or snapshot.state.survey_id
+        elif state is not None and state.shown in ENDED and state.survey_id != self._left:
+            # It stays until the next survey is planned.
+            screen = self._job
+            if not snapshot.replay:
+                survey = survey or state.survey_id
         if survey:
             self._open_result(survey)
             screen = self._result

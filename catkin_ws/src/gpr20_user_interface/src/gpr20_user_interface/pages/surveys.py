@@ -247,8 +247,7 @@ class SurveysPage(QWidget, Page):
     def _ask_again(self) -> None:
         self._surveys.outdated = False
         self._asked_before = None
-        if not self._surveys.replay:
-            self.page_requested.emit("")
+        self.page_requested.emit("")
 
     def _read_older(self) -> None:
         """Request the next page when the end of the rows that fit comes near."""
@@ -256,7 +255,7 @@ class SurveysPage(QWidget, Page):
         # By the rows: the scroll bar knows of new ones only later.
         seen_px = self.list.verticalScrollBar().value() + 2 * self.list.viewport().height()
         near = seen_px >= self.model.rowCount() * look_of(self).px(ROW_PX)
-        wanted = near and self._surveys.more and not self._surveys.replay
+        wanted = near and self._surveys.more
         if wanted and self.isVisible() and before != self._asked_before:
             self._asked_before = before
             self.page_requested.emit(before)
@@ -288,9 +287,8 @@ class SurveysPage(QWidget, Page):
         if not is_empty:
             return
         if surveys.problem is not None:
-            again = None if surveys.replay else self._ask_again
             text = sentence_text(surveys.problem)
-            self.empty.show_state("warning", text, self.tr("Read again"), again)
+            self.empty.show_state("warning", text, self.tr("Read again"), self._ask_again)
         elif not surveys.read or surveys.more:
             self.empty.show_state("surveys", self.tr("The surveys are being read."))
         elif surveys.surveys:

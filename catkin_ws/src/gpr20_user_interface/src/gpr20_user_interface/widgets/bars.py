@@ -167,7 +167,7 @@ class TopBar(QWidget):
             message = left
         self.band.show_condition(condition, title, message, self._name)
         self.band.simulated.setVisible(snapshot.simulated)
-        is_robot, paused = snapshot.replay is None, snapshot.paused
+        is_robot, paused = not snapshot.replay, snapshot.paused
         self.stop.setVisible(is_robot)
         self.pause.setText(self.tr("RESUME") if paused else self.tr("PAUSE"))
         self.pause.setVisible(is_robot and snapshot.running)

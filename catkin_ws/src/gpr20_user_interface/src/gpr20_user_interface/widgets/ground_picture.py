@@ -10,8 +10,8 @@ from PyQt5.QtGui import QBrush, QColor, QImage, QPainter, QPolygonF
 
 from gpr20_operator.ground.coverage import MapModel
 from gpr20_operator.ground.grid import Area, Place, SurveyGrid
-from gpr20_operator.ground.patterns import Cell, hiding_cells, pattern, pattern_colours
-from gpr20_operator.ground.sources import Axis, Picture
+from gpr20_operator.ground.sources import Picture
+from gpr20_operator.palette import Cell, hiding_cells, pattern, pattern_colours
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.widgets.ink import rimmed, stroke
@@ -184,21 +184,15 @@ class GroundPicture(Plot):
 
 
 class SectionPlot(Plot):
-    """A B-scan, which fills its room; what is not there is hatched.
-
-    Attributes:
-        axis: What the second axis is.
-    """
+    """A B-scan, which fills its room; what is not there is hatched."""
 
     def __init__(self) -> None:
         super().__init__(downwards=True, scrubs=True)
-        self.axis = Axis.DEPTH_MM
         self._loading = PatternLayer()
 
     def show_section(self, picture: Optional[Picture], loading: np.ndarray) -> None:
         """Draw a section, of which some traces (bool) are not here yet; None: nothing."""
         extent = None if picture is None else extent_of(picture)
-        self.axis = self.axis if picture is None else picture.axis
         self.set_extent(extent)
         cells = None
         if extent is not None and loading.any():
@@ -214,9 +208,8 @@ class SectionPlot(Plot):
             self._loading.paint(painter, look, self)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
-        if self.axis is Axis.DEPTH_MM:
-            y, width = self.to_screen(0.0, 0.0).y(), self.width()
-            stroke(painter, look, Mark.SURFACE, QPolygonF([QPointF(0, y), QPointF(width, y)]))
+        y, width = self.to_screen(0.0, 0.0).y(), self.width()
+        stroke(painter, look, Mark.SURFACE, QPolygonF([QPointF(0, y), QPointF(width, y)]))
 
 
 def _rect(area: Area) -> QRectF:

@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QSizePolicy, QWidget
 
 from gpr20_common.message import Message
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.hold_question import (
+from gpr20_operator.plan.texts import (
     HoldQuestion,
     other_analyzer_question,
     plan_question,
@@ -38,6 +38,7 @@ from gpr20_user_interface.widgets.widgets import (
 
 MOST_ROWS = 12
 MARGIN_PX = 12
+LONGEST_WORD = 20
 
 
 class HoldSheet(Overlay):
@@ -95,7 +96,7 @@ class HoldSheet(Overlay):
             used = number < len(question.rows)
             for place, label in enumerate(pair):
                 label.setVisible(used)
-                label.setText(shown_text(question.rows[number][place]) if used else "")
+                label.setText(_broken(shown_text(question.rows[number][place])) if used else "")
 
     def _on_held(self) -> None:
         self.hide()
@@ -119,6 +120,12 @@ class HoldSheet(Overlay):
         right.addWidget(self.cancel)
         left = column(self.title, (rows, 1), self.doubt)
         self.setLayout(row((left, 1), right, margin=MARGIN_PX))
+
+
+def _broken(text: str) -> str:
+    """Let lines end in the identity of an analyzer, whose parts are separated by commas alone."""
+    words = (one if len(one) <= LONGEST_WORD else one.replace(",", ", ") for one in text.split(" "))
+    return " ".join(words)
 
 
 CAN_START, CAN_RESUME = attrgetter("can_start"), attrgetter("can_resume")
@@ -171,10 +178,10 @@ class StartSheet(HoldSheet, Page):
             lambda: self._survey.resume(folder),
         )
 
-    def ask_resume_with(self, identity: str) -> None:
+    def ask_resume_with(self, identity: str, reason: Message) -> None:
         """Ask whether to continue a survey with another analyzer."""
         self._ask(
-            lambda: other_analyzer_question(identity),
+            lambda: other_analyzer_question(reason),
             lambda snapshot: _no_survey_runs(snapshot) or snapshot.can_resume,
             lambda: self._survey.resume_with(identity),
         )

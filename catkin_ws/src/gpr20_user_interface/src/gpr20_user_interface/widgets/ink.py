@@ -9,8 +9,8 @@ import numpy as np
 from PyQt5.QtCore import QPointF, QRectF, Qt
 from PyQt5.QtGui import QColor, QFont, QFontMetrics, QPainter, QPen, QPolygonF
 
-from gpr20_operator.ground.patterns import NOTICE_GROUND, NOTICE_INK
 from gpr20_operator.ground.texts import GroundMark
+from gpr20_operator.palette import NOTICE_GROUND, NOTICE_INK
 from gpr20_user_interface.look.look import TEXT_PX, Look, Mark
 
 RING_PX, FAR_PX, FLAG_PX = 14.0, 5.0, 26.0

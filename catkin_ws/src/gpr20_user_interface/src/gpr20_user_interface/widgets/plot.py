@@ -19,9 +19,9 @@ from PyQt5.QtGui import (
 )
 from PyQt5.QtWidgets import QGestureEvent, QPinchGesture, QSizePolicy, QWidget
 
-from gpr20_operator.ground.patterns import shade_colours, shade_numbers
 from gpr20_operator.ground.sources import Picture
 from gpr20_operator.ground.texts import GroundMark
+from gpr20_operator.palette import shade_colours, shade_numbers
 from gpr20_user_interface.look.look import Look, Mark, look_of
 from gpr20_user_interface.look.translation import shown_number
 from gpr20_user_interface.widgets.ink import (

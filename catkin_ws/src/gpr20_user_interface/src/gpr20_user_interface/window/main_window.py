@@ -114,7 +114,7 @@ class MainWindow(QWidget):
         ]
         self._lay_out()
         views = (self.top_bar, *self.rail.tabs.values())
-        notices = (self.notice, self.question, self.stop_warning, self.top_bar.remote)
+        notices = (self.notice, self.start_sheet, self.stop_warning, self.top_bar.remote)
         self.touch_binding = TouchBinding(
             *(self, self.top_bar.stop, views, notices, lambda: memory.settings.dim_after_s, clock)
         )
@@ -271,8 +271,7 @@ class MainWindow(QWidget):
             *(self, survey, self.top_bar),
             *(self.start_sheet.ask_resume, self.start_sheet.ask_resume_with, clock),
         )
-        self.notice, self.question = self.alerts.notice, self.alerts.question
-        self.stop_warning = self.alerts.stop_warning
+        self.notice, self.stop_warning = self.alerts.notice, self.alerts.stop_warning
         self.values = self.control.values
         self.annotation = self.control.annotation
         self.robot = RobotPage(presenters.service, self.notice.show_notice)
@@ -302,7 +301,7 @@ class MainWindow(QWidget):
         control.start_pressed.connect(self.start_sheet.ask_start)
         control.resume_pressed.connect(self.start_sheet.ask_resume_past)
         control.refused.connect(self.alerts.show_refusal)
-        past.page_requested.connect(traces.source.list_surveys)
+        past.page_requested.connect(traces.list_surveys)
         past.open_requested.connect(traces.open_survey)
         past.notes_requested.connect(control.annotation.read)
         past.plan_requested.connect(lambda: self.show_tab(TabName.SURVEY))

@@ -21,14 +21,13 @@ from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.message import Message
 from gpr20_common.mid.node_facts import NO_HARDWARE
 from gpr20_msgs.msg import WebStatus
-from gpr20_operator.high.control_client import ControlClient
-from gpr20_operator.high.remote_control import RemoteControlClient
+from gpr20_operator.high.control_client import ControlClient, RemoteControlClient
 from gpr20_operator.high.ros_events import RequestError
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
-from gpr20_operator.robot.survey_model import SurveyModel
+from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_web.errors import NotNowError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.http_server import HttpServer
@@ -146,7 +145,7 @@ class WebNode:
             {
                 "now": NowPage(rospy.get_namespace().strip("/")),
                 "commands": self._commands,
-                "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
+                "map": GroundPage(self._storage, self._clock.now_s, self._warn),
                 "surveys": SurveysPage(self._services, data),
                 "service": ServicePage(self._storage.examine, self._clock),
             },

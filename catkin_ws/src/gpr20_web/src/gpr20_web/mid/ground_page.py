@@ -9,7 +9,6 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.grid import Place
 from gpr20_operator.ground.past_surveys import survey_label
 from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
-from gpr20_operator.ground.traces import TraceSource
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
@@ -28,8 +27,6 @@ PERIOD_S = 1.0
 MOST_PAST = 3
 # A past survey at which nobody has looked for so long gives room, or is forgotten.
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
-# The answer of a survey may be another one since: somebody has entered what its ground is.
-AGAIN_S = 10.0
 PNG, WHOLE = "image/png", 100
 MAX_POLARIZATIONS = 64
 ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
@@ -42,8 +39,7 @@ class GroundPage(WebPage):
     """What the page Ground asks for, and its words.
 
     Args:
-        source: The storage; its events come back by `on_event`.
-        requests: The imaging node.
+        requests: The storage and the imaging node.
         now_s: A clock that never goes back [s].
         report: Called with the reason why a trace or a survey cannot be shown.
     """
@@ -73,12 +69,11 @@ class GroundPage(WebPage):
 
     def __init__(
         self,
-        source: TraceSource,
         requests: Requests,
         now_s: Callable[[], float],
         report: Callable[[Message], None],
     ) -> None:
-        self._source, self._now_s, self._report = source, now_s, report
+        self._now_s, self._report = now_s, report
         self._requests, self._pictures = requests, Pictures()
         self._live = self._new_ground()
         self._past: Dict[str, ShownGround] = {}
@@ -152,7 +147,7 @@ class GroundPage(WebPage):
         return {
             "title": text(self._title(ground)),
             "past": not is_live,
-            "folder": ground.folder if ground.additions.can_mark else "",
+            "folder": ground.folder if ground.survey_id else "",
             "revision": ground.revision,
             "carriage": None if current is None else [current.x_mm, current.y_mm],
             "target": None if target is None else [target.x_mm, target.y_mm],
@@ -195,8 +190,8 @@ class GroundPage(WebPage):
         return live
 
     def _new_ground(self, folder: str = "") -> ShownGround:
-        imaging = Imaging(self._requests, self._now_s, self._pictures, AGAIN_S)
-        return ShownGround(self._source, imaging, self._report, folder)
+        imaging = Imaging(self._requests, self._now_s, self._pictures)
+        return ShownGround(imaging, self._report, folder)
 
     def _make_room(self) -> None:
         """Forget the past survey that was looked at longest ago, if there are many."""

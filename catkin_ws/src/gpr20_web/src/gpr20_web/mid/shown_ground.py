@@ -15,42 +15,33 @@ from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.grid import Area, Place
 from gpr20_operator.ground.model import GroundModel, Shown
-from gpr20_operator.ground.patterns import (
+from gpr20_operator.ground.sources import Picture, RadarSettings
+from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
+from gpr20_operator.ground.traces import RETRY_S, ShownSurvey, TracePresenter
+from gpr20_operator.jobs.job import JobState
+from gpr20_operator.jobs.pictures import Imaging
+from gpr20_operator.palette import (
     LAST_SHADE,
+    Theme,
     pattern,
     pattern_colours,
     shade_colours,
     shade_numbers,
 )
-from gpr20_operator.ground.sources import Axis, Picture, RadarSettings
-from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
-from gpr20_operator.ground.traces import (
-    ReadingFailed,
-    ShownSurvey,
-    SurveyRead,
-    SurveysListed,
-    TracePresenter,
-    TraceSource,
-    TracesRead,
-)
-from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.palette import Theme
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate
 from gpr20_web.calls import Text
 from gpr20_web.errors import NotFoundError
 
 MM_PER_M = 1000.0
+# Another screen may have entered what the ground is, or set a marker [s].
+AGAIN_S = 10.0
 # What was worked out last; more choices than this at once are worked out again.
 MOST_KEPT = 24
-# A survey that cannot be read is asked for again after so many refreshes.
-AGAIN_REFRESHES = 10
 # Longer side of a picture of cells [px].
 PATTERN_PX = 480
 # Single stops that failed must not be overlooked among thousands.
 MAX_RINGS = 60
-# What is of a past survey; other events are of the running one.
-OF_PAST = (SurveyRead, SurveysListed, TracesRead, ReadingFailed)
 NOTHING = Message("there is nothing to show yet")
 # Of a PNG; the fastest compression: a picture is looked at for a second.
 BITS, PALETTE, COMPRESSION = 8, 3, 1
@@ -72,40 +63,35 @@ class ShownGround:
     """The running survey, or a past one. Belongs to one thread.
 
     Args:
-        source: The storage.
-        imaging: Asks for images of this survey; its pictures are those of all.
+        imaging: Asks for traces and images of this survey; its pictures are those of all.
         report: Called with the reason why a trace or a survey cannot be shown.
         opened: Folder of a past survey; empty: the one that runs.
 
     Attributes:
         used_s: When a browser asked for it last.
-        problem: Why it cannot be shown, or not all of it; None: nothing went wrong.
         is_outdated: Whether its markers are to be read again.
     """
 
     def __init__(
         self,
-        source: TraceSource,
         imaging: Imaging,
         report: Callable[[Message], None],
         opened: str = "",
     ) -> None:
-        self.opened, self._source, self._report = opened, source, report
+        self.opened, self._report = opened, report
         self.imaging = imaging
-        self.traces = TracePresenter(source, self._note)
+        self.traces = TracePresenter(imaging, self._note)
         self.additions = AdditionsPresenter(imaging, lambda: "")
         self.model = GroundModel(self.traces.shown, self.additions)
         self.used_s, self.is_outdated = -math.inf, False
-        self.problem: Optional[Message] = None
-        # While nobody watches the running survey, its traces are not read from the storage.
-        self._can_read = bool(opened)
+        self._noted: Optional[Message] = None
         self._kept: OrderedDict[Tuple[object, ...], Any] = OrderedDict()
         self._open()
 
     @property
     def shown(self) -> ShownSurvey:
         """What is known of the survey."""
-        return self.model.survey
+        return self.traces.shown
 
     @property
     def survey_id(self) -> str:
@@ -132,34 +118,28 @@ class ShownGround:
 
     def on_event(self, event: object) -> None:
         """Take what belongs to this survey."""
-        if isinstance(event, TracesRead) and event.block.survey_id != self.survey_id:
-            return  # the answer to another one's question
-        if not self.opened or isinstance(event, OF_PAST):
+        if not self.opened:
             self.traces.on_event(event)
-        if isinstance(event, ReadingFailed) and not self.survey_id:
-            self.problem, self._is_asked = event.reason, False
-        self._follow()
+            self._follow()
 
     def refresh(self) -> None:
         """Take what has come, and ask for what is missing."""
-        self._can_read = True
-        self._refreshes += 1
-        if not self._is_asked and self._refreshes >= AGAIN_REFRESHES:
+        opening = self.traces.opening
+        if opening.state is JobState.FAILED and opening.age_s >= RETRY_S:
             self._open()
         self.traces.refresh()
         self._follow()
-        self.additions.refresh()
+        self.additions.refresh(AGAIN_S)
         if self.is_outdated:
             self.is_outdated = False
             self.additions.read_again()
         if self.traces.past.outdated:
             self.traces.past.outdated = False
-            self._source.list_surveys("")
+            self.traces.list_surveys()
 
     def _open(self) -> None:
-        self._is_asked, self._refreshes = True, 0
         if self.opened:
-            self._source.list_surveys("")
+            self.traces.list_surveys()
             self.traces.open_survey(self.opened)
 
     def _follow(self) -> None:
@@ -167,13 +147,8 @@ class ShownGround:
         shown = self.traces.shown
         if shown is not self.model.survey:
             self.model.show_survey(shown)
-        self.additions.follow(shown.survey_id, self._can_read)
-        grid, image = shown.map.grid, self.imaging.pictures.image(shown.survey_id)
-        if grid is not None:
-            # Since the plan was read somebody may have entered another one, which images have.
-            soil = grid.permittivity if image is None else image.found.permittivity
-            self.imaging.soils[grid.survey_id] = soil
-            self.model.take_soil(soil)
+        self.additions.follow(shown.map.grid)
+        self.model.notice_survey()
 
     def _show(self, choice: GroundChoice) -> Shown:
         """Let the model show a choice, and return its pictures."""
@@ -240,10 +215,15 @@ class ShownGround:
             self._kept.popitem(last=False)
         return self._kept[whole]
 
+    @property
+    def problem(self) -> Optional[Message]:
+        """Why it cannot be shown, or not all of it; None: nothing went wrong."""
+        return self.traces.opening.problem or self._noted
+
     def _note(self, problem: Message) -> None:
-        if problem != self.problem:
+        if problem != self._noted:
             self._report(problem)
-        self.problem = problem
+        self._noted = problem
 
 
 def png_of(numbers: np.ndarray, colours: np.ndarray) -> bytes:
@@ -289,17 +269,15 @@ def _section(
 ) -> Optional[Dict[str, Any]]:
     if picture is None:
         return None
-    in_time = picture.axis is Axis.DELAY_NS
-    across, second = texts.section_title(model, in_time)
+    across, second = texts.section_title(model)
     return {
         "extent": _extent(picture),
         "titles": [across, text(second)],
         "notice": _said(texts.nothing_in(model, picture, True), text),
-        "in_time": in_time,
-        "at": list(model.crosshair_in(picture)),
-        "columns": picture.shades.shape[1],
+        "at": list(model.section_crosshair),
+        "columns": picture.levels_db.shape[1],
         "loading": np.flatnonzero(model.waiting_along).tolist(),
-        "marks": [] if in_time else [_mark(one, text) for one in marks_in_section(model)],
+        "marks": [_mark(one, text) for one in marks_in_section(model)],
     }
 
 

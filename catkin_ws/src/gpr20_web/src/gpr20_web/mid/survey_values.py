@@ -8,8 +8,8 @@ from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
-from gpr20_operator.plan.annotation import annotation_texts
 from gpr20_operator.plan.fields import PEOPLE
+from gpr20_operator.plan.form import annotation_texts
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.answers import SurveySummary

@@ -19,7 +19,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
+from gpr20_operator.jobs.pictures import NOT_KNOWN, SURVEYS_PER_PAGE, Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
@@ -36,7 +36,6 @@ from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
 from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid import survey_values
 
-SURVEYS_PER_PAGE = 50
 SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
 MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
 OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search the survey first")

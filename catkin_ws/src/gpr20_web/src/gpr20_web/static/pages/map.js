@@ -94,7 +94,7 @@ class Ground {
     const mark = plot.near(across, second, plot.down ? section.marks : marks);
     if (mark) this.chooseMark(mark);
     else if (!plot.down) this.change({ x: across, y: second });
-    else this.change({ ...this.across(across), ...(section.in_time ? {} : this.deep(second)) });
+    else this.change({ ...this.across(across), ...this.deep(second) });
   }
 
   chooseMark({ place: [x, y, depth] }) {
@@ -215,7 +215,7 @@ class Ground {
     for (const one of section.loading)
       plot.fill([left + one * wide, left + (one + 1) * wide, ...second], "mark-ink", 6);
     plot.image(image("section"), section.extent);
-    if (!section.in_time) plot.line("mark-surface", plot.at(left, 0), plot.at(right, 0));
+    plot.line("mark-surface", plot.at(left, 0), plot.at(right, 0));
     if (section.at[1] !== null) plot.cross(...section.at, "mark-selected", 22);
     section.marks.forEach((one) => plot.mark(one));
     plot.axes(section.titles);
