@@ -10,7 +10,7 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple
 from gpr20_common.catalogue import Language
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.errors import BadRequestError
+from gpr20_web.faults import BadRequestError
 
 Text = Callable[[Message], str]
 """Translates a message into the language of a browser."""

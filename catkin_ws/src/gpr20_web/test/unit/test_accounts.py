@@ -18,7 +18,7 @@ from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.files.folder_lock import locked
 from gpr20_web.calls import Role
-from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
+from gpr20_web.faults import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low import accounts as module
 from gpr20_web.low.accounts import (
     LEAST_DIFFERENT,

@@ -28,9 +28,9 @@ from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
-from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
+from gpr20_web.faults import BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.commands import Commands, plan_id
-from gpr20_web.mid.lease import Lease
+from gpr20_web.mid.presses import Lease
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
 PARAMETERS = SurveyParameters(

@@ -12,7 +12,7 @@ import pytest
 
 from gpr20_common.message import Message
 from gpr20_web.calls import Document, Person, Role, Stream
-from gpr20_web.errors import BusyError, NotLoggedInError
+from gpr20_web.faults import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS, EventStreams
 

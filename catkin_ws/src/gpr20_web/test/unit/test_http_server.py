@@ -20,7 +20,7 @@ from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_web.calls import Body, Call, Document, Role, Route, Stream
-from gpr20_web.errors import NotNowError, SetupError
+from gpr20_web.faults import NotNowError, SetupError
 from gpr20_web.low import http_server
 from gpr20_web.low.http_server import THREADS
 

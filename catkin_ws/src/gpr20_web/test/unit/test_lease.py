@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from web_kit import ManualClock
 
 from gpr20_web.calls import Person, Role
-from gpr20_web.errors import NotAllowedError
-from gpr20_web.mid.lease import ABSENT_S, Lease
+from gpr20_web.faults import NotAllowedError
+from gpr20_web.mid.presses import ABSENT_S, Lease
 
 ANA, BEN = (Person(name, Role.CONTROL, f"session of {name}", "") for name in "ab")
 TWIN = Person(ANA.name, ANA.role, "other session", "")

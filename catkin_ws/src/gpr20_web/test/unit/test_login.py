@@ -16,7 +16,7 @@ from run_seed import SEED, draws
 from web_kit import LONGEST_HOURS, OTHER_PASSWORD, PASSWORD, ManualClock, make_accounts, make_logins
 
 from gpr20_web.calls import Role
-from gpr20_web.errors import (
+from gpr20_web.faults import (
     AccountsFileError,
     NotLoggedInError,
     TooManyLoginsError,

@@ -22,7 +22,7 @@ from gpr20_msgs.srv import CommandResponse
 from gpr20_operator.robot.notices import Refused, refusal_notice
 from gpr20_user_interface.terminal.follower import Display, first_step
 from gpr20_web.calls import Call, Role, Route
-from gpr20_web.errors import NotNowError
+from gpr20_web.faults import NotNowError
 
 HANDS_OFF = {
     Language.ENGLISH: "Keep your hands clear: the robot may still move. ",

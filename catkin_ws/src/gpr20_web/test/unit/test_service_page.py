@@ -15,7 +15,7 @@ from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.jobs.job import Service
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
-from gpr20_web.mid.service_page import INTEREST_S, NoRequests, ServicePage
+from gpr20_web.mid.robot_pages import INTEREST_S, NoRequests, ServicePage
 
 CALL = Call(Person("ana", Role.CONTROL, "s", ""))
 SENSOR = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("broken"), {"voltage_v": 1.3})

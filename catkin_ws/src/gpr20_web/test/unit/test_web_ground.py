@@ -17,7 +17,7 @@ from gpr20_operator.ground.traces import ReadingFailed, SurveyDescribed, Surveys
 from gpr20_operator.palette import Theme
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
+from gpr20_web.faults import BadRequestError, BusyError, NotFoundError
 from gpr20_web.mid.ground_page import AGAIN_S, FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_REFRESHES, PATTERN_PX
 

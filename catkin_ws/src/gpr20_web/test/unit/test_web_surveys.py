@@ -32,8 +32,7 @@ from gpr20_survey.plan.markers import present_markers
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE
 from gpr20_survey.results.found import What, found_of
-from gpr20_web import faults
-from gpr20_web.errors import BusyError, NotFoundError, NotNowError
+from gpr20_web.faults import NOT_NOW, BusyError, NotFoundError, NotNowError
 from gpr20_web.low.http_server import COOKIE
 from gpr20_web.mid.surveys_page import folder_of
 
@@ -139,7 +138,8 @@ def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(su
     assert shown["headline"] == "1 place to check; 1 weaker echo" and shown["list"] == SUM
     assert str(NO_CLEARANCE) in shown["warnings"] and str(texts.FROM_MARK) in shown["notes"]
     first, second = shown["places"]
-    assert (first["id"], first["place"]) == ("C01", "X 15 ±4  Y 14 ±4 mm, 60 ±6 mm deep")
+    said = first["id"], first["place"], first["line"]
+    assert said == ("C01", "X 15 ±4  Y 14 ±4 mm", "60 ±6 mm deep")
     assert second["doubtful"] and not first["doubtful"] and first["why"]
     # What is known is shown while another survey runs, too.
     surveys.page.refresh(RUNS)
@@ -231,7 +231,7 @@ def test_the_whole_survey_can_be_downloaded_as_it_is(surveys):
 
 def test_a_survey_that_is_written_is_not_downloaded(surveys):
     with locked(surveys.data / surveys.whole):
-        with raises_fault(faults.NOT_NOW, error=NotNowError):
+        with raises_fault(NOT_NOW, error=NotNowError):
             surveys.get(surveys.whole, "/zip")
         shown = surveys.get(surveys.whole)
         assert "bytes" not in shown and len(shown["problems"]) == 1

@@ -16,7 +16,7 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import ROLES, Person, Route
-from gpr20_web.errors import NotLoggedInError
+from gpr20_web.faults import NotLoggedInError
 from gpr20_web.low.accounts import Accounts, Cost
 from gpr20_web.low.http_server import COOKIE, HttpServer
 from gpr20_web.low.logins import Logins

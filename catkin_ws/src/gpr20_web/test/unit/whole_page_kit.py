@@ -37,13 +37,12 @@ from gpr20_operator.robot.remote_control import RemoteAllowance, RemoteArmed
 from gpr20_operator.robot.survey_model import SurveyModel
 from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web import faults
 from gpr20_web.calls import Person, Role
+from gpr20_web.faults import NOT_ALLOWED, NOT_LOGGED_IN
 from gpr20_web.mid.commands import Commands, plan_id
 from gpr20_web.mid.ground_page import GroundPage
-from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.service_page import ServicePage
+from gpr20_web.mid.presses import Lease
+from gpr20_web.mid.robot_pages import NowPage, ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
 
@@ -204,7 +203,7 @@ def is_without_right(reply: Reply) -> bool:
     """Return whether a request was refused because of who has sent it."""
     if reply.status not in (401, 403):
         return False
-    return reply.values.get("code") in (faults.NOT_LOGGED_IN.code, faults.NOT_ALLOWED.code)
+    return reply.values.get("code") in (NOT_LOGGED_IN.code, NOT_ALLOWED.code)
 
 
 NOBODY, WATCH, CONTROL = Role

@@ -29,17 +29,15 @@ from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
 from gpr20_operator.robot.survey_model import SurveyModel
-from gpr20_web.errors import NotNowError
+from gpr20_web.faults import NotNowError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.logins import Logins
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
-from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.presses import AuditNotes
-from gpr20_web.mid.service_page import ServicePage
+from gpr20_web.mid.presses import AuditNotes, Lease
+from gpr20_web.mid.robot_pages import NowPage, ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
 from gpr20_web.mid.web_parameters import WebParameters

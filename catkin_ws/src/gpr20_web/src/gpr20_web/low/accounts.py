@@ -23,7 +23,7 @@ from gpr20_survey.files.durable_files import replace_file
 from gpr20_survey.files.folder_lock import SHORT_WAIT_S, locked
 from gpr20_survey.files.regular_file import read_regular
 from gpr20_web.calls import ROLES, Role
-from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
+from gpr20_web.faults import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low.web_folder import ensure_secret_folder
 
 FILE_NAME, FIRST_LINE = "accounts.txt", "gpr20-accounts 1"

@@ -10,9 +10,8 @@ import time
 from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Set
 
 from gpr20_common.message import Message
-from gpr20_web import faults
 from gpr20_web.calls import Document, Person, Stream
-from gpr20_web.errors import BusyError
+from gpr20_web.faults import BAD_REQUEST, BusyError
 
 MAX_STREAMS = 64
 # A browser has six connections to one computer for all its pages: STOP needs one.
@@ -75,7 +74,7 @@ class EventStreams:
                     one=MAX_STREAMS_OF_SESSION,
                     most=MAX_STREAMS,
                 ),
-                fault=faults.BAD_REQUEST,
+                fault=BAD_REQUEST,
             )
         self._people.append(person)
         try:

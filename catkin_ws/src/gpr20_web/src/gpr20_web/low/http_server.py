@@ -21,9 +21,9 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
-from gpr20_web import faults
 from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Routes, Stream
-from gpr20_web.errors import (
+from gpr20_web.faults import (
+    BAD_REQUEST,
     BadRequestError,
     NotAllowedError,
     NotFoundError,
@@ -300,7 +300,7 @@ class _RouteHandler(_PageHandler):
             is_foreign |= headers.get("Origin", "") != own or kind != JSON
         if is_foreign:
             raise NotAllowedError(
-                Message("the request does not come from this page"), fault=faults.BAD_REQUEST
+                Message("the request does not come from this page"), fault=BAD_REQUEST
             )
 
     def _values(self) -> Mapping[str, Any]:

@@ -19,7 +19,7 @@ from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
 from gpr20_survey.trace.trace import MAX_COORDINATE, Trace
 from gpr20_web.calls import Body, Call, Role, Route, Text, WebPage
-from gpr20_web.errors import BadRequestError, BusyError
+from gpr20_web.faults import BadRequestError, BusyError
 from gpr20_web.mid.shown_ground import MM_PER_M, GroundChoice, ShownGround
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.

@@ -38,7 +38,7 @@ from gpr20_operator.palette import Theme
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate
 from gpr20_web.calls import Text
-from gpr20_web.errors import NotFoundError
+from gpr20_web.faults import NotFoundError
 
 MM_PER_M = 1000.0
 # What was worked out last; more choices than this at once are worked out again.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 import uuid
 import zipfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Protocol, Tuple
+from typing import Any, Callable, Dict, Iterator, Mapping, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import NOT_ALLOWED
@@ -18,9 +17,9 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging, StoredSurvey
-from gpr20_operator.jobs.result import SurveyResult, list_sum
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN
+from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
 from gpr20_survey.files.file_sums import PIECE_BYTES, add_folder, regular_files
@@ -35,8 +34,9 @@ from gpr20_survey.results.found import What
 from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.faults import BadRequestError, BusyError, NotFoundError, NotNowError
 from gpr20_web.mid import survey_values
+from gpr20_web.mid.survey_values import OpenedSurvey, SurveyServices
 
 SURVEYS_PER_PAGE = 50
 SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
@@ -45,53 +45,6 @@ OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search 
 SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
 AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 UNREADABLE = Message("the survey could not be read")
-
-
-class SurveyServices(Protocol):
-    """Storage and imaging node."""
-
-    def ask(self, service: Service, **fields: Any) -> Any:
-        """Return what a service answers; raises Gpr20Error."""
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request, without waiting."""
-
-
-class _OpenedSurvey:
-    """A survey that was read, and its answer, while the caller waits.
-
-    Args:
-        services: Storage and imaging node.
-        folder: That of the survey.
-        focus: How an image is asked for, besides what the survey says.
-
-    Attributes:
-        result: As in the window; what is lacking has its reason in its jobs.
-        stored: What the storage has; None: it cannot be read.
-    """
-
-    def __init__(self, services: SurveyServices, folder: str, **focus: Any) -> None:
-        self._services, self._focus = services, focus
-        self.stored: Optional[StoredSurvey] = None
-        self.result = SurveyResult(Imaging(self, time.monotonic))
-        self.result.open(folder)
-        for _step in ("read", "focus"):
-            self.result.keep()
-
-    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
-        """Call a service, and let the ticket take the answer."""
-        more = self._focus if service is Service.FOCUS else {}
-        try:
-            found = self._services.ask(service, **fields, **more)
-        except Gpr20Error as error:
-            ticket.fail(error.message)
-            return
-        if service is Service.READ:
-            self.stored = found
-        ticket.done(found)
-
-    def cancel(self, request_id: str) -> None:
-        """Do nothing: whoever asks has waited for the answer."""
 
 
 class SurveysPage(WebPage):
@@ -206,7 +159,7 @@ class SurveysPage(WebPage):
         except Gpr20Error as error:
             problems.append(error.message)
         if survey.problem is None:
-            opened = _OpenedSurvey(self._services, survey.folder, only_known=True)
+            opened = OpenedSurvey(self._services, survey.folder, only_known=True)
             shown.update(survey_values.result_of(opened.result, call.text))
             problems.append(opened.result.reading.problem)
             try:
@@ -248,7 +201,7 @@ class SurveysPage(WebPage):
             raise BadRequestError(Message("what was found is one of: {known}", known=whats))
         if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
             raise BadRequestError(Message("depth_mm is a number"))
-        result = _OpenedSurvey(self._services, folder, only_known=True).result
+        result = OpenedSurvey(self._services, folder, only_known=True).result
         known = result.image is not None and list_sum(result.image.found)
         wanted = call.values.get("candidate") if known == call.values.get("list") else None
         place = next((one for one in result.places if one.id == wanted), None)
@@ -263,7 +216,7 @@ class SurveysPage(WebPage):
         """Return what is found in a survey; whoever asks later gets the same."""
         folder = self._analysed(call).folder
         with self._at_work():
-            result = _OpenedSurvey(self._services, folder, request_id=self._work_id).result
+            result = OpenedSurvey(self._services, folder, request_id=self._work_id).result
         problem = result.reading.problem or result.search.problem
         if problem is not None:
             raise NotNowError(problem)
