@@ -55,7 +55,7 @@ const all = {
   formPlain: post("text/plain"),
   formUsual: post("application/x-www-form-urlencoded"),
   img: load("img", "/api/ground/bar.png"),
-  script: load("script", "/app.js"),
+  script: load("script", "/"),
   frame: load("iframe", "/"),
 };
 Promise.all(Object.entries(all).map(async ([name, one]) => [name, await limit(one)]))

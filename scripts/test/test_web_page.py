@@ -209,7 +209,7 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.open(f"{site.address}/")
     assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
-    asked = ["/api/stop", "/api/words"]
+    asked = ["/api/stop", "/api/me"]
     assert browser.run("return window.asked.slice(0, 4)") == asked * 2
     browser.wait(lambda: browser.text("#stop-warning") == "", "STOP is confirmed")
     browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)

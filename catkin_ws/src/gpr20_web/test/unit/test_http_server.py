@@ -52,7 +52,7 @@ ROUTES = [
 
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
-    running = Site(ROUTES)
+    running = Site(ROUTES, files={"/": Body(b"<script>1</script>", "text/html")})
     yield running
     running.close()
 
@@ -91,8 +91,8 @@ def test_too_many_connections_are_closed_at_once(monkeypatch: pytest.MonkeyPatch
 def test_what_a_route_answers_comes_whole_and_a_file_that_the_browser_has_not_again(
     site: Site,
 ) -> None:
-    tag = site.ask("GET", "/app.js").headers["ETag"]
-    assert site.ask("GET", "/app.js", headers={"If-None-Match": tag}).status == 304
+    tag = site.ask("GET", "/").headers["ETag"]
+    assert site.ask("GET", "/", headers={"If-None-Match": tag}).status == 304
     reply = site.ask("GET", "/api/parts", session="watch")
     assert reply.body == b"".join(_parts())
     assert reply.headers["Content-Disposition"] == 'attachment; filename="a.zip"'

@@ -19,6 +19,7 @@ from web_ground_kit import PLANNED
 from web_kit import (
     LIMIT_S,
     PASSWORD,
+    STATIC,
     ManualClock,
     Reply,
     Site,
@@ -73,7 +74,8 @@ class WholePage:
         self.shell = self._new_shell(commands)
         self._measure()
         self.routes = tuple(self.shell.all_routes())
-        self.site = Site(self.routes, find=self.logins.find)
+        self.files = self.shell.files(STATIC)
+        self.site = Site(self.routes, self.logins.find, self.files)
         self.foreign: List[Any] = self.site.reported
         # What a library calls an error: an exception that nobody has taken.
         self._errors = logging.Handler(logging.ERROR)
@@ -223,12 +225,10 @@ class Row(NamedTuple):
 
 TABLE = (
     # Before the login there is the form alone.
-    Row("GET", "/api/words", NOBODY),
-    Row("GET", "/api/colours.css", NOBODY),
+    Row("GET", "/api/me", NOBODY),
     Row("POST", "/api/login", NOBODY, {"name": "vera", "password": PASSWORD}),
     # Everybody with an account watches.
     Row("GET", "/api/live", WATCH),
-    Row("GET", "/api/me", WATCH),
     Row("POST", "/api/logout", WATCH),
     Row("GET", "/api/ground", WATCH),
     Row("GET", "/api/ground/map.png", WATCH),

@@ -115,7 +115,8 @@ class WebNode:
         )
         self._shell = self._new_shell(data)
         self._server = HttpServer(
-            tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
+            *(tuple(self._shell.all_routes()), self._shell.files(STATIC)),
+            *(self._logins.find, self._report),
         )
         self._status = rospy.Publisher("web_status", WebStatus, queue_size=5, latch=True)
         self._diagnostics = Diagnostics(NODE, self._health)

@@ -6,10 +6,12 @@ import asyncio
 import errno
 import json
 import os
+import re
 import ssl
+from base64 import b64encode
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
-from pathlib import Path
+from hashlib import sha256
 from typing import Any, Callable, Dict, Mapping, Optional
 
 from tornado import httpserver, netutil, web
@@ -40,18 +42,17 @@ BROKEN_S = 10.0
 # Each has a descriptor, of which a process usually has 1024: without any, nothing works.
 MAX_CONNECTIONS = 512
 THREADS, LOGIN_THREADS = 8, 2
-# A file of the pages; without a name it is the first one.
-FILES = r"/((?:(?:[a-z]+/)?[a-z_]+\.[a-z]+)?)"
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
 JSON = "application/json"
+POLICY = (
+    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
+    "object-src 'none'"
+)
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
 # forbid a person to accept the certificate that the installation made.
 HEADERS = {
-    "Content-Security-Policy": (
-        "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
-        "object-src 'none'"
-    ),
+    "Content-Security-Policy": POLICY,
     "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -67,7 +68,7 @@ class HttpServer:
 
     Args:
         routes: Everything that can be asked for; what is not in it cannot be reached.
-        static: Folder of the pages.
+        files: What everybody may load, by its path; of a page, the scripts in it are run.
         find: Returns the person of a cookie and an address, or raises NotLoggedInError.
         report: Takes an exception that no error of the project is, to be logged.
     """
@@ -75,7 +76,7 @@ class HttpServer:
     def __init__(
         self,
         routes: Routes,
-        static: Path,
+        files: Mapping[str, Body],
         find: Callable[[str, str], Person],
         report: Callable[[BaseException], None],
     ) -> None:
@@ -87,13 +88,15 @@ class HttpServer:
         by_path: Dict[str, Dict[str, Route]] = {}
         for one in routes:
             by_path.setdefault(one.pattern, {})[one.method] = one
-        files = {"path": str(static), "default_filename": "index.html"}
         # Of the handlers below.
         settings: Dict[str, Any] = {"find": find, "report": report, **self._pools}
         self._application = web.Application(
             [
                 *((path, _RouteHandler, {"routes": found}) for path, found in by_path.items()),
-                (FILES, _FileHandler, files),
+                *(
+                    (re.escape(path), _FileHandler, {"file": one, "policy": _policy_of(one)})
+                    for path, one in files.items()
+                ),
                 (r".*", _RouteHandler, {"routes": {}}),
             ],
             compress_response=True,
@@ -238,12 +241,19 @@ class _PageHandler(web.RequestHandler):
         self.finish(json_text(values))
 
 
-class _FileHandler(_PageHandler, web.StaticFileHandler):
-    """A file of the pages; the browser asks each time, so that an update reaches it."""
+class _FileHandler(_PageHandler):
+    """A file of the page; the browser asks each time, so that an update reaches it."""
 
-    def set_extra_headers(self, path: str) -> None:
-        """Tornado: replace what is for answers that are made."""
+    def initialize(self, file: Body, policy: str) -> None:
+        """Tornado: take the file, and what of it may run."""
+        self._file, self._policy = file, policy
+
+    def get(self) -> None:
+        """Answer with the file, or that the browser has it."""
         self.set_header("Cache-Control", "no-cache")
+        self.set_header("Content-Security-Policy", self._policy)
+        self.set_header("Content-Type", self._file.kind)
+        self.finish(self._file.content)
 
 
 class _RouteHandler(_PageHandler):
@@ -367,3 +377,13 @@ class _RouteHandler(_PageHandler):
 
 def _refuse_constant(name: str) -> None:
     raise ValueError(name)
+
+
+def _policy_of(file: Body) -> str:
+    """Return the policy that lets the scripts and styles in a page run, and no others."""
+    policy = [POLICY]
+    for kind in ("script", "style"):
+        inside = re.findall(f"<{kind}>(.*?)</{kind}>".encode(), bytes(file.content), re.DOTALL)
+        sums = (b64encode(sha256(one).digest()).decode() for one in inside)
+        policy.append(" ".join([f"{kind}-src 'self'", *(f"'sha256-{one}'" for one in sums)]))
+    return "; ".join(policy)

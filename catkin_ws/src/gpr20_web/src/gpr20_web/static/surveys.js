@@ -1,9 +1,9 @@
 // SURVEYS: the stored surveys, what people add to them, and downloads.
 
-import { ask, button, element, show, write } from "../dom.js";
+"use strict";
 
 const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
-const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
+const ENDINGS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
 const ENOUGH = 20;
 const TYPED_MS = 300;
@@ -12,7 +12,7 @@ const SEARCH_LIMIT_MS = 600000;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
-export default {
+const surveysPage = {
   name: "surveys",
 
   show(root, app) {
@@ -86,7 +86,7 @@ export default {
   },
 
   chips({ ending, state, simulated }) {
-    const chips = [element("span", { class: `chip ${CHIPS[state] ?? ""}` }, ending), " "];
+    const chips = [element("span", { class: `chip ${ENDINGS[state] ?? ""}` }, ending), " "];
     if (simulated) chips.push(element("span", { class: "chip simulated" }, this.word("simulated")));
     return chips;
   },

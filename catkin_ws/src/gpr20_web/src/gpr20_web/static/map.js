@@ -1,7 +1,6 @@
 // GROUND: the survey from above, and the section below a place; candidates and markers.
 
-import { button, element, show, write } from "../dom.js";
-import { Plot } from "../plot.js";
+"use strict";
 
 const PERIOD_MS = 1000;
 const SETTLED_MS = 80;
@@ -230,7 +229,7 @@ class Ground {
   }
 }
 
-export default {
+const groundPage = {
   name: "map",
 
   show(root, app) {
