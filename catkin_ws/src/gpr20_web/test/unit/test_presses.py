@@ -76,3 +76,24 @@ def test_one_that_is_always_refused_holds_up_no_other_and_is_given_up() -> None:
     log.notes.add("c", {"command": "stop", "survey": "c"})
     log.run(4 * RETRY_S, refused="gone")
     assert log.taken == ["a", "b", "c"] and log.notes.problem is None
+
+
+@each_case("refused", ["", "b", "a b c"])
+def test_at_the_end_each_that_waits_is_sent_once_more_and_what_is_lost_is_known(
+    refused: str,
+) -> None:
+    log = Log("a", "b", "c")
+    log.run(2 * RETRY_S, refused="a b c")
+    ended: List[bool] = []
+    log.notes.finish(lambda: ended.append(True))
+    sent_s = log.run(4 * STEP_S, refused=refused)
+    # Without a pause, and no more often than once.
+    assert len(sent_s) == 3 and ended
+    assert sorted(one["survey"] for one in log.notes.waiting) == refused.split()
+    assert sorted([*log.taken, *refused.split()]) == ["a", "b", "c"]
+
+
+def test_with_nothing_to_note_the_end_waits_for_nothing() -> None:
+    log, ended = Log(), []  # type: Log, List[bool]
+    log.notes.finish(lambda: ended.append(True))
+    assert ended == [True] and log.requests.asked == []

@@ -53,6 +53,8 @@ MASTER_CHECK_S = 2.0
 # A page that is loaded again finds what is known of the axes: a STOP may wait for it.
 LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
+# For the commands that are not noted yet when the node ends.
+NOTES_LIMIT_S = 3.0
 
 
 @dataclass(frozen=True)
@@ -125,11 +127,16 @@ class WebNode:
 
     def close(self) -> None:
         """Leave browsers and graph; a survey that runs continues."""
+        self._in_loop(self._server.close())
+        noted = threading.Event()
+        self._loop.call_soon_threadsafe(self._notes.finish, noted.set)
+        noted.wait(NOTES_LIMIT_S)
         for client in self._clients:
             client.close()
-        self._in_loop(self._server.close())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSE_LIMIT_S)
+        for lost in self._notes.waiting:
+            rospy.logwarn("no log of a survey has this command: %s", lost)
 
     def _connect_clients(self) -> None:
         put, namespace = self._events.append, rospy.get_namespace()
@@ -177,7 +184,7 @@ class WebNode:
     def _beat(self) -> None:
         self._loop.call_later(BEAT_S, self._beat)
         is_due = self._clock.now_s() - self._refreshed_s >= REST_S
-        if not (is_due or self._server.streams):
+        if not (is_due or self._server.streams or self._notes.last_tries):
             return
         with faults_logged("page"):  # the next beat shows what is true then
             while self._events:

@@ -253,6 +253,7 @@ class AuditNotes:
 
     Attributes:
         problem: Why the last note was not taken; None if it was.
+        last_tries: After `finish`, how many notes are still to be sent; before, None.
     """
 
     def __init__(
@@ -264,6 +265,13 @@ class AuditNotes:
         self._next_s = now_s()
         self._job = job_of(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
         self.problem: Optional[Message] = None
+        self.last_tries: Optional[int] = None
+        self._ended: Callable[[], None] = lambda: None
+
+    @property
+    def waiting(self) -> List[Mapping[str, Any]]:
+        """What no log has yet, the next one first."""
+        return [fact for _until_s, fact in self._waiting]
 
     def add(self, survey: str, values: Mapping[str, Any]) -> None:
         """Add values to the log of a survey, by its id."""
@@ -271,22 +279,36 @@ class AuditNotes:
         self._waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
         self.refresh()
 
+    def finish(self, ended: Callable[[], None]) -> None:
+        """Send what waits once more, at once; `ended` is called when all of it was answered."""
+        self.last_tries, self._ended = len(self._waiting), ended
+        self._next_s = self._now_s()
+        self.refresh()
+
     def refresh(self) -> None:
         """Send what waits, when it is time."""
-        if self._waiting and not self._job.running and self._now_s() >= self._next_s:
+        if self.last_tries == 0:
+            self._ended()
+        elif self._waiting and not self._job.running and self._now_s() >= self._next_s:
             self._job.ask(**self._waiting[0][1])
 
     def _on_taken(self, _said: Message) -> None:
         self._waiting.popleft()
         self.problem = None
-        self.refresh()
+        self._go_on(0.0)
 
     def _on_failed(self, reason: Message) -> None:
         note, now_s, former = self._waiting.popleft(), self._now_s(), self.problem
         if now_s < note[0]:
             self._waiting.append(note)
-        self._next_s = now_s + RETRY_S
         text = Message("a command was not noted in the log of its survey: {reason}", reason=reason)
         self.problem = text.with_fault(NOT_NOTED)
         if former is None:
             self._report(self.problem)
+        self._go_on(RETRY_S)
+
+    def _go_on(self, pause_s: float) -> None:
+        if self.last_tries is not None:
+            self.last_tries, pause_s = self.last_tries - 1, 0.0
+        self._next_s = self._now_s() + pause_s
+        self.refresh()
