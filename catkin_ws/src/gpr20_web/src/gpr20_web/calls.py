@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple, Union
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.faults import BadRequestError
@@ -75,7 +75,11 @@ class Call:
     values: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, str] = field(default_factory=dict)
     language: Language = Language.ENGLISH
-    text: Text = str
+
+    @property
+    def text(self) -> Text:
+        """Translates into the language of the browser."""
+        return read_catalogue(self.language).text
 
     @property
     def who(self) -> Person:

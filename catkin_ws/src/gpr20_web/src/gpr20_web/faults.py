@@ -79,6 +79,11 @@ class NotFoundError(WebError, LookupError):
     status = 404
 
 
+def no_survey(folder: str) -> NotFoundError:
+    """Return that there is no survey in a folder of this name."""
+    return NotFoundError(Message("there is no survey {survey}", survey=folder[:64]))
+
+
 class NotNowError(WebError, RuntimeError):
     """The state of the robot does not allow it now."""
 

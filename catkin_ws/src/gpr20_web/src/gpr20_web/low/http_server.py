@@ -285,7 +285,7 @@ class _RouteHandler(_PageHandler):
                     right=route.right.word,
                 )
             )
-        call = Call(person, address, self._values(), parts, self.language, self.text)
+        call = Call(person, address, self._values(), parts, self.language)
         if route.blocking:
             # Whatever the others wait for, who is not logged in yet gets in.
             pool = "logins" if route.right is Role.NOBODY else "work"

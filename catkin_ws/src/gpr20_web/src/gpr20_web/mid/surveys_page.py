@@ -6,9 +6,9 @@ import contextlib
 import threading
 import uuid
 import zipfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Mapping, Tuple
+from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import NOT_ALLOWED
@@ -34,7 +34,7 @@ from gpr20_survey.results.found import What
 from gpr20_survey.results.volume import ExportPart
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
-from gpr20_web.faults import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.faults import BadRequestError, BusyError, NotNowError, no_survey
 from gpr20_web.mid import survey_values
 from gpr20_web.mid.survey_values import OpenedSurvey, SurveyServices
 
@@ -45,6 +45,16 @@ OTHERS_BY_NOW = Message("the candidates are not known, or others by now: search 
 SURVEY_RUNS = Message("A survey is running. This is possible when it has ended.")
 AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 UNREADABLE = Message("the survey could not be read")
+
+
+@dataclass(frozen=True)
+class _Find:
+    """What was found at a candidate of a list, and how deep [mm]."""
+
+    candidate: str
+    list: str
+    what: What
+    depth_mm: Optional[float] = None
 
 
 class SurveysPage(WebPage):
@@ -125,7 +135,7 @@ class SurveysPage(WebPage):
         past = self._past(f"{folder}~", 1)
         survey = past.find(folder)
         if survey is None:
-            raise NotFoundError(Message("there is no survey {survey}", survey=folder))
+            raise no_survey(folder)
         return past, survey
 
     def _analysed(self, call: Call) -> SurveySummary:
@@ -194,20 +204,14 @@ class SurveysPage(WebPage):
         self._services.ask(Service.FACT, survey=folder, kind=kind, values=values)
 
     def _add_found(self, call: Call) -> Mapping[str, Any]:
-        folder, depth_mm = self._folder(call).name, call.values.get("depth_mm")
-        what = next((one for one in What if one.value == call.values.get("what")), None)
-        if what is None:
-            whats = ", ".join(one.value for one in What)
-            raise BadRequestError(Message("what was found is one of: {known}", known=whats))
-        if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
-            raise BadRequestError(Message("depth_mm is a number"))
+        folder, find = self._folder(call).name, record_from(_Find, call.values, "found")
         result = OpenedSurvey(self._services, folder, only_known=True).result
         known = result.image is not None and list_sum(result.image.found)
-        wanted = call.values.get("candidate") if known == call.values.get("list") else None
-        place = next((one for one in result.places if one.id == wanted), None)
+        places = result.places if known == find.list else ()
+        place = next((one for one in places if one.id == find.candidate), None)
         if place is None:
             raise NotNowError(result.reading.problem or OTHERS_BY_NOW)
-        result.note_found(place, what, depth_mm, call.who.name)
+        result.note_found(place, find.what, find.depth_mm, call.who.name)
         if result.noting.problem is not None:
             raise NotNowError(result.noting.problem)
         return {}
@@ -258,7 +262,7 @@ def folder_of(data: Path, name: str) -> Path:
         for folder in survey_folder.candidate_folders(data, name):
             survey_folder.check_no_links(folder)
             return folder
-    raise NotFoundError(Message("there is no survey {survey}", survey=name[:64]))
+    raise no_survey(name)
 
 
 def size_of(folder: Path) -> int:

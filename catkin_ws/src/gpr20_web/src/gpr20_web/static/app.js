@@ -53,7 +53,8 @@ const nowPage = {
     this.mapKey = key;
     this.page.map.hidden = !ground.survey;
     const { theme } = document.documentElement.dataset;
-    const picture = `layer=${ground.layer}&theme=${theme}&revision=${ground.revision}`;
+    const choice = JSON.stringify({ layer: ground.layer, theme });
+    const picture = new URLSearchParams({ choice, revision: ground.revision });
     if (ground.survey) this.page.map.src = app.server.address(`/api/ground/map.png?${picture}`);
   },
 
