@@ -154,6 +154,7 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     assert not browser.run("return document.querySelector('#start').offsetParent")
     browser.press("#control summary")
     browser.press("#take")
+    browser.wait(lambda: screen.arming.web.controller == "otto", "the window says who it is")
     browser.wait(lambda: not screen.model.snapshot().fields_locked, "the robot is ready")
     screen.arming.arm(screen.model.snapshot())
     browser.wait_for_text("A person at the robot allows remote control", "#control")

@@ -12,6 +12,7 @@ import pytest
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
+from survey_examples import PARAMETERS
 from web_kit import ManualClock
 
 from gpr20_common.errors import Gpr20Error
@@ -25,7 +26,6 @@ from gpr20_survey.axes.axis_id import AxisId
 from gpr20_survey.folder.log_record import NOTES, Kind
 from gpr20_survey.folder.survey_metadata import parse_object
 from gpr20_survey.plan.annotation import EMPTY
-from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
 from gpr20_web.faults import BadRequestError, NotAllowedError, NotNowError
@@ -33,18 +33,6 @@ from gpr20_web.mid.commands import Commands, plan_id
 from gpr20_web.mid.presses import Lease
 
 SURVEY = "c0ffee00-0000-4000-8000-000000000001"
-PARAMETERS = SurveyParameters(
-    vna_address="127.0.0.1",
-    start_frequency_hz=600e6,
-    stop_frequency_hz=6e9,
-    frequency_points=201,
-    x_start_mm=0.0,
-    x_stop_mm=100.0,
-    x_points=5,
-    y_start_mm=0.0,
-    y_stop_mm=100.0,
-    y_points=5,
-)
 PLAN = StartPlan(PARAMETERS, EMPTY, "", 4.0)
 ON_REQUEST = Message("paused").with_fault(Fault("test.asked", None, Severity.NOTE))
 ANA = Person("ana", Role.CONTROL, "one", "10.0.0.5")
@@ -312,6 +300,9 @@ def test_start_measures_the_plan_that_is_shown_and_is_noted_in_the_log_of_its_su
     described_first: bool,
 ) -> None:
     desk = armed()
+    plan = desk.shown["remote"]["plan"]
+    assert plan["id"] == plan_id(PLAN) and "Hands clear" in plan["warning"]
+    assert ["Where", "X 10 - 30 mm, Y 5 - 35 mm"] in plan["rows"]
     desk.start()
     assert desk.control.asked == [("start", PLAN)]
     assert desk.shown["command"]["outcome"] == "sent"
@@ -359,11 +350,3 @@ def test_nothing_moves_without_permission_control_and_right(steps: Any) -> None:
                 assert argument.role >= Role.CONTROL
                 assert desk.time.time_s <= allowed_until_s
                 assert holder is not None and argument.session == holder.session
-
-
-def test_plan_is_shown_before_it_is_started() -> None:
-    desk = armed()
-    plan = desk.shown["remote"]["plan"]
-    assert plan["id"] == plan_id(PLAN)
-    assert any("100" in value for _name, value in plan["rows"])
-    assert "Hands clear" in plan["warning"]
