@@ -177,9 +177,6 @@ class Route:
     blocking: bool = False
 
 
-Routes = Tuple[Route, ...]
-
-
 class WebPage:
     """One page; all but its blocking routes is called in the thread of the server.
 
@@ -188,7 +185,7 @@ class WebPage:
         words: The sentences of its script by their names, in every language of the catalogue.
     """
 
-    routes: Routes = ()
+    routes: Tuple[Route, ...] = ()
     words: Mapping[str, Message] = {}
 
     def on_event(self, event: object) -> None:

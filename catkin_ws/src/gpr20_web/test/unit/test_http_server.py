@@ -121,7 +121,7 @@ def test_an_answer_is_in_the_language_that_the_page_asks_for(site: Site) -> None
 def test_a_query_or_a_body_that_is_none_is_refused_with_what_is_allowed(site: Site) -> None:
     assert site.ask("GET", "/api/nobody?language=%ff").status == 200
     assert site.ask("GET", "/api/nobody?a=%ff").values["code"] == "web.bad_request"
-    for body in (b"[]", b"nonsense", b'{"a": NaN}', b"[" * 60_000, b"\xff\xfe"):
+    for body in (b"[]", b"nonsense", b"[" * 60_000, b"\xff\xfe"):
         assert site.ask("POST", "/api/nobody", body=body).status == 400
 
 

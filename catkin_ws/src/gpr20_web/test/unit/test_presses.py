@@ -156,7 +156,7 @@ def test_at_the_end_each_that_waits_is_sent_once_more_and_what_is_lost_is_known(
     sent_s = log.run(4 * STEP_S, refused=refused)
     # Without a pause, and no more often than once.
     assert len(sent_s) == 3 and ended
-    assert sorted(one["survey"] for one in log.notes.waiting) == refused.split()
+    assert sorted(fact["survey"] for _until_s, fact in log.notes.waiting) == refused.split()
     assert sorted([*log.taken, *refused.split()]) == ["a", "b", "c"]
 
 

@@ -75,7 +75,7 @@ class Site:
         self._thread.start()
 
         async def begin() -> None:
-            self.server = HttpServer(tuple(routes), files or {}, find, self.reported.append)
+            self.server = HttpServer(routes, files or {}, find, self.reported.append)
             self.port = self.server.listen("127.0.0.1", 0, None)
 
         self.call(begin())

@@ -68,24 +68,6 @@ class StoredSurveys:
     data: str = ""
 
 
-class WaitingServices:
-    """Storage and imaging node, for those who wait for the answers; see `SurveyServices`."""
-
-    def __init__(self, requests: StorageClient) -> None:
-        self._requests = requests
-
-    def ask(self, service: Service, **fields: Any) -> Any:
-        """Return what a service answers."""
-        try:
-            return self._requests.wait_for(service, **fields)
-        except RequestError as error:
-            raise NotNowError(error.message) from error
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request, without waiting."""
-        self._requests.cancel(request_id)
-
-
 class WebNode:
     """Everything connected; what is shown belongs to the thread of the event loop."""
 
@@ -117,7 +99,7 @@ class WebNode:
         )
         self._shell = self._new_shell(data)
         self._server = HttpServer(
-            *(tuple(self._shell.all_routes()), self._shell.files(STATIC)),
+            *(self._shell.all_routes(), self._shell.files(STATIC)),
             *(self._logins.find, self._report),
         )
         self._status = rospy.Publisher("web_status", WebStatus, queue_size=5, latch=True)
@@ -135,7 +117,7 @@ class WebNode:
             client.close()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSE_LIMIT_S)
-        for lost in self._notes.waiting:
+        for _until_s, lost in self._notes.waiting:
             rospy.logwarn("no log of a survey has this command: %s", lost)
 
     def _connect_clients(self) -> None:
@@ -143,9 +125,14 @@ class WebNode:
         senders = Senders(namespace)
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
-        self._services = WaitingServices(self._storage)
         remote = RemoteControlClient(put, namespace)
         self._clients = (self._control, self._storage, remote)
+
+    def _wait_for(self, service: Service, **fields: Any) -> Any:
+        try:
+            return self._storage.wait_for(service, **fields)
+        except RequestError as error:
+            raise NotNowError(error.message) from error
 
     def _new_shell(self, data: Path) -> Shell:
         return Shell(
@@ -153,7 +140,7 @@ class WebNode:
                 "now": NowPage(rospy.get_namespace().strip("/")),
                 "commands": self._commands,
                 "map": GroundPage(self._storage, self._storage, self._clock.now_s, self._warn),
-                "surveys": SurveysPage(self._services, data),
+                "surveys": SurveysPage(self._wait_for, self._storage.cancel, data),
                 "service": ServicePage(self._storage.examine, self._clock),
             },
             self._logins,

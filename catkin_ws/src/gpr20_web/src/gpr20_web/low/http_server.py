@@ -12,7 +12,7 @@ from base64 import b64encode
 from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 from hashlib import sha256
-from typing import Any, Callable, Dict, Mapping, Optional
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from tornado import httpserver, netutil, web
 from tornado.http1connection import HTTP1Connection
@@ -23,7 +23,7 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
-from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Routes, Stream
+from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Stream
 from gpr20_web.faults import (
     BAD_REQUEST,
     BadRequestError,
@@ -75,7 +75,7 @@ class HttpServer:
 
     def __init__(
         self,
-        routes: Routes,
+        routes: Sequence[Route],
         files: Mapping[str, Body],
         find: Callable[[str, str], Person],
         report: Callable[[BaseException], None],
@@ -202,14 +202,14 @@ class _PageHandler(web.RequestHandler):
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         """Tornado: write an error, without what it knows of this program."""
-        error = kwargs.get("exc_info", (None, None))[1]
+        error, text = kwargs.get("exc_info", (None, None))[1], read_catalogue(self.language).text
         if isinstance(error, Gpr20Error):
             self.set_status(error.status if isinstance(error, WebError) else 409)
             first = first_step(error.message)
             self.send_json(
                 {
-                    "error": self.text(error.message),
-                    "remedy": "" if first is None else self.text(first),
+                    "error": text(error.message),
+                    "remedy": "" if first is None else text(first),
                     "code": error.message.fault_code,
                 }
             )
@@ -217,7 +217,7 @@ class _PageHandler(web.RequestHandler):
         said = Message("The request was refused.")
         if status_code >= 500:
             said = Message("The page has a fault of its own; its log says which.")
-        self.send_json({"error": self.text(said)})
+        self.send_json({"error": text(said)})
 
     @property
     def _connection(self) -> IOStream:
@@ -230,10 +230,6 @@ class _PageHandler(web.RequestHandler):
         """The language that a page asks for."""
         asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
         return next((one for one in languages() if one.value == asked), Language.ENGLISH)
-
-    def text(self, message: Message) -> str:
-        """Return a message in the language of the browser."""
-        return read_catalogue(self.language).text(message)
 
     def send_json(self, values: Mapping[str, Any]) -> None:
         """End the answer with an object."""
@@ -319,7 +315,7 @@ class _RouteHandler(_PageHandler):
             if self.request.method == "GET":
                 given = self.request.query_arguments.items()
                 return {name: one[-1].decode() for name, one in given if name != "language"}
-            values = json.loads(self._body or b"{}", parse_constant=_refuse_constant)
+            values = json.loads(self._body or b"{}")
             if not isinstance(values, dict):
                 raise ValueError("no object")
             return values
@@ -375,15 +371,9 @@ class _RouteHandler(_PageHandler):
         return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
-def _refuse_constant(name: str) -> None:
-    raise ValueError(name)
-
-
 def _policy_of(file: Body) -> str:
     """Return the policy that lets the scripts and styles in a page run, and no others."""
-    policy = [POLICY]
-    for kind in ("script", "style"):
-        inside = re.findall(f"<{kind}>(.*?)</{kind}>".encode(), bytes(file.content), re.DOTALL)
-        sums = (b64encode(sha256(one).digest()).decode() for one in inside)
-        policy.append(" ".join([f"{kind}-src 'self'", *(f"'sha256-{one}'" for one in sums)]))
-    return "; ".join(policy)
+    inside = re.findall(rb"<(script|style)>(.*?)</\1>", bytes(file.content), re.DOTALL)
+    sums = (b64encode(sha256(one).digest()).decode() for _kind, one in inside)
+    own = " ".join(["'self'", *(f"'sha256-{one}'" for one in sums)])
+    return f"{POLICY}; script-src {own}; style-src {own}"

@@ -252,6 +252,7 @@ class AuditNotes:
         report: Takes the first problem after a note that was taken.
 
     Attributes:
+        waiting: What no log has yet, the next one first, with the time when it is given up.
         problem: Why the last note was not taken; None if it was.
         last_tries: After `finish`, how many notes are still to be sent; before, None.
     """
@@ -260,28 +261,22 @@ class AuditNotes:
         self, requests: Requests, now_s: Callable[[], float], report: Callable[[Message], None]
     ) -> None:
         self._now_s, self._report = now_s, report
-        # Each with the time at which it is given up.
-        self._waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
+        self.waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
         self._next_s = now_s()
         self._job = job_of(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
         self.problem: Optional[Message] = None
         self.last_tries: Optional[int] = None
         self._ended: Callable[[], None] = lambda: None
 
-    @property
-    def waiting(self) -> List[Mapping[str, Any]]:
-        """What no log has yet, the next one first."""
-        return [fact for _until_s, fact in self._waiting]
-
     def add(self, survey: str, values: Mapping[str, Any]) -> None:
         """Add values to the log of a survey, by its id."""
         fact = {"survey": survey, "kind": Kind.AUDIT, "values": values}
-        self._waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
+        self.waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
         self.refresh()
 
     def finish(self, ended: Callable[[], None]) -> None:
         """Send what waits once more, at once; `ended` is called when all of it was answered."""
-        self.last_tries, self._ended = len(self._waiting), ended
+        self.last_tries, self._ended = len(self.waiting), ended
         self._next_s = self._now_s()
         self.refresh()
 
@@ -289,18 +284,18 @@ class AuditNotes:
         """Send what waits, when it is time."""
         if self.last_tries == 0:
             self._ended()
-        elif self._waiting and not self._job.running and self._now_s() >= self._next_s:
-            self._job.ask(**self._waiting[0][1])
+        elif self.waiting and not self._job.running and self._now_s() >= self._next_s:
+            self._job.ask(**self.waiting[0][1])
 
     def _on_taken(self, _said: Message) -> None:
-        self._waiting.popleft()
+        self.waiting.popleft()
         self.problem = None
         self._go_on(0.0)
 
     def _on_failed(self, reason: Message) -> None:
-        note, now_s, former = self._waiting.popleft(), self._now_s(), self.problem
+        note, now_s, former = self.waiting.popleft(), self._now_s(), self.problem
         if now_s < note[0]:
-            self._waiting.append(note)
+            self.waiting.append(note)
         text = Message("a command was not noted in the log of its survey: {reason}", reason=reason)
         self.problem = text.with_fault(NOT_NOTED)
         if former is None:

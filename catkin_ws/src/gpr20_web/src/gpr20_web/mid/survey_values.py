@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Dict, Optional, Protocol
+from typing import Any, Callable, Dict, Optional
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys
@@ -19,22 +19,15 @@ from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_web.calls import Text, sentence
 
-
-class SurveyServices(Protocol):
-    """Storage and imaging node."""
-
-    def ask(self, service: Service, **fields: Any) -> Any:
-        """Return what a service answers; raises Gpr20Error."""
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request, without waiting."""
+Ask = Callable[..., Any]
+"""Asks a Service with these fields, and returns its answer or raises Gpr20Error."""
 
 
 class OpenedSurvey:
     """A survey that was read, and its answer, while the caller waits.
 
     Args:
-        services: Storage and imaging node.
+        ask: Asks storage and imaging node.
         folder: That of the survey.
         focus: How an image is asked for, besides what the survey says.
 
@@ -43,8 +36,8 @@ class OpenedSurvey:
         stored: What the storage has; None: it cannot be read.
     """
 
-    def __init__(self, services: SurveyServices, folder: str, **focus: Any) -> None:
-        self._services, self._focus = services, focus
+    def __init__(self, ask: Ask, folder: str, **focus: Any) -> None:
+        self._ask, self._focus = ask, focus
         self.stored: Optional[StoredSurvey] = None
         self.result = SurveyResult(Imaging(self, time.monotonic))
         self.result.open(folder)
@@ -55,7 +48,7 @@ class OpenedSurvey:
         """Call a service, and let the ticket take the answer."""
         more = self._focus if service is Service.FOCUS else {}
         try:
-            found = self._services.ask(service, **fields, **more)
+            found = self._ask(service, **fields, **more)
         except Gpr20Error as error:
             ticket.fail(error.message)
             return

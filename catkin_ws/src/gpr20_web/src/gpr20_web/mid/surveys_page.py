@@ -36,7 +36,7 @@ from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
 from gpr20_web.faults import BadRequestError, BusyError, NotNowError, no_survey
 from gpr20_web.mid import survey_values
-from gpr20_web.mid.survey_values import OpenedSurvey, SurveyServices
+from gpr20_web.mid.survey_values import Ask, OpenedSurvey
 
 SURVEYS_PER_PAGE = 50
 SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
@@ -61,7 +61,8 @@ class SurveysPage(WebPage):
     """The stored surveys.
 
     Args:
-        services: Storage and imaging node.
+        ask: Asks storage and imaging node.
+        cancel: Asks to end a request, by its id, without waiting.
         data: The data folder, on this computer.
     """
 
@@ -92,11 +93,13 @@ class SurveysPage(WebPage):
 
     def __init__(
         self,
-        services: SurveyServices,
+        ask: Ask,
+        cancel: Callable[[str], None],
         data: Path,
         time_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        self._services, self._data, self._time_us = services, data, time_us
+        self._ask, self._cancel = ask, cancel
+        self._data, self._time_us = data, time_us
         self._running = ""
         self._working, self._work_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
@@ -116,7 +119,7 @@ class SurveysPage(WebPage):
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow which survey runs: nothing is searched meanwhile."""
         if snapshot.running_survey and not self._running and self._working.locked():
-            self._services.cancel(self._work_id)
+            self._cancel(self._work_id)
         self._running = snapshot.running_survey
 
     def _folder(self, call: Call) -> Path:
@@ -125,7 +128,7 @@ class SurveysPage(WebPage):
     def _past(self, before: str, most: int) -> PastSurveys:
         past = PastSurveys()
         past.set_running(self._running)
-        page = self._services.ask(Service.LIST, before=before, max_surveys=most)
+        page = self._ask(Service.LIST, before=before, max_surveys=most)
         past.take("", page.surveys, page.more)
         return past
 
@@ -169,7 +172,7 @@ class SurveysPage(WebPage):
         except Gpr20Error as error:
             problems.append(error.message)
         if survey.problem is None:
-            opened = OpenedSurvey(self._services, survey.folder, only_known=True)
+            opened = OpenedSurvey(self._ask, survey.folder, only_known=True)
             shown.update(survey_values.result_of(opened.result, call.text))
             problems.append(opened.result.reading.problem)
             try:
@@ -185,7 +188,7 @@ class SurveysPage(WebPage):
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
         # The other lines of a note are indented: none can look like the note of somebody else.
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
-        stored = self._services.ask(Service.READ, survey=folder)
+        stored = self._ask(Service.READ, survey=folder)
         before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
         after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
         # The storage keeps what others have written since.
@@ -201,11 +204,11 @@ class SurveysPage(WebPage):
         return {}
 
     def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
-        self._services.ask(Service.FACT, survey=folder, kind=kind, values=values)
+        self._ask(Service.FACT, survey=folder, kind=kind, values=values)
 
     def _add_found(self, call: Call) -> Mapping[str, Any]:
         folder, find = self._folder(call).name, record_from(_Find, call.values, "found")
-        result = OpenedSurvey(self._services, folder, only_known=True).result
+        result = OpenedSurvey(self._ask, folder, only_known=True).result
         known = result.image is not None and list_sum(result.image.found)
         places = result.places if known == find.list else ()
         place = next((one for one in places if one.id == find.candidate), None)
@@ -220,7 +223,7 @@ class SurveysPage(WebPage):
         """Return what is found in a survey; whoever asks later gets the same."""
         folder = self._analysed(call).folder
         with self._at_work():
-            result = OpenedSurvey(self._services, folder, request_id=self._work_id).result
+            result = OpenedSurvey(self._ask, folder, request_id=self._work_id).result
         problem = result.reading.problem or result.search.problem
         if problem is not None:
             raise NotNowError(problem)
@@ -238,7 +241,7 @@ class SurveysPage(WebPage):
         options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
         wanted = {"request_id": self._work_id, "kinds": [call.parts["kind"]], **options}
         with self._at_work():
-            made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
+            made = self._ask(Service.EXPORT, survey=folder, **wanted)
         return Body(made.content, "application/octet-stream", made.files[0])
 
     @contextlib.contextmanager

@@ -140,20 +140,16 @@ class App {
     document.getElementById("stop-warning").hidden = !this.stops.length;
     while (this.me === undefined)
       try {
-        await this.load();
+        // First: whoever loads the page again waits for it. The band sends it again, and says so.
+        await Promise.allSettled(this.stops.map(([press]) =>
+          this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
+        this.me = (await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS)).me;
       } catch (error) {
         console.warn(error);
         await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
       }
     if (this.me) this.enter();
     else this.showLogin();
-  }
-
-  async load() {
-    // First: whoever loads the page again waits for it. The band sends it again, and says so.
-    await Promise.allSettled(this.stops.map(([press]) =>
-      this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    this.me = (await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS)).me;
   }
 
   word(name, values = {}) {
@@ -164,10 +160,6 @@ class App {
   // As the language of the page writes it; what is no number stays as it is.
   number(value) {
     return typeof value === "number" ? `${value}`.replace(".", this.words["shell.point"]) : value;
-  }
-
-  get(path) {
-    return this.server.ask("GET", path);
   }
 
   post(path, values) {
@@ -213,11 +205,22 @@ class App {
     document.getElementById("alerts").replaceChildren(shown);
   }
 
+  // Do what may be refused; returns whether it was done.
+  async act(request) {
+    try {
+      await request();
+      return true;
+    } catch (error) {
+      this.report(error);
+      return false;
+    }
+  }
+
   // Ask again and again while a page is shown; without an answer, the band says how old it is.
   poll(path, periodMs, show) {
     const ask = async () => {
       try {
-        show(await this.get(path));
+        show(await this.server.ask("GET", path));
       } catch (error) {
         if (error.status) this.report(error);
       }
@@ -238,14 +241,12 @@ class App {
     login.form.onsubmit = async (event) => {
       event.preventDefault();
       const [name, password] = [login.name.value, login.password.value];
-      try {
+      login.password.value = "";
+      await this.act(async () => {
         this.me = await this.post("/api/login", { name, password });
         this.kept.removeItem("why");
         this.enter();
-      } catch (error) {
-        login.password.value = "";
-        this.report(error);
-      }
+      });
     };
   }
 
@@ -316,12 +317,7 @@ class App {
   }
 
   async logOut() {
-    try {
-      await this.post("/api/logout");
-      this.leave();
-    } catch (error) {
-      this.report(error);
-    }
+    if (await this.act(() => this.post("/api/logout"))) this.leave();
   }
 
   update(state) {

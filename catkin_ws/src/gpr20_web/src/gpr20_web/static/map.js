@@ -57,16 +57,14 @@ class Ground {
     return plot;
   }
 
-  async addMarker() {
+  addMarker() {
     const { place: [x_mm, y_mm], depth_mm } = this.shown;
     const path = `/api/surveys/${this.about.folder}/markers`;
-    try {
+    return this.app.act(async () => {
       await this.app.post(path, { x_mm, y_mm, depth_mm, text: this.text.value });
       this.text.value = "";
       this.poll("1");
-    } catch (error) {
-      this.app.report(error);
-    }
+    });
   }
 
   // A slider that is dragged changes faster than pictures come.

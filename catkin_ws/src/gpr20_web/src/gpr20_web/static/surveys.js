@@ -38,17 +38,6 @@ const surveysPage = {
     return this.app.word(`surveys.${name}`, values);
   },
 
-  // Do what may be refused; returns whether it was done.
-  async act(request) {
-    try {
-      await request();
-      return true;
-    } catch (error) {
-      this.app.report(error);
-      return false;
-    }
-  },
-
   async search(afterMs) {
     const turn = (this.turn += 1);
     await pause(afterMs);
@@ -60,11 +49,11 @@ const surveysPage = {
 
   read() {
     const { turn } = this;
-    return this.act(async () => {
+    return this.app.act(async () => {
       const before = this.rows.childElementCount;
       do {
         const query = new URLSearchParams({ text: this.text.value, before: this.next });
-        const page = await this.app.get(`/api/surveys?${query}`);
+        const page = await this.app.server.ask("GET", `/api/surveys?${query}`);
         if (turn !== this.turn) return;
         this.next = page.next;
         this.rows.append(...page.surveys.map((one) => this.row(one)));
@@ -100,8 +89,8 @@ const surveysPage = {
     this.folder = folder;
     for (const one of this.rows.querySelectorAll("button"))
       one.setAttribute("aria-current", String(one.dataset.folder === folder));
-    return this.act(async () => {
-      const survey = await this.app.get(this.path());
+    return this.app.act(async () => {
+      const survey = await this.app.server.ask("GET", this.path());
       if (folder !== this.folder) return;
       this.details.replaceChildren();
       const card = show("survey", this.details, this.app);
@@ -131,7 +120,7 @@ const surveysPage = {
   // Send something that is added to the survey, then show it.
   async add(rest, values) {
     const { folder } = this;
-    if (await this.act(() => this.app.post(this.path(rest), values)))
+    if (await this.app.act(() => this.app.post(this.path(rest), values)))
       await this.open(folder, this.word(rest.slice(1)));
   },
 
@@ -150,7 +139,7 @@ const surveysPage = {
   async work(pressed, said, word, request) {
     pressed.disabled = true;
     write(said, this.word(word));
-    await this.act(request);
+    await this.app.act(request);
     write(said, "");
     pressed.disabled = false;
   },

@@ -26,7 +26,7 @@ class Top {
     this.pause.onclick = () => this.pauseOrResume();
     this.start.onclick = () => this.begin();
     this.stop.onclick = () => this.stopNow();
-    this.take.onclick = () => this.takeOrRelease();
+    this.take.onclick = () => app.act(() => app.post(`/api/control/${this.take.id}`));
     for (const [press] of app.stops) this.repeatStop(press);
   }
 
@@ -104,14 +104,6 @@ class Top {
     write(this.who, who);
     this.take.id = app.inControl ? "release" : "take";
     write(this.take, app.word(`commands.${this.take.id}`));
-  }
-
-  async takeOrRelease() {
-    try {
-      await this.app.post(`/api/control/${this.take.id}`);
-    } catch (error) {
-      this.app.report(error);
-    }
   }
 
   async pauseOrResume() {
