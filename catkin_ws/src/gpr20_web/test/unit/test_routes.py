@@ -28,6 +28,7 @@ from view_kit import FOLDER, PAST
 from web_ground_kit import Server
 from web_kit import COOKIE, LIMIT_S, PASSWORD, STATIC, Site, make_accounts, make_logins
 
+from gpr20_common.catalogue import Language
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Role
 from gpr20_web.low.http_server import MAX_BODY_BYTES, MAX_HEADER_BYTES
@@ -215,6 +216,9 @@ def test_both_of_two_screens_are_told_with_the_next_beat_who_is_in_control(
             page.be(SurveyState.CONFIGURED)
             page.site.call(page.beat())
             assert [one and one["name"] for one in shown()] == [name, name]
+    # What changes with each trace is not sent with each beat.
+    seldom = json.loads(f"{{{page.shell.document(Language.ENGLISH).seldom[:-1]}}}")
+    assert set(seldom) == {"band", "job", "ground"}
 
 
 def test_no_answer_is_kept_framed_or_leads_elsewhere_and_errors_say_nothing_of_the_program(

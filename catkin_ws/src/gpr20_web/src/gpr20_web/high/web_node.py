@@ -7,9 +7,9 @@ import os
 import socket
 import threading
 from collections import deque
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Coroutine, Deque, Optional
+from typing import Any, Coroutine, Deque, Dict, Optional
 
 import rospy
 
@@ -55,17 +55,6 @@ LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
 # For the commands that are not noted yet when the node ends.
 NOTES_LIMIT_S = 3.0
-
-
-@dataclass(frozen=True)
-class StoredSurveys:
-    """Where the imaging node finds the surveys: the page is on the same computer.
-
-    Attributes:
-        data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
-    """
-
-    data: str = ""
 
 
 class WebNode:
@@ -231,8 +220,9 @@ def main() -> None:
     """Run the node until ROS shuts down."""
 
     def build() -> WebNode:
-        stored = read_parameters(StoredSurveys, "imaging")
-        node = WebNode(read_parameters(WebParameters, NODE), data_folder(stored.data, os.environ))
+        # The page is on the computer of the imaging node, and has the same surveys.
+        data = data_folder(read_parameters(Dict[str, str], "imaging").get("data", ""), os.environ)
+        node = WebNode(read_parameters(WebParameters, NODE), data)
         rospy.on_shutdown(node.close)
         return node
 

@@ -241,12 +241,12 @@ class App {
     login.form.onsubmit = async (event) => {
       event.preventDefault();
       const [name, password] = [login.name.value, login.password.value];
-      login.password.value = "";
-      await this.act(async () => {
+      const isIn = await this.act(async () => {
         this.me = await this.post("/api/login", { name, password });
         this.kept.removeItem("why");
         this.enter();
       });
+      if (!isIn) login.password.value = "";
     };
   }
 
