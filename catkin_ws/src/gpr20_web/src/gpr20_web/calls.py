@@ -124,6 +124,13 @@ class Body:
     name: str = ""
 
 
+class File(NamedTuple):
+    """What a browser loads before all else; the kind is its media type."""
+
+    content: bytes
+    kind: str
+
+
 @dataclass(frozen=True)
 class Cookie:
     """A JSON answer that sets the cookie of the browser; empty: it forgets it."""

@@ -19,7 +19,7 @@ from web_kit import COOKIE, LIMIT_S, Site
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
-from gpr20_web.calls import Body, Call, Document, Role, Route, Stream
+from gpr20_web.calls import Body, Call, Document, File, Role, Route, Stream
 from gpr20_web.faults import NotNowError, SetupError
 from gpr20_web.low import http_server
 from gpr20_web.low.http_server import THREADS
@@ -52,7 +52,7 @@ ROUTES = [
 
 @pytest.fixture(scope="module")
 def site() -> Iterator[Site]:
-    running = Site(ROUTES, files={"/": Body(b"<script>1</script>", "text/html")})
+    running = Site(ROUTES, files={"/": File(b"<script>1</script>", "text/html")})
     yield running
     running.close()
 

@@ -15,7 +15,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import ROLES, Body, Person, Route
+from gpr20_web.calls import ROLES, File, Person, Route
 from gpr20_web.faults import NotLoggedInError
 from gpr20_web.low.accounts import Accounts, Cost
 from gpr20_web.low.http_server import COOKIE, HttpServer
@@ -67,7 +67,7 @@ class Site:
         self,
         routes: Sequence[Route],
         find: Callable[[str, str], Person] = find_person,
-        files: Optional[Mapping[str, Body]] = None,
+        files: Optional[Mapping[str, File]] = None,
     ) -> None:
         self.reported: List[BaseException] = []
         self.loop = asyncio.new_event_loop()

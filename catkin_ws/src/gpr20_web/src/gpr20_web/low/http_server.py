@@ -23,7 +23,7 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
-from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Stream
+from gpr20_web.calls import Answer, Body, Call, Cookie, File, Person, Role, Route, Stream
 from gpr20_web.faults import (
     BAD_REQUEST,
     BadRequestError,
@@ -76,7 +76,7 @@ class HttpServer:
     def __init__(
         self,
         routes: Sequence[Route],
-        files: Mapping[str, Body],
+        files: Mapping[str, File],
         find: Callable[[str, str], Person],
         report: Callable[[BaseException], None],
     ) -> None:
@@ -94,7 +94,11 @@ class HttpServer:
             [
                 *((path, _RouteHandler, {"routes": found}) for path, found in by_path.items()),
                 *(
-                    (re.escape(path), _FileHandler, {"file": one, "policy": _policy_of(one)})
+                    (
+                        re.escape(path),
+                        _FileHandler,
+                        {"file": one, "policy": _policy_of(one.content)},
+                    )
                     for path, one in files.items()
                 ),
                 (r".*", _RouteHandler, {"routes": {}}),
@@ -240,7 +244,7 @@ class _PageHandler(web.RequestHandler):
 class _FileHandler(_PageHandler):
     """A file of the page; the browser asks each time, so that an update reaches it."""
 
-    def initialize(self, file: Body, policy: str) -> None:
+    def initialize(self, file: File, policy: str) -> None:
         """Tornado: take the file, and what of it may run."""
         self._file, self._policy = file, policy
 
@@ -371,9 +375,9 @@ class _RouteHandler(_PageHandler):
         return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
-def _policy_of(file: Body) -> str:
+def _policy_of(page: bytes) -> str:
     """Return the policy that lets the scripts and styles in a page run, and no others."""
-    inside = re.findall(rb"<(script|style)>(.*?)</\1>", bytes(file.content), re.DOTALL)
+    inside = re.findall(rb"<(script|style)>(.*?)</\1>", page, re.DOTALL)
     sums = (b64encode(sha256(one).digest()).decode() for _kind, one in inside)
     own = " ".join(["'self'", *(f"'sha256-{one}'" for one in sums)])
     return f"{POLICY}; script-src {own}; style-src {own}"

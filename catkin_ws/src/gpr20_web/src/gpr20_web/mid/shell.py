@@ -11,10 +11,10 @@ from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.calls import (
-    Body,
     Call,
     Cookie,
     Document,
+    File,
     Person,
     Role,
     Route,
@@ -114,7 +114,7 @@ class Shell:
             self._documents[code] = Document(urgent, seldom)
         return self._documents[code]
 
-    def files(self, static: Path) -> Mapping[str, Body]:
+    def files(self, static: Path) -> Mapping[str, File]:
         """Return the files of a folder by their paths; index.html has what it needs in itself."""
 
         def put_in(found: Match[str]) -> str:
@@ -126,9 +126,9 @@ class Shell:
         words = json_text({one.value: self._words(one) for one in languages()})
         html = html.replace(WORDS_BEGIN, WORDS_BEGIN + words.replace("<", "\\u003c"))
         return {
-            "/": Body(html.encode(), "text/html; charset=UTF-8"),
-            "/icon.svg": Body((static / "icon.svg").read_bytes(), "image/svg+xml"),
-            "/manifest.json": Body((static / "manifest.json").read_bytes(), "application/json"),
+            "/": File(html.encode(), "text/html; charset=UTF-8"),
+            "/icon.svg": File((static / "icon.svg").read_bytes(), "image/svg+xml"),
+            "/manifest.json": File((static / "manifest.json").read_bytes(), "application/json"),
         }
 
     def _words(self, language: Language) -> Mapping[str, Any]:

@@ -84,8 +84,9 @@ class GroundChoice:
     @property
     def place(self) -> Optional[Place]:
         """The place, as in a GroundModel."""
-        given = self.x_mm is not None and self.y_mm is not None
-        return Place(self.x_mm, self.y_mm) if given else None
+        if self.x_mm is None or self.y_mm is None:
+            return None
+        return Place(self.x_mm, self.y_mm)
 
 
 class ShownGround:
