@@ -10,7 +10,7 @@ import re
 import ssl
 from base64 import b64encode
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
@@ -93,14 +93,7 @@ class HttpServer:
         self._application = web.Application(
             [
                 *((path, _RouteHandler, {"routes": found}) for path, found in by_path.items()),
-                *(
-                    (
-                        re.escape(path),
-                        _FileHandler,
-                        {"file": one, "policy": _policy_of(one.content)},
-                    )
-                    for path, one in files.items()
-                ),
+                *((re.escape(path), _FileHandler, {"file": one}) for path, one in files.items()),
                 (r".*", _RouteHandler, {"routes": {}}),
             ],
             compress_response=True,
@@ -244,14 +237,14 @@ class _PageHandler(web.RequestHandler):
 class _FileHandler(_PageHandler):
     """A file of the page; the browser asks each time, so that an update reaches it."""
 
-    def initialize(self, file: File, policy: str) -> None:
-        """Tornado: take the file, and what of it may run."""
-        self._file, self._policy = file, policy
+    def initialize(self, file: File) -> None:
+        """Tornado: take the file."""
+        self._file = file
 
     def get(self) -> None:
         """Answer with the file, or that the browser has it."""
         self.set_header("Cache-Control", "no-cache")
-        self.set_header("Content-Security-Policy", self._policy)
+        self.set_header("Content-Security-Policy", _policy_of(self._file.content))
         self.set_header("Content-Type", self._file.kind)
         self.finish(self._file.content)
 
@@ -375,6 +368,7 @@ class _RouteHandler(_PageHandler):
         return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
+@lru_cache(maxsize=None)
 def _policy_of(page: bytes) -> str:
     """Return the policy that lets the scripts and styles in a page run, and no others."""
     inside = re.findall(rb"<(script|style)>(.*?)</\1>", page, re.DOTALL)
