@@ -151,18 +151,8 @@ class Document(NamedTuple):
     seldom: str = ""
 
 
-@dataclass(frozen=True)
-class Stream:
-    """An answer that lasts: server-sent events with a document each time it changes.
-
-    Attributes:
-        document: Returns what the person sees now.
-    """
-
-    document: Callable[[], Document]
-
-
-Answer = Union[Mapping[str, Any], Body, Cookie, Stream]
+Answer = Union[Mapping[str, Any], Body, Cookie, Callable[[], Document]]
+"""A function returns what a person sees now: it is sent as long as the person watches."""
 
 
 @dataclass(frozen=True)

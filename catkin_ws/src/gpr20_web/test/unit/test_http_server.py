@@ -19,7 +19,7 @@ from web_kit import COOKIE, LIMIT_S, Site
 from gpr20_common.faults import CONFIGURATION
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
-from gpr20_web.calls import Body, Call, Document, File, Role, Route, Stream
+from gpr20_web.calls import Body, Call, Document, File, Role, Route
 from gpr20_web.faults import NotNowError, SetupError
 from gpr20_web.low import http_server
 from gpr20_web.low.http_server import THREADS
@@ -46,7 +46,7 @@ ROUTES = [
     Route("GET", "/api/refuse", Role.NOBODY, _refuse),
     Route("GET", "/api/parts", Role.WATCH, lambda _call: Body(_parts(), "x/y", "a.zip")),
     Route("GET", "/api/part/(?P<name>[a-z]+)", Role.NOBODY, lambda call: dict(call.parts)),
-    Route("GET", "/api/live", Role.WATCH, lambda _call: Stream(lambda: Document('"a":1,'))),
+    Route("GET", "/api/live", Role.WATCH, lambda _call: lambda: Document('"a":1,')),
 ]
 
 
@@ -183,7 +183,7 @@ def test_login_does_not_wait_for_what_others_wait_for() -> None:
 
 def test_a_browser_that_leaves_while_it_is_sent_to_is_gone() -> None:
     document = Document(f'"a":"{"x" * 50_000_000}",')  # more than the connection takes
-    route = Route("GET", "/api/live", Role.WATCH, lambda _call: Stream(lambda: document))
+    route = Route("GET", "/api/live", Role.WATCH, lambda _call: lambda: document)
     with contextlib.closing(Site([route])) as site:
 
         async def beat() -> int:

@@ -10,7 +10,7 @@ import time
 from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Set
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Document, Person, Stream
+from gpr20_web.calls import Document, Person
 from gpr20_web.faults import BAD_REQUEST, BusyError
 
 MAX_STREAMS = 64
@@ -82,7 +82,7 @@ class EventStreams:
         finally:
             self._people.remove(person)
 
-    async def events(self, stream: Stream, person: Person) -> AsyncIterator[bytes]:
+    async def events(self, make: Callable[[], Document], person: Person) -> AsyncIterator[bytes]:
         """Yield what is sent to a browser; whoever is slow gets the newest state next.
 
         Raises:
@@ -95,7 +95,7 @@ class EventStreams:
             if now_s - checked_s > SESSION_CHECK_S:
                 checked_s = now_s
                 self._check(person)
-            document = stream.document()
+            document = make()
             is_new = sent is None or document.urgent != sent.urgent
             if is_new or now_s - sent_s >= SIGN_OF_LIFE_S:
                 members = "" if document == sent else "".join(document)

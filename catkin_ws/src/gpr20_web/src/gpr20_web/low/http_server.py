@@ -23,7 +23,7 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
-from gpr20_web.calls import Answer, Body, Call, Cookie, File, Person, Role, Route, Stream
+from gpr20_web.calls import Answer, Body, Call, Cookie, Document, File, Person, Role, Route
 from gpr20_web.faults import (
     BAD_REQUEST,
     BadRequestError,
@@ -320,7 +320,7 @@ class _RouteHandler(_PageHandler):
             raise BadRequestError(Message("the request cannot be read")) from error
 
     async def _send(self, answer: Answer, call: Call) -> None:
-        if isinstance(answer, Stream):
+        if callable(answer):
             await self._watch(answer, call.who)
         elif isinstance(answer, Body):
             await self._send_body(answer)
@@ -333,14 +333,14 @@ class _RouteHandler(_PageHandler):
         else:
             self.send_json(answer)
 
-    async def _watch(self, stream: Stream, person: Person) -> None:
+    async def _watch(self, document: Callable[[], Document], person: Person) -> None:
         with self.settings["streams"].watching(person):
             gone = self._gone = asyncio.get_event_loop().create_future()
             if not self._connection.closed():
                 # Without this, a browser whose link is lost would be there for 15 min.
                 end_when_broken(self._connection.socket, BROKEN_S)
             self.set_header("Content-Type", "text/event-stream")
-            async for event in self.settings["streams"].events(stream, person):
+            async for event in self.settings["streams"].events(document, person):
                 self.write(event)
                 sent = asyncio.ensure_future(self.flush())
                 await asyncio.wait([sent, gone], return_when=asyncio.FIRST_COMPLETED)

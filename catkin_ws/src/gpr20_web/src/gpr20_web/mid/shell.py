@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any, Dict, Mapping, Match, Sequence
+from typing import Any, Callable, Dict, Mapping, Match, Sequence
 
 from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import DECIMAL_POINT, Message
@@ -18,7 +18,6 @@ from gpr20_web.calls import (
     Person,
     Role,
     Route,
-    Stream,
     WebPage,
     text_of,
 )
@@ -146,8 +145,8 @@ class Shell:
     def _who(call: Call) -> Mapping[str, Any]:
         return {"me": None if call.person is None else _me(call.person)}
 
-    def _live(self, call: Call) -> Stream:
-        return Stream(lambda: self.document(call.language))
+    def _live(self, call: Call) -> Callable[[], Document]:
+        return lambda: self.document(call.language)
 
 
 def _me(person: Person) -> Mapping[str, Any]:
