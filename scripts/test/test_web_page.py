@@ -226,6 +226,7 @@ def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site
     assert not browser.run("return document.querySelector('#start').offsetParent")
     browser.press("#control summary")
     browser.press("#take")
+    browser.wait(lambda: screen.arming.web.controller == "otto", "the window says who it is")
     browser.wait(lambda: not screen.model.snapshot().fields_locked, "the robot is ready")
     screen.arming.arm(screen.model.snapshot())
     browser.wait_for_text("A person at the robot allows remote control", "#control")
@@ -281,7 +282,7 @@ def _stop_over_a_bad_link(site: Site) -> None:
     browser.open(f"{site.address}/")
     assert "Conectando con" in browser.text("#page")
     browser.wait_for_text("otto: STOP: the request was accepted", ".said")
-    asked = ["/api/stop", "/api/words"]
+    asked = ["/api/stop", "/api/me"]
     assert browser.run("return window.asked.slice(0, 4)") == asked * 2
     browser.wait(lambda: browser.text("#stop-warning") == "", "STOP is confirmed")
     browser.driver.execute_cdp_cmd("Page.removeScriptToEvaluateOnNewDocument", bad)

@@ -5,6 +5,6 @@ setup(
     **generate_distutils_setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
-        package_data={"gpr20_web": ["static/*", "static/pages/*"]},
+        package_data={"gpr20_web": ["static/*"]},
     )
 )

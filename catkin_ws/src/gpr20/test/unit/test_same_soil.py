@@ -159,7 +159,7 @@ def answers(folder, capsys):
 def check_page(folder, services, window):
     """Check that SURVEYS and MAP show what the window has found."""
     found, here = window.image.found, {"survey": folder.name}
-    surveys = SurveysPage(services, folder.parent)
+    surveys = SurveysPage(services.ask, services.cancel, folder.parent)
     listed = got(surveys, f"/api/surveys/{folder.name}")["candidates"]
     assert listed["list"] == list_sum(found)
     assert listed["headline"] == str(texts.headline(found))

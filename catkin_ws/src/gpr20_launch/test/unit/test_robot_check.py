@@ -136,6 +136,7 @@ DOUBTS = [
     ("survey", "settle_s: 0", "settle_s", "swing"),
     ("survey", "reference_interval_s: 1", "reference_interval_s", ">= 60 s"),
     ("web", "port: 11311", "port", "11311|ROS master"),
+    ("web", "address: 0.0.0.0", "address", "0.0.0.0|every network|its address in the"),
     ("axes", "z: {delta_step: 0.02}", "z/delta_step", "max_step 0.025|<= 0.015 s"),
     ("axes", "y: {step_size: 0.1}", "y/step_size", "0.1 mm|0.002 - 0.05 mm"),
     ("analyzer", f"{VNA}antenna_delay_ns: 1.9e-9", "antenna_delay_ns", "seconds"),

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from typing import Any, Callable, Iterator, Mapping, NamedTuple, Optional, Tuple, Union
 
-from gpr20_common.catalogue import Language
+from gpr20_common.catalogue import Language, read_catalogue
 from gpr20_common.message import Message
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_web.errors import BadRequestError
+from gpr20_web.faults import BadRequestError
 
 Text = Callable[[Message], str]
 """Translates a message into the language of a browser."""
@@ -75,7 +75,11 @@ class Call:
     values: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, str] = field(default_factory=dict)
     language: Language = Language.ENGLISH
-    text: Text = str
+
+    @property
+    def text(self) -> Text:
+        """Translates into the language of the browser."""
+        return read_catalogue(self.language).text
 
     @property
     def who(self) -> Person:
@@ -120,6 +124,13 @@ class Body:
     name: str = ""
 
 
+class File(NamedTuple):
+    """What a browser loads before all else; the kind is its media type."""
+
+    content: bytes
+    kind: str
+
+
 @dataclass(frozen=True)
 class Cookie:
     """A JSON answer that sets the cookie of the browser; empty: it forgets it."""
@@ -140,18 +151,8 @@ class Document(NamedTuple):
     seldom: str = ""
 
 
-@dataclass(frozen=True)
-class Stream:
-    """An answer that lasts: server-sent events with a document each time it changes.
-
-    Attributes:
-        document: Returns what the person sees now.
-    """
-
-    document: Callable[[], Document]
-
-
-Answer = Union[Mapping[str, Any], Body, Cookie, Stream]
+Answer = Union[Mapping[str, Any], Body, Cookie, Callable[[], Document]]
+"""A function returns what a person sees now: it is sent as long as the person watches."""
 
 
 @dataclass(frozen=True)
@@ -173,9 +174,6 @@ class Route:
     blocking: bool = False
 
 
-Routes = Tuple[Route, ...]
-
-
 class WebPage:
     """One page; all but its blocking routes is called in the thread of the server.
 
@@ -184,7 +182,7 @@ class WebPage:
         words: The sentences of its script by their names, in every language of the catalogue.
     """
 
-    routes: Routes = ()
+    routes: Tuple[Route, ...] = ()
     words: Mapping[str, Message] = {}
 
     def on_event(self, event: object) -> None:

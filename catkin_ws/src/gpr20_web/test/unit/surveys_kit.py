@@ -79,7 +79,7 @@ class Surveys:
         self.data = data
         self.kit = Kit(data, now_ns=NOW_US * 1000)
         self.services = Services(data, self.kit.processing)
-        self.page = SurveysPage(self.services, data, lambda: NOW_US)
+        self.page = SurveysPage(self.services.ask, self.services.cancel, data, lambda: NOW_US)
         self.whole = self._add(SURVEY, STARTED_US, len(POINTS), "finished")
         self.part = self._add(OTHER_SURVEY, STARTED_US + DAY_US, 4, "stopped")
 

@@ -18,10 +18,9 @@ from web_kit import CHEAP, OTHER_PASSWORD, PASSWORD, make_accounts
 from gpr20_common.faults import NOT_ALLOWED
 from gpr20_survey.files.durable_files import locked
 from gpr20_web.calls import Role
-from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
+from gpr20_web.faults import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low import accounts as module
 from gpr20_web.low.accounts import (
-    LEAST_DIFFERENT,
     OWASP,
     Accounts,
     Cost,
@@ -163,16 +162,6 @@ def test_a_hash_fits_its_password_and_no_other_in_any_script(one: str, other: st
 
 def test_new_hashes_cost_what_owasp_recommends() -> None:
     assert OWASP == (32768, 8, 3) and fits("correct horse", hash_of("correct horse"), OWASP)
-
-
-SIGNS = st.characters(max_codepoint=0x17F, blacklist_categories=["C", "Z"])
-
-
-@given(
-    st.text(SIGNS, min_size=12, max_size=200).filter(lambda one: len(set(one)) >= LEAST_DIFFERENT)
-)
-def test_every_password_of_12_to_200_signs_with_5_different_ones_is_taken(password: str) -> None:
-    check_password(password, "a.-")
 
 
 @each_case(

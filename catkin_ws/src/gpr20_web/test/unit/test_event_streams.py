@@ -11,8 +11,8 @@ from typing import Any, Callable, Dict, List
 import pytest
 
 from gpr20_common.message import Message
-from gpr20_web.calls import Document, Person, Role, Stream
-from gpr20_web.errors import BusyError, NotLoggedInError
+from gpr20_web.calls import Document, Person, Role
+from gpr20_web.faults import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS, EventStreams
 
@@ -23,13 +23,18 @@ def person(session: str = "one") -> Person:
     return Person("ana", Role.WATCH, session, "")
 
 
+def always() -> Document:
+    """Return a document that does not change."""
+    return Document('"a":1,')
+
+
 class Browser:
     """Takes what is sent as it comes; a slow one only what it asks for."""
 
-    def __init__(self, streams: EventStreams, stream: Stream, who: Person = person()) -> None:  # noqa: B008
+    def __init__(self, streams: EventStreams, make: Any, session: str = "one") -> None:
         self.known: Dict[str, Any] = {}
         self.sent: List[Dict[str, Any]] = []
-        self._events = streams.events(stream, who)
+        self._events = streams.events(make, person(session))
 
     async def take(self) -> None:
         event = await self._events.__anext__()
@@ -61,7 +66,10 @@ async def rest() -> None:
 @in_loop
 async def test_a_slow_browser_gets_the_newest_state_and_none_of_those_between() -> None:
     number, streams = [0], EventStreams(lambda _one: None)
-    stream = Stream(lambda: Document(f'"number":{number[0]},'))
+
+    def stream() -> Document:
+        return Document(f'"number":{number[0]},')
+
     slow, quick = Browser(streams, stream), Browser(streams, stream)
     await slow.take()
     taking = asyncio.ensure_future(quick.take_all())
@@ -83,7 +91,10 @@ async def test_what_changes_all_the_time_waits_for_the_sign_of_life_or_for_what_
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     state, stored, streams = ["works"], [0], EventStreams(lambda _one: None)
-    stream = Stream(lambda: Document(f'"state":"{state[0]}",', f'"stored":{stored[0]},'))
+
+    def stream() -> Document:
+        return Document(f'"state":"{state[0]}",', f'"stored":{stored[0]},')
+
     browser = Browser(streams, stream)
     taking = asyncio.ensure_future(browser.take_all())
     await rest()
@@ -113,8 +124,7 @@ async def test_without_a_beat_nothing_is_sent_and_a_new_browser_learns_how_old_i
     now_s = [100.0]
     monkeypatch.setattr("time.monotonic", lambda: now_s[0])
     streams = EventStreams(lambda _one: None)
-    stream = Stream(lambda: Document('"a":1,'))
-    first, late = Browser(streams, stream), Browser(streams, stream)
+    first, late = Browser(streams, always), Browser(streams, always)
     taking = asyncio.ensure_future(first.take_all())
     await rest()
     now_s[0] = 130.0
@@ -135,12 +145,11 @@ async def test_a_stream_ends_with_its_session_or_its_document_and_no_other_does(
             raise NotLoggedInError(Message("over"))
 
     streams = EventStreams(check)
-    stream = Stream(lambda: Document('"a":1,'))
     with pytest.raises(NotLoggedInError):
-        await Browser(streams, stream, person("over")).take()
+        await Browser(streams, always, "over").take()
     with pytest.raises(ZeroDivisionError):
-        await Browser(streams, Stream(lambda: Document(str(1 / 0)))).take()
-    browser = Browser(streams, stream)
+        await Browser(streams, lambda: Document(str(1 / 0))).take()
+    browser = Browser(streams, always)
     await browser.take()
     assert browser.known["a"] == 1
     taking = asyncio.ensure_future(browser.take())

@@ -18,7 +18,7 @@ from gpr20_common.errors import InvalidValueError
 from gpr20_common.faults import CONFIGURATION, NOT_ALLOWED
 from gpr20_common.mid.codec import record_from
 from gpr20_web.calls import Role
-from gpr20_web.errors import WrongLoginError
+from gpr20_web.faults import WrongLoginError
 from gpr20_web.high import users_command
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.mid.web_parameters import WebParameters

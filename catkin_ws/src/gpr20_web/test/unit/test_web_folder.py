@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from gpr20_web.errors import SetupError
+from gpr20_web.faults import SetupError
 from gpr20_web.low import web_folder
 from gpr20_web.low.web_folder import Certificate, ensure_certificate, ssl_context
 

@@ -9,6 +9,7 @@ from result_kit import TIME_US, noted, stored
 from view_kit import depth_echo, description, past_survey, state_of, trace_at
 from web_ground_kit import FOLDER, PERIOD_S, SURVEY, Server
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import Place
@@ -19,7 +20,7 @@ from gpr20_operator.palette import Theme, pattern, pattern_colours, shade_colour
 from gpr20_operator.robot.events import Progress
 from gpr20_survey.folder.log_record import soil_values
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError
+from gpr20_web.faults import BusyError, NotFoundError
 from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
 from gpr20_web.mid.shown_ground import AGAIN_S, PATTERN_PX
 
@@ -46,10 +47,10 @@ def test_map_and_section_have_the_colours_of_the_window(server, along):
     source, colours = EchoSource(radar_of(server)), shade_colours()
     picture = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0))
     expected = colours[shade_numbers(picture.shades[::-1])]
-    assert (server.pixels(layer="echoes", depth="100") == expected).all()
+    assert (server.pixels(layer="echoes", depth_mm=100) == expected).all()
     settings = RadarSettings(polarization=1, permittivity=6.0, along=Axis(along))
     picture = source.section(TARGETED, settings)
-    place = {"x": "150", "y": "90", "along": along, "polarization": "1"}
+    place = {"x_mm": 150, "y_mm": 90, "along": along, "polarization": 1}
     found = server.pixels("section", **place)
     assert (found == colours[shade_numbers(picture.shades)]).all()
 
@@ -65,12 +66,12 @@ def test_no_choice_of_a_browser_changes_what_others_see(server):
     server.run(stored=4)
     before = server.ask()
     pictures = server.pixels(layer="echoes"), server.pixels("section")
-    choice = {"x": "100", "y": "50", "depth": "20", "polarization": "1", "along": "y"}
+    choice = {"x_mm": 100, "y_mm": 50, "depth_mm": 20, "polarization": 1, "along": "y"}
     ground = server.ask(**choice, layer="echoes")["ground"]
     # A place is said in words.
     assert ground["lines"][0] == "X 100, Y 50, depth 20 mm"
     assert ground["counts"][0] == ["Done", 2]
-    far = server.ask(x="200", y="110", layer="echoes")["ground"]
+    far = server.ask(x_mm=200, y_mm=110, layer="echoes")["ground"]
     assert far["lines"][1:] == ["Missing", "No trace to show"]
     assert server.ask() == before
     assert (server.pixels(layer="echoes") == pictures[0]).all()
@@ -232,15 +233,15 @@ def test_without_a_survey_nothing_is_shown(server):
 @each_case(
     "name, value",
     [
-        *(("depth", one) for one in ("nan", "-1", "1e9", "x", "1" * 99)),
+        *(("depth_mm", one) for one in (float("nan"), -1, 1e9, "x", True)),
         *(("survey", one) for one in ("../etc", "20261121T051000_7c9e6679/..", "a" * 999)),
-        *(("x", "1e300"), ("layer", "__class__"), ("along", "z"), ("polarization", "65")),
+        *(("x_mm", 1e300), ("layer", "hiding"), ("along", "z"), ("polarization", 65), ("no", 1)),
     ],
 )
 def test_what_no_page_sends_is_refused(name, value):
     server = Server()
     server.run()
-    with pytest.raises(BadRequestError):
+    with pytest.raises(Gpr20Error):
         server.ask(**{name: value})
 
 

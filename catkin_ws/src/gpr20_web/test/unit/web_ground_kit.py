@@ -45,7 +45,9 @@ class Server:
 
     def ask(self, path="/api/ground", method="GET", **values):
         route, parts = route_of(self.page.routes, method, path)
-        answer = route.answer(Call(ANA, ANA.address, values, parts))
+        asked = {one: values.pop(one) for one in ("survey", "known", "again") if one in values}
+        asked["choice"] = json.dumps(values)
+        answer = route.answer(Call(ANA, ANA.address, asked, parts))
         if not isinstance(answer, Body):
             # As it is sent: nothing in it is infinite or unknown to JSON.
             assert json.loads(json_text(answer)) == answer

@@ -15,8 +15,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Fault, Message, Severity
 from gpr20_operator.robot.events import ControlState
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.calls import ROLES, Person, Route
-from gpr20_web.errors import NotLoggedInError
+from gpr20_web.calls import ROLES, File, Person, Route
+from gpr20_web.faults import NotLoggedInError
 from gpr20_web.low.accounts import Accounts, Cost
 from gpr20_web.low.http_server import COOKIE, HttpServer
 from gpr20_web.low.logins import Logins
@@ -67,6 +67,7 @@ class Site:
         self,
         routes: Sequence[Route],
         find: Callable[[str, str], Person] = find_person,
+        files: Optional[Mapping[str, File]] = None,
     ) -> None:
         self.reported: List[BaseException] = []
         self.loop = asyncio.new_event_loop()
@@ -74,7 +75,7 @@ class Site:
         self._thread.start()
 
         async def begin() -> None:
-            self.server = HttpServer(tuple(routes), STATIC, find, self.reported.append)
+            self.server = HttpServer(routes, files or {}, find, self.reported.append)
             self.port = self.server.listen("127.0.0.1", 0, None)
 
         self.call(begin())

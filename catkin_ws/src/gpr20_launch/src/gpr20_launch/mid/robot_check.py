@@ -6,7 +6,7 @@ import os
 import sys
 from contextlib import redirect_stdout
 from dataclasses import replace
-from ipaddress import IPv4Address
+from ipaddress import IPv4Address, ip_address
 from pathlib import Path
 from typing import Any, Callable, Dict, Iterator, Tuple, get_args
 
@@ -179,6 +179,9 @@ def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
     if web.port == MASTER_PORT:
         reason = "this is the port of the ROS master"
         yield "web.yaml", "port", web.port, reason, f"another port, such as {type(web).port}"
+    if ip_address(web.address).is_unspecified:
+        reason = "the page is open to every network of this computer"
+        yield "web.yaml", "address", web.address, reason, "its address in the browsers' network"
     # Resistors and noise aside, 3.3 V.
     if height.reference_voltage_v > 3.6:
         reason = "a converter at 5 V puts that on the MISO pin, which is made for 3.3 V: supply it "

@@ -14,7 +14,7 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_common.terminal_text import say
 from gpr20_web.calls import ROLES
-from gpr20_web.errors import AccountError
+from gpr20_web.faults import AccountError
 from gpr20_web.low.accounts import Accounts, checked_name
 from gpr20_web.mid.web_parameters import WebParameters
 

@@ -7,9 +7,9 @@ import os
 import socket
 import threading
 from collections import deque
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Coroutine, Deque, Optional
+from typing import Any, Coroutine, Deque, Dict, Optional
 
 import rospy
 
@@ -28,17 +28,15 @@ from gpr20_operator.jobs.job import Delivery, Service
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.remote_control import RemoteAllowance, WebStatusReported
 from gpr20_operator.robot.snapshot import SurveyModel
-from gpr20_web.errors import NotNowError
+from gpr20_web.faults import NotNowError
 from gpr20_web.low.accounts import Accounts
 from gpr20_web.low.http_server import HttpServer
 from gpr20_web.low.logins import Logins
 from gpr20_web.low.web_folder import ensure_certificate, ssl_context
 from gpr20_web.mid.commands import Commands
 from gpr20_web.mid.ground_page import GroundPage
-from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.now_page import NowPage
-from gpr20_web.mid.presses import AuditNotes
-from gpr20_web.mid.service_page import ServicePage
+from gpr20_web.mid.presses import AuditNotes, Lease
+from gpr20_web.mid.robot_pages import NowPage, ServicePage
 from gpr20_web.mid.shell import Shell
 from gpr20_web.mid.surveys_page import SurveysPage
 from gpr20_web.mid.web_parameters import WebParameters
@@ -54,35 +52,8 @@ MASTER_CHECK_S = 2.0
 # A page that is loaded again finds what is known of the axes: a STOP may wait for it.
 LINGER_S = 10.0
 CLOSE_LIMIT_S, CALL_LIMIT_S = 3.0, 5.0
-
-
-@dataclass(frozen=True)
-class StoredSurveys:
-    """Where the imaging node finds the surveys: the page is on the same computer.
-
-    Attributes:
-        data: Folder of the surveys; empty: $GPR20_DATA, or ~/gpr20_data if that is not set.
-    """
-
-    data: str = ""
-
-
-class WaitingServices:
-    """Storage and imaging node, for those who wait for the answers; see `SurveyServices`."""
-
-    def __init__(self, requests: StorageClient) -> None:
-        self._requests = requests
-
-    def ask(self, service: Service, **fields: Any) -> Any:
-        """Return what a service answers."""
-        try:
-            return self._requests.wait_for(service, **fields)
-        except RequestError as error:
-            raise NotNowError(error.message) from error
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request, without waiting."""
-        self._requests.cancel(request_id)
+# For the commands that are not noted yet when the node ends.
+NOTES_LIMIT_S = 3.0
 
 
 class WebNode:
@@ -116,7 +87,8 @@ class WebNode:
         )
         self._shell = self._new_shell(data)
         self._server = HttpServer(
-            tuple(self._shell.all_routes()), STATIC, self._logins.find, self._report
+            *(self._shell.all_routes(), self._shell.files(STATIC)),
+            *(self._logins.find, self._report),
         )
         self._status = rospy.Publisher("web_status", WebStatus, queue_size=5, latch=True)
         self._diagnostics = Diagnostics(NODE, self._health)
@@ -125,20 +97,30 @@ class WebNode:
 
     def close(self) -> None:
         """Leave browsers and graph; a survey that runs continues."""
+        self._in_loop(self._server.close())
+        noted = threading.Event()
+        self._loop.call_soon_threadsafe(self._notes.finish, noted.set)
+        noted.wait(NOTES_LIMIT_S)
         for client in self._clients:
             client.close()
-        self._in_loop(self._server.close())
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join(CLOSE_LIMIT_S)
+        for _until_s, lost in self._notes.waiting:
+            rospy.logwarn("no log of a survey has this command: %s", lost)
 
     def _connect_clients(self) -> None:
         put, namespace = self._events.append, rospy.get_namespace()
         senders = Senders(namespace)
         self._control = ControlClient(put, senders)
         self._storage = StorageClient(put, senders)
-        self._services = WaitingServices(self._storage)
         remote = RemoteControlClient(put, namespace)
         self._clients = (self._control, self._storage, remote)
+
+    def _wait_for(self, service: Service, **fields: Any) -> Any:
+        try:
+            return self._storage.wait_for(service, **fields)
+        except RequestError as error:
+            raise NotNowError(error.message) from error
 
     def _new_shell(self, data: Path) -> Shell:
         return Shell(
@@ -146,7 +128,7 @@ class WebNode:
                 "now": NowPage(rospy.get_namespace().strip("/")),
                 "commands": self._commands,
                 "map": GroundPage(self._storage, self._clock.now_s, self._warn),
-                "surveys": SurveysPage(self._services, data),
+                "surveys": SurveysPage(self._wait_for, self._storage.cancel, data),
                 "service": ServicePage(self._storage.examine, self._clock),
             },
             self._logins,
@@ -177,7 +159,7 @@ class WebNode:
     def _beat(self) -> None:
         self._loop.call_later(BEAT_S, self._beat)
         is_due = self._clock.now_s() - self._refreshed_s >= REST_S
-        if not (is_due or self._server.streams):
+        if not (is_due or self._server.streams or self._notes.last_tries):
             return
         with faults_logged("page"):  # the next beat shows what is true then
             while self._events:
@@ -237,8 +219,9 @@ def main() -> None:
     """Run the node until ROS shuts down."""
 
     def build() -> WebNode:
-        stored = read_parameters(StoredSurveys, "imaging")
-        node = WebNode(read_parameters(WebParameters, NODE), data_folder(stored.data, os.environ))
+        # The page is on the computer of the imaging node, and has the same surveys.
+        data = data_folder(read_parameters(Dict[str, str], "imaging").get("data", ""), os.environ)
+        node = WebNode(read_parameters(WebParameters, NODE), data)
         rospy.on_shutdown(node.close)
         return node
 

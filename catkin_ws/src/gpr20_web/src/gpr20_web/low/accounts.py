@@ -22,7 +22,7 @@ from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.files.durable_files import SHORT_WAIT_S, locked, replace_file
 from gpr20_survey.files.regular_files import read_regular
 from gpr20_web.calls import ROLES, Role
-from gpr20_web.errors import AccountError, AccountsFileError, WrongLoginError
+from gpr20_web.faults import AccountError, AccountsFileError, WrongLoginError
 from gpr20_web.low.web_folder import ensure_secret_folder
 
 FILE_NAME, FIRST_LINE = "accounts.txt", "gpr20-accounts 1"

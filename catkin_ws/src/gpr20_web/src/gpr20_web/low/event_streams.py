@@ -10,9 +10,8 @@ import time
 from typing import Any, AsyncIterator, Callable, Iterator, List, Optional, Set
 
 from gpr20_common.message import Message
-from gpr20_web import faults
-from gpr20_web.calls import Document, Person, Stream
-from gpr20_web.errors import BusyError
+from gpr20_web.calls import Document, Person
+from gpr20_web.faults import BAD_REQUEST, BusyError
 
 MAX_STREAMS = 64
 # A browser has six connections to one computer for all its pages: STOP needs one.
@@ -75,7 +74,7 @@ class EventStreams:
                     one=MAX_STREAMS_OF_SESSION,
                     most=MAX_STREAMS,
                 ),
-                fault=faults.BAD_REQUEST,
+                fault=BAD_REQUEST,
             )
         self._people.append(person)
         try:
@@ -83,7 +82,7 @@ class EventStreams:
         finally:
             self._people.remove(person)
 
-    async def events(self, stream: Stream, person: Person) -> AsyncIterator[bytes]:
+    async def events(self, make: Callable[[], Document], person: Person) -> AsyncIterator[bytes]:
         """Yield what is sent to a browser; whoever is slow gets the newest state next.
 
         Raises:
@@ -96,7 +95,7 @@ class EventStreams:
             if now_s - checked_s > SESSION_CHECK_S:
                 checked_s = now_s
                 self._check(person)
-            document = stream.document()
+            document = make()
             is_new = sent is None or document.urgent != sent.urgent
             if is_new or now_s - sent_s >= SIGN_OF_LIFE_S:
                 members = "" if document == sent else "".join(document)

@@ -6,11 +6,13 @@ import asyncio
 import errno
 import json
 import os
+import re
 import ssl
+from base64 import b64encode
 from concurrent.futures import ThreadPoolExecutor
-from functools import cached_property
-from pathlib import Path
-from typing import Any, Callable, Dict, Mapping, Optional
+from functools import cached_property, lru_cache
+from hashlib import sha256
+from typing import Any, Callable, Dict, Mapping, Optional, Sequence
 
 from tornado import httpserver, netutil, web
 from tornado.http1connection import HTTP1Connection
@@ -21,9 +23,9 @@ from gpr20_common.errors import Gpr20Error, os_reason
 from gpr20_common.low.links import end_when_broken
 from gpr20_common.message import Message
 from gpr20_operator.robot.condition import first_step
-from gpr20_web import faults
-from gpr20_web.calls import Answer, Body, Call, Cookie, Person, Role, Route, Routes, Stream
-from gpr20_web.errors import (
+from gpr20_web.calls import Answer, Body, Call, Cookie, Document, File, Person, Role, Route
+from gpr20_web.faults import (
+    BAD_REQUEST,
     BadRequestError,
     NotAllowedError,
     NotFoundError,
@@ -40,18 +42,17 @@ BROKEN_S = 10.0
 # Each has a descriptor, of which a process usually has 1024: without any, nothing works.
 MAX_CONNECTIONS = 512
 THREADS, LOGIN_THREADS = 8, 2
-# A file of the pages; without a name it is the first one.
-FILES = r"/((?:(?:[a-z]+/)?[a-z_]+\.[a-z]+)?)"
 # "__Host-": browsers take it only with Secure, for this host alone and for every path.
 COOKIE = "__Host-session"
 JSON = "application/json"
+POLICY = (
+    "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
+    "object-src 'none'"
+)
 # Nothing from outside, no frame around it, no address of it for others. No HSTS: it would
 # forbid a person to accept the certificate that the installation made.
 HEADERS = {
-    "Content-Security-Policy": (
-        "default-src 'self'; base-uri 'none'; form-action 'self'; frame-ancestors 'none'; "
-        "object-src 'none'"
-    ),
+    "Content-Security-Policy": POLICY,
     "X-Frame-Options": "DENY",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
@@ -67,15 +68,15 @@ class HttpServer:
 
     Args:
         routes: Everything that can be asked for; what is not in it cannot be reached.
-        static: Folder of the pages.
+        files: What everybody may load, by its path; of a page, the scripts in it are run.
         find: Returns the person of a cookie and an address, or raises NotLoggedInError.
         report: Takes an exception that no error of the project is, to be logged.
     """
 
     def __init__(
         self,
-        routes: Routes,
-        static: Path,
+        routes: Sequence[Route],
+        files: Mapping[str, File],
         find: Callable[[str, str], Person],
         report: Callable[[BaseException], None],
     ) -> None:
@@ -87,13 +88,12 @@ class HttpServer:
         by_path: Dict[str, Dict[str, Route]] = {}
         for one in routes:
             by_path.setdefault(one.pattern, {})[one.method] = one
-        files = {"path": str(static), "default_filename": "index.html"}
         # Of the handlers below.
         settings: Dict[str, Any] = {"find": find, "report": report, **self._pools}
         self._application = web.Application(
             [
                 *((path, _RouteHandler, {"routes": found}) for path, found in by_path.items()),
-                (FILES, _FileHandler, files),
+                *((re.escape(path), _FileHandler, {"file": one}) for path, one in files.items()),
                 (r".*", _RouteHandler, {"routes": {}}),
             ],
             compress_response=True,
@@ -199,14 +199,14 @@ class _PageHandler(web.RequestHandler):
 
     def write_error(self, status_code: int, **kwargs: Any) -> None:
         """Tornado: write an error, without what it knows of this program."""
-        error = kwargs.get("exc_info", (None, None))[1]
+        error, text = kwargs.get("exc_info", (None, None))[1], read_catalogue(self.language).text
         if isinstance(error, Gpr20Error):
             self.set_status(error.status if isinstance(error, WebError) else 409)
             first = first_step(error.message)
             self.send_json(
                 {
-                    "error": self.text(error.message),
-                    "remedy": "" if first is None else self.text(first),
+                    "error": text(error.message),
+                    "remedy": "" if first is None else text(first),
                     "code": error.message.fault_code,
                 }
             )
@@ -214,7 +214,7 @@ class _PageHandler(web.RequestHandler):
         said = Message("The request was refused.")
         if status_code >= 500:
             said = Message("The page has a fault of its own; its log says which.")
-        self.send_json({"error": self.text(said)})
+        self.send_json({"error": text(said)})
 
     @property
     def _connection(self) -> IOStream:
@@ -228,22 +228,25 @@ class _PageHandler(web.RequestHandler):
         asked = self.request.query_arguments.get("language", [b""])[-1].decode("ascii", "replace")
         return next((one for one in languages() if one.value == asked), Language.ENGLISH)
 
-    def text(self, message: Message) -> str:
-        """Return a message in the language of the browser."""
-        return read_catalogue(self.language).text(message)
-
     def send_json(self, values: Mapping[str, Any]) -> None:
         """End the answer with an object."""
         self.set_header("Content-Type", f"{JSON}; charset=UTF-8")
         self.finish(json_text(values))
 
 
-class _FileHandler(_PageHandler, web.StaticFileHandler):
-    """A file of the pages; the browser asks each time, so that an update reaches it."""
+class _FileHandler(_PageHandler):
+    """A file of the page; the browser asks each time, so that an update reaches it."""
 
-    def set_extra_headers(self, path: str) -> None:
-        """Tornado: replace what is for answers that are made."""
+    def initialize(self, file: File) -> None:
+        """Tornado: take the file."""
+        self._file = file
+
+    def get(self) -> None:
+        """Answer with the file, or that the browser has it."""
         self.set_header("Cache-Control", "no-cache")
+        self.set_header("Content-Security-Policy", _policy_of(self._file.content))
+        self.set_header("Content-Type", self._file.kind)
+        self.finish(self._file.content)
 
 
 class _RouteHandler(_PageHandler):
@@ -275,7 +278,7 @@ class _RouteHandler(_PageHandler):
                     right=route.right.word,
                 )
             )
-        call = Call(person, address, self._values(), parts, self.language, self.text)
+        call = Call(person, address, self._values(), parts, self.language)
         if route.blocking:
             # Whatever the others wait for, who is not logged in yet gets in.
             pool = "logins" if route.right is Role.NOBODY else "work"
@@ -300,7 +303,7 @@ class _RouteHandler(_PageHandler):
             is_foreign |= headers.get("Origin", "") != own or kind != JSON
         if is_foreign:
             raise NotAllowedError(
-                Message("the request does not come from this page"), fault=faults.BAD_REQUEST
+                Message("the request does not come from this page"), fault=BAD_REQUEST
             )
 
     def _values(self) -> Mapping[str, Any]:
@@ -309,7 +312,7 @@ class _RouteHandler(_PageHandler):
             if self.request.method == "GET":
                 given = self.request.query_arguments.items()
                 return {name: one[-1].decode() for name, one in given if name != "language"}
-            values = json.loads(self._body or b"{}", parse_constant=_refuse_constant)
+            values = json.loads(self._body or b"{}")
             if not isinstance(values, dict):
                 raise ValueError("no object")
             return values
@@ -317,7 +320,7 @@ class _RouteHandler(_PageHandler):
             raise BadRequestError(Message("the request cannot be read")) from error
 
     async def _send(self, answer: Answer, call: Call) -> None:
-        if isinstance(answer, Stream):
+        if callable(answer):
             await self._watch(answer, call.who)
         elif isinstance(answer, Body):
             await self._send_body(answer)
@@ -330,14 +333,14 @@ class _RouteHandler(_PageHandler):
         else:
             self.send_json(answer)
 
-    async def _watch(self, stream: Stream, person: Person) -> None:
+    async def _watch(self, document: Callable[[], Document], person: Person) -> None:
         with self.settings["streams"].watching(person):
             gone = self._gone = asyncio.get_event_loop().create_future()
             if not self._connection.closed():
                 # Without this, a browser whose link is lost would be there for 15 min.
                 end_when_broken(self._connection.socket, BROKEN_S)
             self.set_header("Content-Type", "text/event-stream")
-            async for event in self.settings["streams"].events(stream, person):
+            async for event in self.settings["streams"].events(document, person):
                 self.write(event)
                 sent = asyncio.ensure_future(self.flush())
                 await asyncio.wait([sent, gone], return_when=asyncio.FIRST_COMPLETED)
@@ -365,5 +368,10 @@ class _RouteHandler(_PageHandler):
         return await loop.run_in_executor(self.settings[pool], work, *arguments)
 
 
-def _refuse_constant(name: str) -> None:
-    raise ValueError(name)
+@lru_cache(maxsize=None)
+def _policy_of(page: bytes) -> str:
+    """Return the policy that lets the scripts and styles in a page run, and no others."""
+    inside = re.findall(rb"<(script|style)>(.*?)</\1>", page, re.DOTALL)
+    sums = (b64encode(sha256(one).digest()).decode() for _kind, one in inside)
+    own = " ".join(["'self'", *(f"'sha256-{one}'" for one in sums)])
+    return f"{POLICY}; script-src {own}; style-src {own}"

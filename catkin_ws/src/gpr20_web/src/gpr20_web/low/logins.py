@@ -14,7 +14,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_survey.trace.utc_time import US_PER_S
 from gpr20_web.calls import ROLES, Person
-from gpr20_web.errors import (
+from gpr20_web.faults import (
     AccountsFileError,
     NotLoggedInError,
     TooManyLoginsError,

@@ -21,7 +21,7 @@ from gpr20_common.message import Message
 from gpr20_common.terminal_text import printable
 from gpr20_survey.files.durable_files import ensure_folder, ensure_folders, write_new_file
 from gpr20_survey.files.regular_files import read_regular
-from gpr20_web.errors import SetupError
+from gpr20_web.faults import SetupError
 
 FOLDER_MODE = 0o700
 KEY_NAME, CERTIFICATE_NAME = "key.pem", "certificate.pem"

@@ -18,11 +18,9 @@ from gpr20_operator.robot.notices import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, SurveyModel, survey_name
 from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_web import faults
 from gpr20_web.calls import Call, Role, Route, Text, WebPage, sentence
-from gpr20_web.errors import BadRequestError, NotAllowedError, NotNowError
-from gpr20_web.mid.lease import Lease
-from gpr20_web.mid.presses import Presses, log_entry, press_of
+from gpr20_web.faults import NOT_ARMED, BadRequestError, NotAllowedError, NotNowError
+from gpr20_web.mid.presses import Lease, Presses, log_entry, press_of
 
 # Of ground of which nothing is known.
 AIR = 1.0
@@ -247,7 +245,7 @@ class Commands(WebPage):
                     Message("a STOP is not confirmed yet; if that lasts, press STOP again")
                 )
             if obstacle is not None:
-                raise NotNowError(obstacle.with_fault(faults.NOT_ARMED))
+                raise NotNowError(obstacle.with_fault(NOT_ARMED))
             self._lease.check(call.who)
         except (NotNowError, NotAllowedError) as error:
             self._log(call, request, f"refused: {error}")

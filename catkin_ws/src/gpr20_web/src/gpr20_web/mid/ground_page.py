@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Dict, Mapping, Optional, TypeVar
+from typing import Any, Callable, Dict, Mapping, Optional
 
 from gpr20_common.message import Message
-from gpr20_operator.ground.grid import Place
+from gpr20_common.mid.codec import record_of_json
 from gpr20_operator.ground.past_surveys import survey_label
-from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, RadarSettings
+from gpr20_operator.ground.sources import Layer
 from gpr20_operator.jobs.job import Requests
 from gpr20_operator.jobs.pictures import Imaging, Pictures
 from gpr20_operator.jobs.result_texts import headline
-from gpr20_operator.palette import Theme
 from gpr20_operator.robot.snapshot import Snapshot, percent_of
 from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_folder import FOLDER_NAME
-from gpr20_survey.trace.trace import MAX_COORDINATE, Trace
+from gpr20_survey.trace.trace import Trace
 from gpr20_web.calls import Body, Call, Role, Route, Text, WebPage
-from gpr20_web.errors import BadRequestError, BusyError
-from gpr20_web.mid.shown_ground import MM_PER_M, GroundChoice, ShownGround
+from gpr20_web.faults import BusyError, no_survey
+from gpr20_web.mid.shown_ground import GroundChoice, ShownGround
 
 # What has come is taken so often: each picture is made at most so often, for all browsers.
 PERIOD_S = 1.0
@@ -28,11 +27,6 @@ MOST_PAST = 3
 # A past survey at which nobody has looked for so long gives room, or is forgotten.
 ROOM_S, FORGOTTEN_S = 10.0, 120.0
 PNG, WHOLE = "image/png", 100
-MAX_POLARIZATIONS = 64
-ALONG = {"x": Axis.X_MM, "y": Axis.Y_MM}
-THEMES = {one.value: one for one in Theme}
-LAYERS = {one.value: one for one in (Layer.COVERAGE, Layer.ECHOES, Layer.FOCUSED)}
-Chosen = TypeVar("Chosen")
 
 
 class GroundPage(WebPage):
@@ -178,7 +172,7 @@ class GroundPage(WebPage):
         if folder:
             if folder not in self._past:
                 if not FOLDER_NAME.fullmatch(folder):
-                    raise _wrong("survey", folder, "YYYYMMDDTHHMMSS_xxxxxxxx")
+                    raise no_survey(folder)
                 self._make_room()
                 self._past[folder] = self._new_ground(folder)
             ground = self._past[folder]
@@ -209,48 +203,5 @@ class GroundPage(WebPage):
 
 
 def _choice(call: Call) -> GroundChoice:
-    """Return what a browser wants to see, checked."""
-    preset = RadarSettings()
-    x_mm = _number(call, "x", -MAX_COORDINATE, MAX_COORDINATE)
-    y_mm = _number(call, "y", -MAX_COORDINATE, MAX_COORDINATE)
-    depth_mm = _number(call, "depth", 0.0, MAX_DEPTH_M * MM_PER_M)
-    settings = RadarSettings(
-        polarization=int(_number(call, "polarization", 0, MAX_POLARIZATIONS) or 0),
-        depth_m=preset.depth_m if depth_mm is None else depth_mm / MM_PER_M,
-        along=_one(call, "along", ALONG, preset.along),
-        layer=_one(call, "layer", LAYERS, preset.layer),
-    )
-    place = None if x_mm is None or y_mm is None else Place(x_mm, y_mm)
-    return GroundChoice(_one(call, "theme", THEMES, Theme.SUN), settings, place)
-
-
-def _number(call: Call, name: str, low: float, high: float) -> Optional[float]:
-    """Return a number between limits; None: there is none."""
-    text = call.values.get(name, "")
-    try:
-        number = float(text) if text else None
-    except ValueError:
-        number = math.nan
-    # Written so that NaN is refused too.
-    if number is None or low <= number <= high:
-        return number
-    raise _wrong(name, text, Message("{low:g} .. {high:g}", low=low, high=high))
-
-
-def _one(call: Call, name: str, choices: Mapping[str, Chosen], preset: Chosen) -> Chosen:
-    """Return what a word stands for; the preset if there is none."""
-    word = call.values.get(name, "")
-    if word and word not in choices:
-        raise _wrong(name, word, ", ".join(choices))
-    return choices.get(word, preset)
-
-
-def _wrong(name: str, value: str, allowed: object) -> BadRequestError:
-    return BadRequestError(
-        Message(
-            "{name} cannot be {value}; allowed: {allowed}",
-            name=name,
-            value=repr(value)[:40],
-            allowed=allowed,
-        )
-    )
+    """Return what a browser wants to see, which is JSON in its query."""
+    return record_of_json(GroundChoice, call.values.get("choice", "{}").encode(), "choice")

@@ -1,4 +1,4 @@
-"""The commands that were pressed, what became of each, and the notes of who pressed it."""
+"""Who is in control, what was pressed, what became of it, and the notes of who pressed it."""
 
 from __future__ import annotations
 
@@ -16,10 +16,17 @@ from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.trace.utc_time import iso_text
-from gpr20_web.calls import Call, Text, text_of
-from gpr20_web.errors import BadRequestError, NotNowError
-from gpr20_web.faults import NOT_NOTED
+from gpr20_web.calls import Call, Person, Text, text_of
+from gpr20_web.faults import (
+    NOT_IN_CONTROL,
+    NOT_NOTED,
+    BadRequestError,
+    NotAllowedError,
+    NotNowError,
+)
 
+# A browser that has lost its link for so long [s] gives control up.
+ABSENT_S = 30.0
 # The browser makes a new one for each press.
 _PRESS_ID = re.compile("[0-9a-f]{32}")
 # A press that is sent again within this many others is not carried out again.
@@ -169,6 +176,71 @@ def log_entry(call: Call, what: str, outcome: str, clock: Clock) -> Dict[str, An
     }
 
 
+class Lease:
+    """Who is in control. Belongs to one thread.
+
+    It passes to whoever takes it, except while a person at the robot allows remote control to the
+    browser that has it now.
+
+    Args:
+        clock: Measures how long a browser is absent.
+        is_present: Whether the browser of a session watches now.
+
+    Attributes:
+        holder: Who is in control; None: nobody.
+    """
+
+    def __init__(self, clock: Clock, is_present: Callable[[str], bool]) -> None:
+        self._now_s, self._is_present = clock.now_s, is_present
+        self._seen_s, self._allowed = 0.0, False
+        self.holder: Optional[Person] = None
+
+    def refresh(self, allowed: bool) -> None:
+        """Let control lapse when its time has come.
+
+        Args:
+            allowed: Whether a person at the robot allows remote control now.
+        """
+        now_s = self._now_s()
+        if self.holder is not None and self._is_present(self.holder.session):
+            self._seen_s = now_s
+        if now_s - self._seen_s > ABSENT_S:
+            self.holder = None
+        self._allowed &= allowed
+
+    def take(self, person: Person, allowed: bool) -> None:
+        """Give control to a person, or raise NotAllowedError: somebody else has it.
+
+        Args:
+            person: Who takes it.
+            allowed: See `refresh`.
+        """
+        self.refresh(allowed)
+        if self.holder is not None and self._allowed:
+            self.check(person)
+        self.holder, self._seen_s, self._allowed = person, self._now_s(), allowed
+
+    def release(self, person: Person) -> None:
+        """Give control up."""
+        if self.has(person):
+            self.holder = None
+
+    def has(self, person: Person) -> bool:
+        """Return whether it is this browser that is in control."""
+        return self.holder is not None and self.holder.session == person.session
+
+    def check(self, person: Person) -> None:
+        """Raise NotAllowedError unless it is this browser that is in control."""
+        if self.has(person):
+            return
+        raise NotAllowedError(
+            Message("another page is in control: {name}", name=self.holder.name)
+            if self.holder is not None
+            else Message("this page is not in control"),
+            fault=NOT_IN_CONTROL,
+        )
+
+
 class AuditNotes:
     """Adds notes to the logs of surveys, one at a time; nobody waits for that.
 
@@ -180,41 +252,58 @@ class AuditNotes:
         report: Takes the first problem after a note that was taken.
 
     Attributes:
+        waiting: What no log has yet, the next one first, with the time when it is given up.
         problem: Why the last note was not taken; None if it was.
+        last_tries: After `finish`, how many notes are still to be sent; before, None.
     """
 
     def __init__(
         self, requests: Requests, now_s: Callable[[], float], report: Callable[[Message], None]
     ) -> None:
         self._now_s, self._report = now_s, report
-        # Each with the time at which it is given up.
-        self._waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
+        self.waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
         self._next_s = now_s()
         self._job = job_of(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
         self.problem: Optional[Message] = None
+        self.last_tries: Optional[int] = None
+        self._ended: Callable[[], None] = lambda: None
 
     def add(self, survey: str, values: Mapping[str, Any]) -> None:
         """Add values to the log of a survey, by its id."""
         fact = {"survey": survey, "kind": Kind.AUDIT, "values": values}
-        self._waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
+        self.waiting.append((self._now_s() + NOTE_LIMIT_S, fact))
+        self.refresh()
+
+    def finish(self, ended: Callable[[], None]) -> None:
+        """Send what waits once more, at once; `ended` is called when all of it was answered."""
+        self.last_tries, self._ended = len(self.waiting), ended
+        self._next_s = self._now_s()
         self.refresh()
 
     def refresh(self) -> None:
         """Send what waits, when it is time."""
-        if self._waiting and not self._job.running and self._now_s() >= self._next_s:
-            self._job.ask(**self._waiting[0][1])
+        if self.last_tries == 0:
+            self._ended()
+        elif self.waiting and not self._job.running and self._now_s() >= self._next_s:
+            self._job.ask(**self.waiting[0][1])
 
     def _on_taken(self, _said: Message) -> None:
-        self._waiting.popleft()
+        self.waiting.popleft()
         self.problem = None
-        self.refresh()
+        self._go_on(0.0)
 
     def _on_failed(self, reason: Message) -> None:
-        note, now_s, former = self._waiting.popleft(), self._now_s(), self.problem
+        note, now_s, former = self.waiting.popleft(), self._now_s(), self.problem
         if now_s < note[0]:
-            self._waiting.append(note)
-        self._next_s = now_s + RETRY_S
+            self.waiting.append(note)
         text = Message("a command was not noted in the log of its survey: {reason}", reason=reason)
         self.problem = text.with_fault(NOT_NOTED)
         if former is None:
             self._report(self.problem)
+        self._go_on(RETRY_S)
+
+    def _go_on(self, pause_s: float) -> None:
+        if self.last_tries is not None:
+            self.last_tries, pause_s = self.last_tries - 1, 0.0
+        self._next_s = self._now_s() + pause_s
+        self.refresh()

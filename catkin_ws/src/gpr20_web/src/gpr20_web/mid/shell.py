@@ -1,22 +1,23 @@
-"""What is around every page: the login, all words, the colours of the window, what is live."""
+"""What is around every page: its document with words and colours, the login, what is live."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Mapping, Sequence
+import re
+from pathlib import Path
+from typing import Any, Callable, Dict, Mapping, Match, Sequence
 
 from gpr20_common.catalogue import Language, languages, read_catalogue
 from gpr20_common.message import DECIMAL_POINT, Message
 from gpr20_operator.palette import LEVEL_COLOURS, Mark, TextColours, Theme
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.calls import (
-    Body,
     Call,
     Cookie,
     Document,
+    File,
     Person,
     Role,
     Route,
-    Stream,
     WebPage,
     text_of,
 )
@@ -26,6 +27,9 @@ from gpr20_web.low.logins import Logins
 # What changes with each trace: nobody reads it faster, and each change costs every browser work.
 # Another level of the band is in `robot`, and is sent at once.
 SELDOM = frozenset({"band", "job", "ground"})
+# What is put into index.html in place of its address.
+PARTS = re.compile(r'<(?:link rel="stylesheet" href|(script) src)="(.+?)">(?:</script>)?')
+WORDS_BEGIN = '<script type="application/json" id="words">'
 
 WORDS: Mapping[str, Message] = {
     "shell.point": DECIMAL_POINT,
@@ -85,11 +89,9 @@ class Shell:
     def all_routes(self) -> Sequence[Route]:
         """Return the whole table."""
         return [
-            Route("GET", "/api/words", Role.NOBODY, self._words),
-            Route("GET", "/api/colours.css", Role.NOBODY, lambda _call: _colours()),
             Route("POST", "/api/login", Role.NOBODY, self._log_in, blocking=True),
             Route("POST", "/api/logout", Role.WATCH, lambda _call: Cookie("")),
-            Route("GET", "/api/me", Role.WATCH, lambda call: _me(call.who)),
+            Route("GET", "/api/me", Role.NOBODY, self._who),
             Route("GET", "/api/live", Role.WATCH, self._live),
             *(one for page in self.pages.values() for one in page.routes),
         ]
@@ -111,32 +113,47 @@ class Shell:
             self._documents[code] = Document(urgent, seldom)
         return self._documents[code]
 
-    def _words(self, call: Call) -> Mapping[str, Any]:
-        words = dict(WORDS)
+    def files(self, static: Path) -> Mapping[str, File]:
+        """Return the files of a folder by their paths; index.html has what it needs in itself."""
+
+        def put_in(found: Match[str]) -> str:
+            text = (static / found[2]).read_text("utf-8")
+            return f"<script>{text}</script>" if found[1] else f"<style>{_colours()}{text}</style>"
+
+        html = PARTS.sub(put_in, (static / "index.html").read_text("utf-8"))
+        # With their fields, which the script fills in; nothing in them ends the element.
+        words = json_text({one.value: self._words(one) for one in languages()})
+        html = html.replace(WORDS_BEGIN, WORDS_BEGIN + words.replace("<", "\\u003c"))
+        return {
+            "/": File(html.encode(), "text/html; charset=UTF-8"),
+            "/icon.svg": File((static / "icon.svg").read_bytes(), "image/svg+xml"),
+            "/manifest.json": File((static / "manifest.json").read_bytes(), "application/json"),
+        }
+
+    def _words(self, language: Language) -> Mapping[str, Any]:
+        words, text = dict(WORDS), read_catalogue(language).text
         for name, page in self.pages.items():
             words.update({f"{name}.{key}": one for key, one in page.words.items()})
-        return {
-            "me": None if call.person is None else _me(call.person),
-            "language": call.language.value,
-            "languages": [[one.value, one.own_name] for one in languages()],
-            # With their fields, which the script fills in.
-            "words": {name: call.text(one) for name, one in words.items()},
-        }
+        return {"own": language.own_name, "words": {name: text(one) for name, one in words.items()}}
 
     def _log_in(self, call: Call) -> Cookie:
         name, password = text_of(call, "name"), text_of(call, "password")
         person = self._logins.begin(name, password, call.address)
         return Cookie(person.session, _me(person))
 
-    def _live(self, call: Call) -> Stream:
-        return Stream(lambda: self.document(call.language))
+    @staticmethod
+    def _who(call: Call) -> Mapping[str, Any]:
+        return {"me": None if call.person is None else _me(call.person)}
+
+    def _live(self, call: Call) -> Callable[[], Document]:
+        return lambda: self.document(call.language)
 
 
 def _me(person: Person) -> Mapping[str, Any]:
     return {"name": person.name, "role": int(person.role), "mark": person.mark}
 
 
-def _colours() -> Body:
+def _colours() -> str:
     """Return the colours of the window as variables of a style sheet."""
     sheets = []
     for theme in Theme:
@@ -147,7 +164,7 @@ def _colours() -> Body:
         ]:
             lines += [f"--{_name(name)}-ink:{pair.ink};", f"--{_name(name)}-ground:{pair.ground};"]
         sheets.append(f':root[data-theme="{theme.value}"]{{{"".join(lines)}}}')
-    return Body("\n".join(sheets).encode(), "text/css; charset=UTF-8")
+    return "\n".join(sheets)
 
 
 def _name(name: str) -> str:

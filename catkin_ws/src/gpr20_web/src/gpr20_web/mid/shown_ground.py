@@ -6,18 +6,24 @@ import math
 import struct
 import zlib
 from collections import OrderedDict
-from typing import Any, Callable, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from dataclasses import dataclass
+from typing import Any, Callable, Dict, Iterable, List, Literal, Optional, Tuple
 
 import numpy as np
 
 from gpr20_common.message import Message
+from gpr20_common.mid.codec import bounded
 from gpr20_operator.ground import texts
 from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.grid import Area, Place
 from gpr20_operator.ground.model import GroundModel, Shown
-from gpr20_operator.ground.sources import Picture, RadarSettings
+from gpr20_operator.ground.sources import MAX_DEPTH_M, Axis, Layer, Picture, RadarSettings
 from gpr20_operator.ground.texts import GroundMark, marks_above, marks_in_section
-from gpr20_operator.ground.traces import RETRY_S, ShownSurvey, TracePresenter
+from gpr20_operator.ground.traces import (
+    RETRY_S,
+    ShownSurvey,
+    TracePresenter,
+)
 from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.palette import (
@@ -30,8 +36,9 @@ from gpr20_operator.palette import (
 )
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Candidate
+from gpr20_survey.trace.trace import MAX_COORDINATE
 from gpr20_web.calls import Text
-from gpr20_web.errors import NotFoundError
+from gpr20_web.faults import NotFoundError
 
 MM_PER_M = 1000.0
 # Another screen may have entered what the ground is, or set a marker [s].
@@ -47,16 +54,34 @@ NOTHING = Message("there is nothing to show yet")
 BITS, PALETTE, COMPRESSION = 8, 3, 1
 
 
-class GroundChoice(NamedTuple):
-    """What a browser wants to see of a survey; places as in a GroundModel.
+@dataclass(frozen=True)
+class GroundChoice:
+    """What a browser wants to see of a survey; without a place, that of the last trace."""
 
-    Attributes:
-        settings: All but their permittivity, which is that of the survey.
-    """
+    theme: Theme = Theme.SUN
+    layer: Literal["coverage", "echoes", "focused"] = "echoes"
+    along: Literal["x", "y"] = "x"
+    polarization: int = bounded(0, 64, 0)
+    depth_mm: float = bounded(0.0, MAX_DEPTH_M * MM_PER_M, RadarSettings.depth_m * MM_PER_M)
+    x_mm: Optional[float] = bounded(-MAX_COORDINATE, MAX_COORDINATE, None)
+    y_mm: Optional[float] = bounded(-MAX_COORDINATE, MAX_COORDINATE, None)
 
-    theme: Theme
-    settings: RadarSettings
-    place: Optional[Place]
+    @property
+    def settings(self) -> RadarSettings:
+        """All but the permittivity, which is that of the survey."""
+        return RadarSettings(
+            polarization=self.polarization,
+            depth_m=self.depth_mm / MM_PER_M,
+            along=Axis(self.along),
+            layer=Layer(self.layer),
+        )
+
+    @property
+    def place(self) -> Optional[Place]:
+        """The place, as in a GroundModel."""
+        if self.x_mm is None or self.y_mm is None:
+            return None
+        return Place(self.x_mm, self.y_mm)
 
 
 class ShownGround:

@@ -1,12 +1,15 @@
-"""What a browser shows of a stored survey, in the sentences of the window."""
+"""A stored survey as a browser sees it, in the sentences of the window."""
 
 from __future__ import annotations
 
-from typing import Any, Dict, Optional
+import time
+from typing import Any, Callable, Dict, Optional
 
+from gpr20_common.errors import Gpr20Error
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.pictures import StoredSurvey
+from gpr20_operator.jobs.job import Service, Ticket
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.fields import PEOPLE
 from gpr20_operator.plan.form import annotation_texts
@@ -15,6 +18,46 @@ from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import NO_CLEARANCE, SIMULATED, Candidate
 from gpr20_web.calls import Text, sentence
+
+Ask = Callable[..., Any]
+"""Asks a Service with these fields, and returns its answer or raises Gpr20Error."""
+
+
+class OpenedSurvey:
+    """A survey that was read, and its answer, while the caller waits.
+
+    Args:
+        ask: Asks storage and imaging node.
+        folder: That of the survey.
+        focus: How an image is asked for, besides what the survey says.
+
+    Attributes:
+        result: As in the window; what is lacking has its reason in its jobs.
+        stored: What the storage has; None: it cannot be read.
+    """
+
+    def __init__(self, ask: Ask, folder: str, **focus: Any) -> None:
+        self._ask, self._focus = ask, focus
+        self.stored: Optional[StoredSurvey] = None
+        self.result = SurveyResult(Imaging(self, time.monotonic))
+        self.result.open(folder)
+        for _step in ("read", "focus"):
+            self.result.keep()
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service, and let the ticket take the answer."""
+        more = self._focus if service is Service.FOCUS else {}
+        try:
+            found = self._ask(service, **fields, **more)
+        except Gpr20Error as error:
+            ticket.fail(error.message)
+            return
+        if service is Service.READ:
+            self.stored = found
+        ticket.done(found)
+
+    def cancel(self, request_id: str) -> None:
+        """Do nothing: whoever asks has waited for the answer."""
 
 
 def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, Any]:
@@ -73,7 +116,7 @@ def _place(result: SurveyResult, place: Candidate, text: Text) -> Dict[str, Any]
     return {
         "id": place.id,
         "number": place.number,
-        "place": text(texts.whole_place(place)),
+        "place": text(texts.place_line(place)),
         "doubtful": place.is_doubtful,
         "line": sentence(text, texts.why_line(place)),
         "why": [sentence(text, one) for one in texts.why_lines(place)],

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import contextlib
 import threading
-import time
 import uuid
 import zipfile
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Protocol, Tuple
+from typing import Any, Callable, Dict, Iterator, Mapping, Optional, Tuple
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import NOT_ALLOWED
@@ -18,9 +17,9 @@ from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs import result_texts as texts
-from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.jobs.pictures import NOT_KNOWN, SURVEYS_PER_PAGE, Imaging, StoredSurvey
-from gpr20_operator.jobs.result import SurveyResult, list_sum
+from gpr20_operator.jobs.job import Service
+from gpr20_operator.jobs.pictures import NOT_KNOWN, SURVEYS_PER_PAGE
+from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
 from gpr20_survey.files.durable_files import writer_of
@@ -33,8 +32,9 @@ from gpr20_survey.plan.markers import Marker, What
 from gpr20_survey.results.answers import ExportPart, SurveySummary
 from gpr20_survey.trace import utc_time
 from gpr20_web.calls import Body, Call, Role, Route, WebPage, sentence, text_of
-from gpr20_web.errors import BadRequestError, BusyError, NotFoundError, NotNowError
+from gpr20_web.faults import BadRequestError, BusyError, NotNowError, no_survey
 from gpr20_web.mid import survey_values
+from gpr20_web.mid.survey_values import Ask, OpenedSurvey
 
 SURVEY = f"/api/surveys/(?P<folder>{survey_folder.FOLDER_NAME.pattern})"
 MADE = "|".join(one.value for one in ExportPart if one is not ExportPart.SURVEY_ZIP)
@@ -44,58 +44,22 @@ AT_WORK = Message("The imaging node is at work already. Wait for its answer.")
 UNREADABLE = Message("the survey could not be read")
 
 
-class SurveyServices(Protocol):
-    """Storage and imaging node."""
+@dataclass(frozen=True)
+class _Find:
+    """What was found at a candidate of a list, and how deep [mm]."""
 
-    def ask(self, service: Service, **fields: Any) -> Any:
-        """Return what a service answers; raises Gpr20Error."""
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request, without waiting."""
-
-
-class _OpenedSurvey:
-    """A survey that was read, and its answer, while the caller waits.
-
-    Args:
-        services: Storage and imaging node.
-        folder: That of the survey.
-        focus: How an image is asked for, besides what the survey says.
-
-    Attributes:
-        result: As in the window; what is lacking has its reason in its jobs.
-        stored: What the storage has; None: it cannot be read.
-    """
-
-    def __init__(self, services: SurveyServices, folder: str, **focus: Any) -> None:
-        self._services, self._focus = services, focus
-        self.stored: Optional[StoredSurvey] = None
-        self.result = SurveyResult(Imaging(self, time.monotonic))
-        self.result.open(folder)
-        for _step in ("read", "focus"):
-            self.result.keep()
-
-    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
-        """Call a service, and let the ticket take the answer."""
-        more = self._focus if service is Service.FOCUS else {}
-        try:
-            found = self._services.ask(service, **fields, **more)
-        except Gpr20Error as error:
-            ticket.fail(error.message)
-            return
-        if service is Service.READ:
-            self.stored = found
-        ticket.done(found)
-
-    def cancel(self, request_id: str) -> None:
-        """Do nothing: whoever asks has waited for the answer."""
+    candidate: str
+    list: str
+    what: What
+    depth_mm: Optional[float] = None
 
 
 class SurveysPage(WebPage):
     """The stored surveys.
 
     Args:
-        services: Storage and imaging node.
+        ask: Asks storage and imaging node.
+        cancel: Asks to end a request, by its id, without waiting.
         data: The data folder, on this computer.
     """
 
@@ -126,11 +90,13 @@ class SurveysPage(WebPage):
 
     def __init__(
         self,
-        services: SurveyServices,
+        ask: Ask,
+        cancel: Callable[[str], None],
         data: Path,
         time_us: Callable[[], int] = time_of_day_us,
     ) -> None:
-        self._services, self._data, self._time_us = services, data, time_us
+        self._ask, self._cancel = ask, cancel
+        self._data, self._time_us = data, time_us
         self._running = ""
         self._working, self._work_id = threading.Lock(), uuid.uuid4().hex
         self.routes = tuple(
@@ -150,7 +116,7 @@ class SurveysPage(WebPage):
     def refresh(self, snapshot: Snapshot) -> None:
         """Follow which survey runs: nothing is searched meanwhile."""
         if snapshot.running_survey and not self._running and self._working.locked():
-            self._services.cancel(self._work_id)
+            self._cancel(self._work_id)
         self._running = snapshot.running_survey
 
     def _folder(self, call: Call) -> Path:
@@ -159,7 +125,7 @@ class SurveysPage(WebPage):
     def _past(self, before: str, most: int) -> PastSurveys:
         past = PastSurveys()
         past.set_running(self._running)
-        page = self._services.ask(Service.LIST, before=before, max_surveys=most)
+        page = self._ask(Service.LIST, before=before, max_surveys=most)
         past.take("", page.surveys, page.more)
         return past
 
@@ -169,7 +135,7 @@ class SurveysPage(WebPage):
         past = self._past(f"{folder}~", 1)
         survey = past.find(folder)
         if survey is None:
-            raise NotFoundError(Message("there is no survey {survey}", survey=folder))
+            raise no_survey(folder)
         return past, survey
 
     def _analysed(self, call: Call) -> SurveySummary:
@@ -203,7 +169,7 @@ class SurveysPage(WebPage):
         except Gpr20Error as error:
             problems.append(error.message)
         if survey.problem is None:
-            opened = _OpenedSurvey(self._services, survey.folder, only_known=True)
+            opened = OpenedSurvey(self._ask, survey.folder, only_known=True)
             shown.update(survey_values.result_of(opened.result, call.text))
             problems.append(opened.result.reading.problem)
             try:
@@ -219,7 +185,7 @@ class SurveysPage(WebPage):
         when = utc_time.iso_text(self._time_us())[:16].replace("T", " ")
         # The other lines of a note are indented: none can look like the note of somebody else.
         line = f"{when} UTC, {call.who.name}: " + "\n    ".join(text.splitlines())
-        stored = self._services.ask(Service.READ, survey=folder)
+        stored = self._ask(Service.READ, survey=folder)
         before = annotation_of(parse_object(stored.text, "metadata_json", MAX_FILE_BYTES))
         after = replace(before, notes=f"{before.notes}\n{line}".lstrip("\n"))
         # The storage keeps what others have written since.
@@ -235,23 +201,17 @@ class SurveysPage(WebPage):
         return {}
 
     def _add_fact(self, folder: str, kind: Kind, values: Mapping[str, Any]) -> None:
-        self._services.ask(Service.FACT, survey=folder, kind=kind, values=values)
+        self._ask(Service.FACT, survey=folder, kind=kind, values=values)
 
     def _add_found(self, call: Call) -> Mapping[str, Any]:
-        folder, depth_mm = self._folder(call).name, call.values.get("depth_mm")
-        what = next((one for one in What if one.value == call.values.get("what")), None)
-        if what is None:
-            whats = ", ".join(one.value for one in What)
-            raise BadRequestError(Message("what was found is one of: {known}", known=whats))
-        if isinstance(depth_mm, bool) or not isinstance(depth_mm, (int, float, type(None))):
-            raise BadRequestError(Message("depth_mm is a number"))
-        result = _OpenedSurvey(self._services, folder, only_known=True).result
+        folder, find = self._folder(call).name, record_from(_Find, call.values, "found")
+        result = OpenedSurvey(self._ask, folder, only_known=True).result
         known = result.image is not None and list_sum(result.image.found)
-        wanted = call.values.get("candidate") if known == call.values.get("list") else None
-        place = next((one for one in result.places if one.id == wanted), None)
+        places = result.places if known == find.list else ()
+        place = next((one for one in places if one.id == find.candidate), None)
         if place is None:
             raise NotNowError(result.reading.problem or OTHERS_BY_NOW)
-        result.note_found(place, what, depth_mm, call.who.name)
+        result.note_found(place, find.what, find.depth_mm, call.who.name)
         if result.noting.problem is not None:
             raise NotNowError(result.noting.problem)
         return {}
@@ -260,7 +220,7 @@ class SurveysPage(WebPage):
         """Return what is found in a survey; whoever asks later gets the same."""
         folder = self._analysed(call).folder
         with self._at_work():
-            result = _OpenedSurvey(self._services, folder, request_id=self._work_id).result
+            result = OpenedSurvey(self._ask, folder, request_id=self._work_id).result
         problem = result.reading.problem or result.search.problem
         if problem is not None:
             raise NotNowError(problem)
@@ -278,7 +238,7 @@ class SurveysPage(WebPage):
         options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
         wanted = {"request_id": self._work_id, "kinds": [call.parts["kind"]], **options}
         with self._at_work():
-            made = self._services.ask(Service.EXPORT, survey=folder, **wanted)
+            made = self._ask(Service.EXPORT, survey=folder, **wanted)
         return Body(made.content, "application/octet-stream", made.files[0])
 
     @contextlib.contextmanager
@@ -302,7 +262,7 @@ def folder_of(data: Path, name: str) -> Path:
         for folder in survey_folder.candidate_folders(data, name):
             survey_folder.check_no_links(folder)
             return folder
-    raise NotFoundError(Message("there is no survey {survey}", survey=name[:64]))
+    raise no_survey(name)
 
 
 def size_of(folder: Path) -> int:

@@ -1,32 +1,136 @@
 // The frame of the page: login, pages, language, theme, and the band over all of them.
 
-import { button, element, show, write } from "./dom.js";
-import { Live, Server } from "./server.js";
-import { PRESS_LIMIT_MS, Top } from "./top.js";
-import map from "./pages/map.js";
-import { more, service } from "./pages/more.js";
-import now from "./pages/now.js";
-import surveys from "./pages/surveys.js";
+"use strict";
 
 const CONTROL = 2;
-// The first one opens.
-const PAGES = [now, map, surveys, more, service];
 const TICK_MS = 400;
-const AGAIN_MS = 2000;
 const LOAD_LIMIT_MS = 10000;
 // As faults.py of this package has it.
 const NOT_LOGGED_IN = "web.not_logged_in";
+const SERVICE_MS = 5000;
+const CHIPS = { ok: "good", unknown: "warn", warning: "warn", fault: "bad" };
+
+// NOW: how far the survey is, where the antennas are, and what is wrong.
+const nowPage = {
+  name: "now",
+
+  show(root, app) {
+    this.page = show("now", root, app);
+    this.page.card.append(app.top.control);
+    this.page.map.alt = app.word("map.title");
+    this.faultKey = this.mapKey = "";
+  },
+
+  update(state, app) {
+    const { page } = this;
+    const { job, result } = state;
+    const { stored, planned } = job;
+    const texts = {
+      survey: job.name || job.survey.slice(0, 8),
+      stored: stored === null ? "" : app.word("now.traces", { stored, planned }),
+      line: job.line,
+      area: job.area,
+      position: job.place ?? "",
+      height: job.height_mm === null ? "" : `${job.height_mm} mm`,
+    };
+    for (const [name, text] of Object.entries(texts)) {
+      page[name].parentElement.hidden = !text;
+      write(page[name], text);
+    }
+    page.percent.hidden = page.progress.hidden = job.percent === null;
+    write(page.percent, `${job.percent} %`);
+    page.progress.value = job.percent ?? 0;
+    page.result.hidden = !result;
+    if (result) page.result.href = `#surveys/${result.folder}`;
+    write(page.result, result ? `${app.word("now.result")}: ${result.text}` : "");
+    this.showMap(state, app);
+    this.showFault(state, app);
+  },
+
+  showMap({ ground }, app) {
+    const key = JSON.stringify(ground);
+    if (!ground || key === this.mapKey) return;
+    this.mapKey = key;
+    this.page.map.hidden = !ground.survey;
+    const { theme } = document.documentElement.dataset;
+    const choice = JSON.stringify({ layer: ground.layer, theme });
+    const picture = new URLSearchParams({ choice, revision: ground.revision });
+    if (ground.survey) this.page.map.src = app.server.address(`/api/ground/map.png?${picture}`);
+  },
+
+  showFault({ fault }, app) {
+    const key = JSON.stringify(fault);
+    if (key === this.faultKey) return;
+    this.faultKey = key;
+    this.page.fault.replaceChildren(...(fault ? [this.card(fault, app)] : []));
+  },
+
+  card({ title, text, first, then, details }, app) {
+    return element("article", { class: "card warn" },
+      element("h2", {}, title),
+      element("p", {}, text),
+      first ? element("p", { class: "first" }, first) : null,
+      then ? element("p", {}, then) : null,
+      details.length
+        ? element("details", {}, element("summary", {}, app.word("now.details")),
+          element("pre", {}, details.join("\n")))
+        : null);
+  },
+};
+
+// MORE: how this browser shows the page.
+const morePage = {
+  name: "more",
+
+  show(root, app) {
+    const page = show("more", root, app);
+    app.choices(page.choices);
+    write(page.name, app.me.name);
+    page.leave.onclick = () => app.logOut();
+  },
+};
+
+// What is wrong with the robot, the worst first.
+const servicePage = {
+  name: "service",
+
+  show(root, app) {
+    const page = show("service", root, app);
+    let key = "";
+    app.poll("/api/service", SERVICE_MS, ({ summary, findings }) => {
+      if (summary) write(page.summary, summary);
+      if (key === (key = JSON.stringify(findings))) return;
+      const shown = (isWrong) =>
+        findings.filter((one) => one.wrong === isWrong).map((one) => this.line(one));
+      page.wrong.replaceChildren(...shown(true));
+      page.every.replaceChildren(...shown(false));
+    });
+  },
+
+  line({ level, title, text, remedy }) {
+    return element("li", { class: "card" },
+      element("span", { class: `chip ${CHIPS[level] ?? ""}` }, title), ` ${text}`,
+      remedy ? element("p", { class: "first" }, `→ ${remedy}`) : null);
+  },
+};
+
+// The first one opens.
+const PAGES = [nowPage, groundPage, surveysPage, morePage, servicePage];
 
 class App {
   constructor() {
     this.memory = window.localStorage;
     // Of this tab: what has to outlive that the page is loaded again.
     this.kept = window.sessionStorage;
-    this.server = new Server(this.memory.getItem("language") ?? navigator.language.slice(0, 2));
+    this.languages = JSON.parse(document.getElementById("words").textContent);
+    const wanted = this.memory.getItem("language") ?? navigator.language.slice(0, 2);
+    this.language = wanted in this.languages ? wanted : "en";
+    this.words = this.languages[this.language].words;
+    this.server = new Server(this.language);
     this.root = document.getElementById("page");
-    this.words = null;
-    this.me = null;
+    this.me = undefined;
     this.page = null;
+    document.documentElement.lang = this.language;
     document.documentElement.dataset.theme = this.memory.getItem("theme") ?? "sun";
     window.addEventListener("hashchange", () => this.show());
   }
@@ -34,24 +138,18 @@ class App {
   // Over a bad link, until it succeeds; the page says meanwhile that it connects.
   async begin() {
     document.getElementById("stop-warning").hidden = !this.stops.length;
-    while (!this.words)
+    while (this.me === undefined)
       try {
-        await this.load();
+        // First: whoever loads the page again waits for it. The band sends it again, and says so.
+        await Promise.allSettled(this.stops.map(([press]) =>
+          this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
+        this.me = (await this.server.ask("GET", "/api/me", null, LOAD_LIMIT_MS)).me;
       } catch (error) {
         console.warn(error);
         await new Promise((resolve) => setTimeout(resolve, AGAIN_MS));
       }
     if (this.me) this.enter();
     else this.showLogin();
-  }
-
-  async load() {
-    // First: whoever loads the page again waits for it. The band sends it again, and says so.
-    await Promise.allSettled(this.stops.map(([press]) =>
-      this.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS)));
-    const found = await this.server.ask("GET", "/api/words", null, LOAD_LIMIT_MS);
-    this.server.language = document.documentElement.lang = found.language;
-    Object.assign(this, found);
   }
 
   word(name, values = {}) {
@@ -62,10 +160,6 @@ class App {
   // As the language of the page writes it; what is no number stays as it is.
   number(value) {
     return typeof value === "number" ? `${value}`.replace(".", this.words["shell.point"]) : value;
-  }
-
-  get(path) {
-    return this.server.ask("GET", path);
   }
 
   post(path, values) {
@@ -111,11 +205,22 @@ class App {
     document.getElementById("alerts").replaceChildren(shown);
   }
 
+  // Do what may be refused; returns whether it was done.
+  async act(request) {
+    try {
+      await request();
+      return true;
+    } catch (error) {
+      this.report(error);
+      return false;
+    }
+  }
+
   // Ask again and again while a page is shown; without an answer, the band says how old it is.
   poll(path, periodMs, show) {
     const ask = async () => {
       try {
-        show(await this.get(path));
+        show(await this.server.ask("GET", path));
       } catch (error) {
         if (error.status) this.report(error);
       }
@@ -136,21 +241,19 @@ class App {
     login.form.onsubmit = async (event) => {
       event.preventDefault();
       const [name, password] = [login.name.value, login.password.value];
-      try {
+      const isIn = await this.act(async () => {
         this.me = await this.post("/api/login", { name, password });
         this.kept.removeItem("why");
         this.enter();
-      } catch (error) {
-        login.password.value = "";
-        this.report(error);
-      }
+      });
+      if (!isIn) login.password.value = "";
     };
   }
 
   // Language and theme.
   choices(root) {
     const { language, theme } = show("choices", root, this);
-    language.append(...this.languages.map(([code, own]) =>
+    language.append(...Object.entries(this.languages).map(([code, { own }]) =>
       element("option", { value: code, lang: code, selected: code === this.language }, own)));
     language.onchange = () => this.change("language", language.value);
     const other = document.documentElement.dataset.theme === "night" ? "sun" : "night";
@@ -192,13 +295,13 @@ class App {
   show() {
     if (!this.me) return;
     const wanted = window.location.hash.slice(1).split("/")[0];
-    const page = PAGES.find((one) => one.name === wanted) ?? now;
+    const page = PAGES.find((one) => one.name === wanted) ?? nowPage;
     this.page?.leave?.();
     clearInterval(this.polls);
     if (page !== this.page) document.getElementById("alerts").replaceChildren();
     this.page = page;
     document.body.dataset.page = page.name;
-    const isPlace = page !== service;
+    const isPlace = page !== servicePage;
     for (const link of document.querySelectorAll("#pages a")) {
       const isCurrent = link.hash === `#${isPlace ? page.name : "more"}`;
       if (isCurrent) link.setAttribute("aria-current", "page");
@@ -214,12 +317,7 @@ class App {
   }
 
   async logOut() {
-    try {
-      await this.post("/api/logout");
-      this.leave();
-    } catch (error) {
-      this.report(error);
-    }
+    if (await this.act(() => this.post("/api/logout"))) this.leave();
   }
 
   update(state) {

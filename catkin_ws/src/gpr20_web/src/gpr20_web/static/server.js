@@ -1,6 +1,6 @@
 // Requests to the robot's computer, and the state that it sends as it changes.
 
-import { element } from "./dom.js";
+"use strict";
 
 const REQUEST_LIMIT_MS = 30000;
 const SAVE_LIMIT_MS = 3600000;
@@ -11,9 +11,9 @@ const SILENT_MS = 10000;
 const SLEPT_MS = 2000;
 
 // Also for what is kept when the page is loaded again; whoever sets the clock does not change it.
-export const nowMs = () => performance.timeOrigin + performance.now();
+const nowMs = () => performance.timeOrigin + performance.now();
 
-export class ServerError extends Error {
+class ServerError extends Error {
   constructor(values, status) {
     super(values.error ?? "");
     this.remedy = values.remedy ?? "";
@@ -22,7 +22,7 @@ export class ServerError extends Error {
   }
 }
 
-export class Server {
+class Server {
   constructor(language) {
     this.language = language;
     // What is not answered yet, and by whom it is awaited; STOP is never among it.
@@ -86,7 +86,7 @@ export class Server {
 const gapMs = () => Date.now() - performance.now();
 
 // The live document: parts come as they change, and one sign of life a second.
-export class Live {
+class Live {
   constructor(server, onChange, onEnd) {
     this.server = server;
     this.onChange = onChange;
@@ -119,15 +119,10 @@ export class Live {
       this.waitFor(delayMs);
       return;
     }
-    try {
-      await this.server.ask("GET", "/api/me", null, SILENT_MS);
-    } catch (error) {
-      if (error.status === 401) {
-        this.onEnd();
-        return;
-      }
-    }
-    if (!this.closed) this.open();
+    const asked = this.server.ask("GET", "/api/me", null, SILENT_MS);
+    const isOver = await asked.then(({ me }) => !me, () => false);
+    if (isOver) this.onEnd();
+    else if (!this.closed) this.open();
   }
 
   get slept() {

@@ -1,20 +1,19 @@
 // The band on every page: state, sign, what to do, PAUSE or RESUME, STOP, remote control.
 
-import { ask, element, parts, show, write } from "./dom.js";
-import { nowMs } from "./server.js";
+"use strict";
 
 const SIGNS = {
   working: "▶", paused: "‖", attention: "⚠", fault: "✖", done: "✔", rest: "■",
 };
 // Before 5 s: it was on its way for a while, and the tick may be late.
 const STALE_MS = 4500;
-export const PRESS_LIMIT_MS = 5000;
+const PRESS_LIMIT_MS = 5000;
 // A STOP that works is confirmed sooner.
 const STOP_AGAIN_MS = 1000;
 
 const newPress = () => crypto.randomUUID().replaceAll("-", "");
 
-export class Top {
+class Top {
   constructor(header, bottom, app) {
     this.app = app;
     // The last press of this page, until it is shown what became of it.
@@ -27,7 +26,7 @@ export class Top {
     this.pause.onclick = () => this.pauseOrResume();
     this.start.onclick = () => this.begin();
     this.stop.onclick = () => this.stopNow();
-    this.take.onclick = () => this.takeOrRelease();
+    this.take.onclick = () => app.act(() => app.post(`/api/control/${this.take.id}`));
     for (const [press] of app.stops) this.repeatStop(press);
   }
 
@@ -105,14 +104,6 @@ export class Top {
     write(this.who, who);
     this.take.id = app.inControl ? "release" : "take";
     write(this.take, app.word(`commands.${this.take.id}`));
-  }
-
-  async takeOrRelease() {
-    try {
-      await this.app.post(`/api/control/${this.take.id}`);
-    } catch (error) {
-      this.app.report(error);
-    }
   }
 
   async pauseOrResume() {

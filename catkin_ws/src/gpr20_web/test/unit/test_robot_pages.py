@@ -1,21 +1,43 @@
-"""SERVICE: what is wrong with the robot. Nothing here moves or tests anything."""
+"""NOW and SERVICE: the robot's state, and what is wrong. Nothing here moves or tests anything."""
 
 from __future__ import annotations
 
 from typing import Any, List
 from unittest import mock
 
-from view_kit import snapshot
+from view_kit import FULL, RESTING, SURVEY, description, snapshot
 from web_kit import ManualClock, state_of
 
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
+from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.jobs.job import Service
+from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_web.calls import Call, Person, Role
-from gpr20_web.mid.service_page import INTEREST_S, NoRequests, ServicePage
+from gpr20_web.mid.robot_pages import INTEREST_S, NoRequests, NowPage, ServicePage
+
+
+def test_now_shows_the_survey_its_progress_and_a_fault_with_the_first_step() -> None:
+    page = NowPage("north")
+    page.on_event(SurveyDescribed(description(annotation={"name": "Lane-4"})))
+    known = {"axes": RESTING, "current": CurrentPosition(120.0, 60.5, 90.0), "height_m": 0.0314}
+    progress = Progress(SURVEY, 25.0, 40, 10, 60.0)
+    runs = state_of(SurveyState.SURVEYING, SURVEY)
+    page.refresh(snapshot(state=runs, progress=progress, **known))
+    shown: Any = page.live(str)
+    assert (shown["robot"]["name"], shown["robot"]["simulated"]) == ("north", True)
+    assert (shown["band"]["level"], shown["fault"]) == ("working", None)
+    job = shown["job"]
+    assert (job["name"], job["percent"], job["stored"], job["planned"]) == ("Lane-4", 25, 10, 40)
+    assert (job["place"], job["height_mm"]) == ("X 120.0 mm, Y 60.5 mm, 90 deg", 31)
+    page.refresh(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
+    shown = page.live(str)
+    assert (shown["job"]["name"], shown["job"]["percent"]) == ("", None)
+    assert "disk is full" in shown["fault"]["text"] and shown["fault"]["first"]
+
 
 CALL = Call(Person("ana", Role.CONTROL, "s", ""))
 SENSOR = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("broken"), {"voltage_v": 1.3})

@@ -1,6 +1,6 @@
-// A picture on a canvas with its axes, in mm; the second one goes up, or down for depths.
+// Elements without HTML in strings: what people have written stays text. And pictures with axes.
 
-import { element } from "./dom.js";
+"use strict";
 
 const REACH_PX = 24;
 const MARGIN_PX = 38;
@@ -9,10 +9,74 @@ const TOP_PX = 6;
 const LEAST_PX = 140;
 const HIGHEST = 0.6;
 
+// Attributes: on... are listeners, false and null are left out, true is an empty one.
+function element(tag, attributes = {}, ...children) {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes ?? {})) {
+    if (name.startsWith("on")) made.addEventListener(name.slice(2), value);
+    else if (value === true) made.setAttribute(name, "");
+    else if (value !== false && value !== null && value !== undefined)
+      made.setAttribute(name, value);
+  }
+  made.append(...children.flat().filter((one) => one !== null && one !== undefined && one !== ""));
+  return made;
+}
+
+function button(text, onclick, attributes = {}) {
+  return element("button", { type: "button", onclick, ...attributes }, text);
+}
+
+// Write a text only where it changes: screen readers announce each change.
+function write(target, text) {
+  if (target.textContent !== text) target.textContent = text;
+}
+
+// Fill in the words of a part of index.html; return its named elements.
+function parts(root, app) {
+  for (const one of root.querySelectorAll("[data-word]"))
+    one.textContent = app.word(one.dataset.word);
+  for (const one of root.querySelectorAll("[data-label]"))
+    one.setAttribute("aria-label", app.word(one.dataset.label));
+  const named = [...root.querySelectorAll("[data-part]")];
+  return Object.fromEntries(named.map((one) => [one.dataset.part, one]));
+}
+
+// Show a template of index.html at the end of an element; return its named elements.
+function show(name, root, app) {
+  const content = document.getElementById(name).content.cloneNode(true);
+  const found = parts(content, app);
+  root.append(content);
+  return found;
+}
+
+// Ask before something is done; resolves to whether it was confirmed.
+function ask(app, title, lines, yes) {
+  return new Promise((resolve) => {
+    const asked = show("ask", document.body, app);
+    const close = (answer) => {
+      asked.sheet.close();
+      asked.sheet.remove();
+      resolve(answer);
+    };
+    write(asked.title, title);
+    asked.lines.append(...lines);
+    write(asked.yes, yes);
+    asked.sheet.oncancel = () => close(false);
+    asked.stop.onclick = () => {
+      app.top.stopNow();
+      close(false);
+    };
+    asked.no.onclick = () => close(false);
+    asked.yes.onclick = () => close(true);
+    asked.sheet.showModal();
+  });
+}
+
 const ink = (name) =>
   getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
 
-export class Plot {
+// A picture on a canvas with its axes, in mm; the second one goes up, or down for depths.
+class Plot {
   constructor(label, down, onPlace, onKey, shown) {
     Object.assign(this, { down, shown });
     this.canvas = element("canvas", {

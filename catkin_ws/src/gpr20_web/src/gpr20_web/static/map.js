@@ -1,7 +1,6 @@
 // GROUND: the survey from above, and the section below a place; candidates and markers.
 
-import { button, element, show, write } from "../dom.js";
-import { Plot } from "../plot.js";
+"use strict";
 
 const PERIOD_MS = 1000;
 const SETTLED_MS = 80;
@@ -17,8 +16,8 @@ class Ground {
   constructor(root, app) {
     Object.assign(this, { app, images: new Map(), turn: 0 });
     const [page, folder = ""] = window.location.hash.split("/");
-    if (app.ground?.survey !== folder) app.ground = { survey: folder, layer: "echoes" };
-    this.choice = app.ground;
+    if (app.ground?.survey !== folder) app.ground = { survey: folder, choice: { layer: "echoes" } };
+    Object.assign(this, app.ground);
     Object.assign(this, show("map", root, app));
     this.above = this.plot(this.word("title"), false);
     this.section = this.plot(this.word("along"), true);
@@ -26,12 +25,13 @@ class Ground {
     this.resized = new ResizeObserver(() => this.draw());
     this.resized.observe(this.pictures);
     Object.assign(this.depth, { step: STEP_MM, max: DEEPEST_MM });
-    this.depth.oninput = () => this.change({ depth: this.depth.value });
+    this.depth.oninput = () => this.change({ depth_mm: Number(this.depth.value) });
     for (const name of ["layer", "along", "polarization"]) {
-      this[name].onchange = () => this.change({ [name]: this[name].value });
+      const read = name === "polarization" ? Number : String;
+      this[name].onchange = () => this.change({ [name]: read(this[name].value) });
       if (this.choice[name]) this[name].value = this.choice[name];
     }
-    this.follow.onclick = () => this.change({ x: "", y: "" });
+    this.follow.onclick = () => this.change({ x_mm: null, y_mm: null });
     this.follow.hidden = Boolean(folder);
     this.back.hidden = !folder;
     this.back.href = page;
@@ -57,16 +57,14 @@ class Ground {
     return plot;
   }
 
-  async addMarker() {
+  addMarker() {
     const { place: [x_mm, y_mm], depth_mm } = this.shown;
     const path = `/api/surveys/${this.about.folder}/markers`;
-    try {
+    return this.app.act(async () => {
       await this.app.post(path, { x_mm, y_mm, depth_mm, text: this.text.value });
       this.text.value = "";
       this.poll("1");
-    } catch (error) {
-      this.app.report(error);
-    }
+    });
   }
 
   // A slider that is dragged changes faster than pictures come.
@@ -80,39 +78,39 @@ class Ground {
 
   deep(depth) {
     const most = this.shown.deepest_mm ?? DEEPEST_MM;
-    return { depth: Math.max(0, Math.min(most, Math.round(depth / STEP_MM) * STEP_MM)) };
+    return { depth_mm: Math.max(0, Math.min(most, Math.round(depth / STEP_MM) * STEP_MM)) };
   }
 
   // A section is along one axis: the place on the other one stays.
   across(at) {
     const [x, y] = this.shown.place;
-    return this.choice.along === "y" ? { x, y: at } : { x: at, y };
+    return this.choice.along === "y" ? { x_mm: x, y_mm: at } : { x_mm: at, y_mm: y };
   }
 
   touch(plot, across, second) {
     const { marks, section } = this.shown;
     const mark = plot.near(across, second, plot.down ? section.marks : marks);
     if (mark) this.chooseMark(mark);
-    else if (!plot.down) this.change({ x: across, y: second });
+    else if (!plot.down) this.change({ x_mm: across, y_mm: second });
     else this.change({ ...this.across(across), ...this.deep(second) });
   }
 
   chooseMark({ place: [x, y, depth] }) {
-    this.change({ x, y, ...(depth === null ? {} : this.deep(depth)) });
+    this.change({ x_mm: x, y_mm: y, ...(depth === null ? {} : this.deep(depth)) });
   }
 
   move(plot, across, up, deeper) {
     const { place: [x, y], steps_mm: [stepX, stepY], depth_mm: depth } = this.shown;
     const down = plot.down ? deeper - up : deeper;
     if (down) this.change(this.deep(depth + down * STEP_MM));
-    else if (!plot.down) this.change({ x: x + across * stepX, y: y + up * stepY });
+    else if (!plot.down) this.change({ x_mm: x + across * stepX, y_mm: y + up * stepY });
     else this.change(this.across(this.choice.along === "y" ? y + across * stepY : x + across * stepX));
   }
 
   query(changes = {}) {
     const { theme } = document.documentElement.dataset;
-    const values = Object.entries({ theme, ...this.choice, ...changes });
-    return new URLSearchParams(values.filter(([, one]) => one !== "")).toString();
+    const choice = JSON.stringify({ theme, ...this.choice, ...changes });
+    return new URLSearchParams({ choice, survey: this.survey }).toString();
   }
 
   // Ask every second, and after each choice; an answer to an earlier choice is dropped.
@@ -143,7 +141,7 @@ class Ground {
   // The pictures of an answer; those that are here already are not asked for again.
   async load({ ground, revision }) {
     const query = this.query();
-    const cells = this.query({ x: "", y: "", depth: "", layer: "coverage" });
+    const cells = this.query({ x_mm: null, y_mm: null, depth_mm: 0, layer: "coverage" });
     const wanted = [
       [ground.counts[0][1] !== null, "coverage", `map.png?${cells}`],
       [ground.image, "image", `map.png?${query}`],
@@ -173,7 +171,7 @@ class Ground {
     if (this.polarization.length !== rotations.length)
       this.polarization.replaceChildren(...rotations.map((one, number) =>
         element("option", { value: number, selected: number === shown.polarization }, one)));
-    this.follow.disabled = (this.choice.x ?? "") === "";
+    this.follow.disabled = (this.choice.x_mm ?? null) === null;
     // What follows the last trace would be read out every second.
     this.lines.setAttribute("aria-live", this.follow.disabled ? "off" : "polite");
     write(this.lines, shown.lines.join(". "));
@@ -230,7 +228,7 @@ class Ground {
   }
 }
 
-export default {
+const groundPage = {
   name: "map",
 
   show(root, app) {

@@ -1,9 +1,9 @@
 // SURVEYS: the stored surveys, what people add to them, and downloads.
 
-import { ask, button, element, show, write } from "../dom.js";
+"use strict";
 
 const MADE = ["report-html", "candidates-csv", "candidates-geojson"];
-const CHIPS = { complete: "good", incomplete: "warn", unreadable: "bad" };
+const ENDINGS = { complete: "good", incomplete: "warn", unreadable: "bad" };
 // A page of the list may have few that fit.
 const ENOUGH = 20;
 const TYPED_MS = 300;
@@ -12,7 +12,7 @@ const SEARCH_LIMIT_MS = 600000;
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const paragraphs = (lines, attributes) => lines.map((one) => element("p", attributes, one));
 
-export default {
+const surveysPage = {
   name: "surveys",
 
   show(root, app) {
@@ -38,17 +38,6 @@ export default {
     return this.app.word(`surveys.${name}`, values);
   },
 
-  // Do what may be refused; returns whether it was done.
-  async act(request) {
-    try {
-      await request();
-      return true;
-    } catch (error) {
-      this.app.report(error);
-      return false;
-    }
-  },
-
   async search(afterMs) {
     const turn = (this.turn += 1);
     await pause(afterMs);
@@ -60,11 +49,11 @@ export default {
 
   read() {
     const { turn } = this;
-    return this.act(async () => {
+    return this.app.act(async () => {
       const before = this.rows.childElementCount;
       do {
         const query = new URLSearchParams({ text: this.text.value, before: this.next });
-        const page = await this.app.get(`/api/surveys?${query}`);
+        const page = await this.app.server.ask("GET", `/api/surveys?${query}`);
         if (turn !== this.turn) return;
         this.next = page.next;
         this.rows.append(...page.surveys.map((one) => this.row(one)));
@@ -86,7 +75,7 @@ export default {
   },
 
   chips({ ending, state, simulated }) {
-    const chips = [element("span", { class: `chip ${CHIPS[state] ?? ""}` }, ending), " "];
+    const chips = [element("span", { class: `chip ${ENDINGS[state] ?? ""}` }, ending), " "];
     if (simulated) chips.push(element("span", { class: "chip simulated" }, this.word("simulated")));
     return chips;
   },
@@ -100,8 +89,8 @@ export default {
     this.folder = folder;
     for (const one of this.rows.querySelectorAll("button"))
       one.setAttribute("aria-current", String(one.dataset.folder === folder));
-    return this.act(async () => {
-      const survey = await this.app.get(this.path());
+    return this.app.act(async () => {
+      const survey = await this.app.server.ask("GET", this.path());
       if (folder !== this.folder) return;
       this.details.replaceChildren();
       const card = show("survey", this.details, this.app);
@@ -131,7 +120,7 @@ export default {
   // Send something that is added to the survey, then show it.
   async add(rest, values) {
     const { folder } = this;
-    if (await this.act(() => this.app.post(this.path(rest), values)))
+    if (await this.app.act(() => this.app.post(this.path(rest), values)))
       await this.open(folder, this.word(rest.slice(1)));
   },
 
@@ -150,7 +139,7 @@ export default {
   async work(pressed, said, word, request) {
     pressed.disabled = true;
     write(said, this.word(word));
-    await this.act(request);
+    await this.app.act(request);
     write(said, "");
     pressed.disabled = false;
   },
