@@ -43,9 +43,9 @@ def folder(copies):
 
 
 @pytest.fixture
-def bags(request):
+def bags():
     """Makes bags in processes on a disk that has this much free."""
-    made = BagProcesses(lambda _: getattr(request, "param", FREE_BYTES), disk_reserve_bytes=1)
+    made = BagProcesses(lambda _: FREE_BYTES, disk_reserve_bytes=1)
     yield made
     made.stop(0.0)
 

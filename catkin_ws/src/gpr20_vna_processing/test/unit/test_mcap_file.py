@@ -8,10 +8,9 @@ from run_seed import SEED, draws
 from storage_kit import Kit, text_message, torn_mcap_traces
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.mid.stored_traces import RecordedTraces
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
@@ -35,19 +34,8 @@ def snapshots(tmp_path_factory):
 
 def read(path):
     """Return the prints of the traces that a file holds, and what is wrong in it."""
-    mcap = StoredMcap(path)
-    prints, wrong = {}, 0
-    for message in mcap.messages(trace_message.DATATYPE):
-        try:
-            trace = trace_message.decode(message.data, message.md5sum)
-        except TraceRefusedError:
-            wrong += 1
-            continue
-        if trace.index in prints:
-            wrong += 1
-        else:
-            prints[trace.index] = trace.fingerprint()
-    return prints, [*mcap.faults, *["damaged trace"] * wrong]
+    found = RecordedTraces(path, SURVEY, lambda _trace: None)
+    return found.prints, found.faults
 
 
 def drawn(first, last, count=12):
