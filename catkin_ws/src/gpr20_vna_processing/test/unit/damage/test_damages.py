@@ -44,7 +44,9 @@ from gpr20_survey.folder import manifest, trace_files
 from gpr20_survey.folder.log_record import Kind, LogHead
 from gpr20_survey.folder.recovery import add_to_survey, open_log, read_description, recover
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.trace import trace_json
+from gpr20_survey.recording.mcap_reader import StoredMcap
+from gpr20_survey.recording.mcap_writer import McapFile
+from gpr20_survey.trace import trace_json, trace_message
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
 VIEW, SEAL = "survey.json", "manifest.json"
@@ -53,6 +55,7 @@ MCAP, TRACE = "survey.mcap", "a trace"
 SIX = tuple(range(6))
 WITHOUT_2 = (0, 1, 3, 4, 5)
 TRACE_NAME = "000002_X0020.00_Y0010.00_Z+000.00.json"
+OTHER_NAME = "000002_X0030.00_Y0010.00_Z+000.00.json"
 
 
 def path_of(folder, name):
@@ -143,6 +146,24 @@ def other_trace(folder, _older):
     path = trace_file(folder, 2)
     trace = trace_files.read_trace(path, SURVEY)
     path.write_bytes(trace_json.encode(replace(trace, antennae_height_m=0.7)))
+
+
+def renamed_trace(folder, _older):
+    """Let the name of a trace's file say another place."""
+    trace_file(folder, 2).rename(folder / "traces" / OTHER_NAME)
+
+
+def foreign_trace(folder, _older):
+    """Put a trace of another survey in the place of one in the MCAP, and remove its JSON file."""
+    trace_file(folder, 2).unlink()
+    messages = list(StoredMcap(folder / MCAP).messages())
+    (folder / MCAP).unlink()
+    file, own = McapFile(folder / MCAP), trace_message.encode(TRACES[2])
+    foreign = trace_message.encode(replace(TRACES[2], survey_id=OTHER_SURVEY))
+    for one in messages:
+        file.write_alone(replace(one, data=foreign) if one.data == own else one)
+    file.commit()
+    file.abandon()
 
 
 def foreign_manifest(folder, _older):
@@ -248,6 +269,10 @@ DAMAGES = {
     # Traces.
     "trace gone": Damage(STOPPED, gone(TRACE), [TRACE]),
     "space in a trace": Damage(STOPPED, replaced(TRACE, b": ", b":  "), [TRACE], [TRACE]),
+    "name of a trace": Damage(CUT_OFF, renamed_trace, [OTHER_NAME]),
+    "trace of another survey": Damage(
+        CUT_OFF, foreign_trace, [OTHER_SURVEY], loaded=WITHOUT_2, stored=WITHOUT_2
+    ),
     "another trace": Damage(
         CUT_OFF, other_trace, ["trace 2", MCAP], [MCAP], [TRACE], doubts=["traces/000002"]
     ),
@@ -397,7 +422,7 @@ def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
 def test_the_manifest_holds_what_was_acknowledged_and_not_what_is_on_the_disk_at_the_end(kit):
     folder = kit.open(metadata_json=METADATA)
     kit.processing.store(TRACES[2])
-    flipped(TRACE, b'"s21_imag": [')(folder, None)
+    other_trace(folder, None)
     kit.processing.close_survey(SURVEY, "stopped")
     assert trace_file(folder, 2).name in said(verify_survey(folder).faults)
 

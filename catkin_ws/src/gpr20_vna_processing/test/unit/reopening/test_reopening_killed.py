@@ -159,6 +159,21 @@ def test_a_power_cut_at_any_call_adds_a_fact_whole_or_not_and_leaves_it_intact(
     assert seen == {2, 3} and calls > 1
 
 
+def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact(copies):
+    folder = copies("finished")
+    before = (folder / "log.jsonl").read_bytes()
+    add_to_survey(folder, add_marker(3), NOW)
+    line = (folder / "log.jsonl").read_bytes()[len(before) :]
+    for torn in (line[:1], line[: len(line) // 2], line[:-2], bytes(200)):
+        (folder / "log.jsonl").write_bytes(before + torn)
+        (folder / "log.copy.jsonl").write_bytes(before)
+        found = verify_survey(folder)
+        assert (found.status, found.faults) == (COMPLETE, [])
+        add_to_survey(folder, add_marker(4), NOW)
+        assert noted(folder) == texts(1, 2, 4)
+        assert verify_survey(folder).status == COMPLETE
+
+
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
     folder = copies("stopped")
     for name in (*FILES, "manifest.json"):
