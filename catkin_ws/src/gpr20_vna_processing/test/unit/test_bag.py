@@ -160,6 +160,7 @@ def test_a_disk_that_refuses_or_loses_its_power_anywhere_leaves_no_half_bag(copi
         unconfirmed = ("survey.bag",) * (found.status == INCOMPLETE)
         assert (found.faults, found.unconfirmed) == ([], unconfirmed), calls
         seen.add(found.status)
+        (left / ".survey.bag.0123abcd.tmp").write_bytes(b"#")  # of a maker that was killed
         with_bag(left)
         assert not list(left.glob(".survey.bag*"))
         assert_complete_with_bag(left)
