@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
@@ -18,7 +20,8 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import record_from
 from gpr20_simulator.mid.analyzer.in_process import StepTime
 from gpr20_survey.faults import VNA_FAILED, VNA_SILENT
-from gpr20_vna_acquisition.errors import VnaConnectionError, VnaError
+from gpr20_vna_acquisition.errors import VnaClosedError, VnaConnectionError, VnaError
+from gpr20_vna_acquisition.mid import vna_driver
 from gpr20_vna_acquisition.mid.analyzers import (
     ForeignAnalyzer,
     load_analyzer,
@@ -28,6 +31,8 @@ from gpr20_vna_acquisition.mid.request_deadline import RequestDeadline
 from gpr20_vna_acquisition.mid.vna_parameters import VnaParameters
 
 PAGE = Path(__file__).parents[5] / "docs/extend/analyzer.md"
+# What ends only because a call was given up, ends long before this on a busy machine, too [s].
+LIMIT_S = 100.0
 # 3 connect_timeout_s, 2 answer_timeout_s, and 1.5 s.
 USUAL_S = 20.5
 
@@ -124,3 +129,22 @@ def test_a_sweep_with_every_bit_of_the_one_before_is_refused(driver, vna):
     driver.get_trace()
     with raises_fault(VNA_FAILED):
         driver.get_trace()
+
+
+def test_a_shutdown_does_not_wait_for_a_call(driver, monkeypatch):
+    monkeypatch.setattr(vna_driver, "LAST_REQUEST_S", 0.01)
+    holding, freed = threading.Event(), threading.Event()
+
+    def hold():
+        holding.set()
+        assert freed.wait(LIMIT_S)
+        raise OSError
+
+    driver.set_frequency_sweep(SWEEP)
+    monkeypatch.setattr(driver._analyzer._analyzer, "sweep", hold)
+    with ThreadPoolExecutor(1) as pool:
+        request = pool.submit(driver.get_trace)
+        assert holding.wait(LIMIT_S)
+        driver.shut_down()
+        freed.set()
+        assert isinstance(request.exception(LIMIT_S), VnaClosedError)

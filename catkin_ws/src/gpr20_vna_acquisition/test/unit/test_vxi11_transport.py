@@ -221,6 +221,24 @@ def test_a_dripping_answer_does_not_stretch_the_time_limit(server):
         link.ask_raw("X?")
 
 
+@each_case(
+    "content, fault, shown",
+    [
+        ((9, 0, 0, 0), VNA_SILENT, "9: "),
+        ((11, 0, 0, 0), faults.LOCKED, "11: "),
+        # It takes nothing at once.
+        ((0, 7, 0, 0), WRONG_VNA, 1024),
+    ],
+)
+def test_a_link_that_is_refused_or_useless_is_our_error_and_leaves_no_connection(
+    server, content, fault, shown
+):
+    server.spoil = on(CREATE_LINK, body(struct.pack(">iiII", *content)))
+    with raises_fault(fault, shown):
+        connect(HOST, PATIENT, server.port)
+    wait_until(lambda: not server.open_connections)
+
+
 NO_PROCEDURE = struct.pack(">I", 3)
 
 
