@@ -222,6 +222,23 @@ def test_a_dripping_answer_does_not_stretch_the_time_limit(server):
 
 
 @each_case(
+    "spoil, answer",
+    [
+        (proper, read_reply(b"x" * 60000, reason=1)),
+        # A giant record that is only announced takes no memory.
+        (on(READ, lambda _called, _proper: struct.pack(">I", 0xFFFFFFFF) + b"x" * 100), b""),
+    ],
+)
+def test_an_endless_answer_is_stopped(server, spoil, answer):
+    server.spoil = proper
+    link = connect(HOST, PATIENT, server.port)
+    server.spoil, server.answer = spoil, lambda question: answer
+    with raises_fault(VNA_SILENT):
+        link.ask_raw("X?")
+    assert server.calls.count(READ) < 50
+
+
+@each_case(
     "content, fault, shown",
     [
         ((9, 0, 0, 0), VNA_SILENT, "9: "),
