@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 from case_kit import each_case
@@ -206,36 +204,3 @@ def test_the_program_prints_a_table_and_stores_what_it_found(tmp_path, monkeypat
     (tmp_path / "analyzer.yaml").write_text(content)
     assert run(monkeypatch, "--config", tmp_path) == 1, "the model is another one"
     assert json.loads((tmp_path / FILE).read_text()) == record
-
-
-@each_case(
-    "text, shown",
-    [
-        ("analyzer: ms2027c", "check_analyzer:"),
-        ("colour: red", "check_analyzer:"),
-        ("address: 1.2.3", "check_analyzer:"),
-        ("analyzer: no_such_module:X", "no_such_module"),
-    ],
-)
-def test_the_program_refuses_what_it_cannot_check(tmp_path, monkeypatch, capsys, text, shown):
-    (tmp_path / "analyzer.yaml").write_text(text)
-    assert run(monkeypatch, "--config", tmp_path) == 1
-    printed = capsys.readouterr()
-    assert shown in printed.err + printed.out and not (tmp_path / FILE).exists()
-
-
-def test_a_class_that_hangs_is_looked_for_during_the_check_and_reported(monkeypatch, capsys):
-    ended = threading.Event()
-
-    def hang(_bench):
-        assert ended.wait(60.0)
-        return ()
-
-    def end_if_overdue(report):
-        report("a:B.identify does not return")
-        ended.set()
-
-    monkeypatch.setattr(check_analyzer, "WATCH_PERIOD_S", 0.01)
-    monkeypatch.setattr(check_analyzer, "results", hang)
-    check_analyzer.check(SimpleNamespace(deadline=SimpleNamespace(end_if_overdue=end_if_overdue)))
-    assert ended.is_set() and "FAILED: a:B.identify" in capsys.readouterr().out

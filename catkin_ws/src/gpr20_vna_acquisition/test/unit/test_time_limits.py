@@ -12,7 +12,6 @@ from fault_kit import raises_fault
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.faults import VNA_FAILED, VNA_SETTINGS, VNA_SILENT
-from gpr20_survey.trace.sweep import CalibrationStatus
 from gpr20_vna_acquisition.errors import (
     VnaClosedError,
     VnaConnectionError,
@@ -38,17 +37,6 @@ def check_after(bench: Bench, idle_s: float = CHECK_S) -> None:
 
 
 # An idle link.
-
-
-def test_an_idle_instrument_is_asked_for_its_calibration_once_in_a_while(bench):
-    bench.is_like(calibration_accuracy=4)
-    # One in use is not disturbed.
-    check_after(bench, CHECK_S - 1.0)
-    assert bench.sent == []
-    check_after(bench, 1.1)
-    bench.driver.check_idle_link()
-    assert bench.sent == [":SENS:CORR:COLL:STAT:ACC?"]
-    assert bench.driver.state.calibration is CalibrationStatus.LOW
 
 
 # The end of a request.

@@ -1,7 +1,6 @@
 import errno
 import json
 import os
-import threading
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from gpr20_survey.errors import StorageFailedError, SurveyRefusedError, TraceRef
 from gpr20_survey.faults import OTHER_DATA_FOLDER
 from gpr20_survey.folder.recovery import recover
 from gpr20_vna_processing.mid.new_survey import describe
-from gpr20_vna_processing.mid.processing_parameters import ProcessingParameters
 from gpr20_vna_processing.mid.storage_thread import LARGEST_LATCHED_BYTES
 
 LOST_ZERO = Fault("axis.lost_zero", Message("Home the axis."), can_continue=False)
@@ -112,18 +110,6 @@ def test_a_stored_trace_is_in_json_and_recording_before_the_answer(kit, memory):
     assert [one.fingerprint() for one in kit.stored] == [one.fingerprint() for one in traces]
 
 
-def test_the_same_trace_from_many_callers_at_once_is_stored_once(kit, memory):
-    kit.open()
-    callers = [
-        threading.Thread(target=kit.processing.store, args=(make_trace(0),)) for _ in range(8)
-    ]
-    for caller in callers:
-        caller.start()
-    for caller in callers:
-        caller.join(10.0)
-    assert (len(traces_in(memory)), len(kit.stored)) == (1, 1)
-
-
 def test_a_trace_that_contradicts_a_stored_one_is_refused(kit, memory):
     folder = kit.open()
     path = kit.processing.store(make_trace(0))
@@ -210,16 +196,6 @@ def test_traces_that_cannot_be_recorded_do_not_fill_the_memory(kit, memory):
         with raises_fault("disk.full", error=StorageFailedError):
             kit.processing.store(make_trace(index, frequency_hz=ramp, s21_real=ramp, s21_imag=ramp))
     assert memory.collected_bytes < 1_300_000
-
-
-def test_a_survey_that_is_larger_than_the_disk_is_refused(tmp_path):
-    limits = ProcessingParameters(disk_reserve_mb=400.0)
-    kit = Kit(tmp_path, lambda *_: MemoryRecording(), limits=limits, free_bytes=1_000_000_000)
-    with raises_fault("disk.full", 601, 400, 1000, error=SurveyRefusedError):
-        kit.open(needed_bytes=601_000_000)
-    assert os.listdir(tmp_path) == []
-    kit.open(needed_bytes=600_000_000)
-    kit.processing.shut_down()
 
 
 def test_traces_are_stored_after_a_commit_that_failed_as_nobody_expected(kit, memory, fault_log):

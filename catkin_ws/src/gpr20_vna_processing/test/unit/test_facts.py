@@ -6,28 +6,23 @@ damage; `damage/test_damages.py` has what damage does to it."""
 from __future__ import annotations
 
 import json
-import os
-import random
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, replace
 
 import pytest
 from annotation_examples import EXAMPLE, REFUSED, REFUSED_POSITIONS
-from case_kit import each_case
 from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
-from log_examples import NOW, add_marker, marker
-from reopening_kit import TRACES, noted, texts
-from run_seed import SEED, draws
-from storage_kit import OTHER_SURVEY, Kit
+from log_examples import NOW, marker
+from reopening_kit import TRACES
+from storage_kit import OTHER_SURVEY
 from trace_examples import METADATA, SURVEY
 
-from gpr20_analysis.read.verdict import COMPLETE, DAMAGED, INCOMPLETE
+from gpr20_analysis.read.verdict import COMPLETE, DAMAGED
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_common.errors import Gpr20Error
 from gpr20_survey.errors import SurveyRefusedError
-from gpr20_survey.folder.recovery import add_to_survey, read_description, recover
+from gpr20_survey.folder.recovery import read_description, recover
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
 from gpr20_survey.plan.markers import MAX_MARKERS, Marker, markers_of, present_markers
 from gpr20_vna_processing.mid.facts import KINDS, requested_fact
@@ -103,6 +98,8 @@ def test_a_closed_survey_takes_facts_and_stays_intact(kit, closed, by_folder):
         kit.report(name, "{}")
     for _ in range(2):  # the answer to the first call may have been lost
         kit.remove_marker(SURVEY, ONE.marker_id, "Luis")
+        kit.processing.add_fact(SURVEY, "found", json.dumps({"time": NOW}))
+    assert [kind for kind, _values in log_of(closed)].count("found") == 1
     removed, other = markers_of(read_description(closed))
     assert (removed.text, removed.author, removed.removed_by) == (ONE.text, "Ana", "Luis")
     assert removed.removed and not removed.is_present
@@ -120,57 +117,6 @@ def test_a_heading_is_kept_while_its_place_stays_and_changed_by_who_knows_it(kit
     ):
         kit.annotate(SURVEY, sent)
         assert annotation_of(read_description(closed)) == replace(sent, heading_deg=kept)
-
-
-def requests_of(client, chance):
-    """Return what a client asks for: facts of every kind in any order, then a removal."""
-    asked = [("annotation", Annotation(f"client {client} {one}").values()) for one in range(2)]
-    asked += [("report", {"client": client, "number": one}) for one in range(2)]
-    asked += [(kind, {"time": NOW, "client": client}) for kind in NOTES]
-    markers = [marker(10 * client + one) for one in range(3)]
-    asked += [("marker", one.request()) for one in markers]
-    chance.shuffle(asked)
-    return [*asked, ("marker_removed", {**GONE, "marker_id": markers[1].marker_id})]
-
-
-def once(found):
-    """Return the facts that are in a log once, whoever asks again; markers without their times."""
-    keys = {"marker": ("marker_id",), "marker_removed": ("marker_id",)}
-    return [
-        (kind, {key: one for key, one in values.items() if key in keys.get(kind, values)})
-        for kind, values in found
-        if kind not in ("annotation", "report")
-    ]
-
-
-@each_case("seed", range(draws(2)))
-def test_of_two_clients_that_ask_again_each_fact_is_in_the_log_once_in_its_order(kits, seed):
-    chance = random.Random(f"{SEED} {seed}")
-    kit, survey_id = kits(), f"{seed:08x}-0000-4000-8000-000000000000"
-    folder = kit.open(survey_id, metadata_json=METADATA)
-    asked = {client: requests_of(client, chance) for client in (1, 2)}
-
-    def ask(client):
-        for kind, values in asked[client]:
-            for _ in range(2):  # the answer was lost
-                kit.processing.add_fact(survey_id, kind, json.dumps(values))
-
-    with ThreadPoolExecutor(2) as pool:
-        list(pool.map(ask, asked))
-    kit.processing.close_survey(survey_id, "stopped")
-    found = log_of(folder)
-    for expected in map(once, asked.values()):
-        assert [one for one in once(found) if one in expected] == expected
-    assert len(once(found)) == sum(len(once(one)) for one in asked.values())
-    description = read_description(folder)
-    for kind in ("annotation", "report"):
-        assert (kind, description[kind]) in asked[1] + asked[2]
-    other = kits()
-    for kind, values in asked[1] + asked[2]:  # later still, by another process
-        if kind not in ("annotation", "report"):
-            other.processing.add_fact(survey_id, kind, json.dumps(values))
-    assert log_of(folder) == found
-    assert verify_survey(folder).faults == []
 
 
 LATITUDE_LONGITUDE = ("latitude_deg", "longitude_deg")
@@ -240,20 +186,3 @@ def test_notes_that_others_have_written_meanwhile_are_kept_once(before, wanted, 
     assert change({"annotation": {**EXAMPLE.values(), "notes": kept}}) is None  # a repetition
     added = present[len(before) :] if present.startswith(before) else present
     assert kept == wanted if present == before else wanted in kept and added.strip("\n") in kept
-
-
-def test_a_survey_that_another_process_writes_takes_facts_from_its_storage_alone(kits, copies):
-    folder = copies("stopped")
-    kit, other = (Kit(folder.parent) for _ in range(2))
-    kit.processing.reopen_survey(SURVEY)
-    for write in (other.add_marker, lambda *_: add_to_survey(folder, add_marker(3), NOW, 0.0)):
-        with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
-            write(SURVEY, marker(3))
-    kit.add_marker("", marker(3))
-    found = verify_survey(folder)
-    assert (found.writer, found.status, found.faults) == (str(os.getpid()), INCOMPLETE, [])
-    kit.processing.close_survey(SURVEY, "stopped")
-    kit.processing.shut_down()
-    other.add_marker(SURVEY, marker(4))
-    other.processing.shut_down()
-    assert noted(folder) == texts(1, 2, 3, 4)

@@ -1,27 +1,19 @@
 """The MCAP of a survey by its stock readers; cut or changed anywhere, it invents no trace."""
 
-import io
-import json
 import random
 import shutil
-import struct
 
 import pytest
-from mcap.exceptions import McapError
-from mcap.reader import NonSeekingReader, make_reader
-from mcap_ros1.decoder import DecoderFactory
 from run_seed import SEED, draws
-from storage_kit import Kit, text_message
+from storage_kit import Kit, text_message, torn_mcap_traces
 from trace_examples import STARTED_US, SURVEY, assert_same_numbers, make_trace
 
-from gpr20_survey.errors import TraceRefusedError
 from gpr20_survey.recording.mcap_reader import StoredMcap
 from gpr20_survey.recording.mcap_writer import McapFile, RecordedMessage
-from gpr20_survey.trace import trace_message
+from gpr20_vna_processing.mid.stored_traces import RecordedTraces
 
 TRACES = [make_trace(index, timestamp_us=STARTED_US + 10**6 * (index + 2)) for index in range(4)]
 PRINTS = {trace.index: trace.fingerprint() for trace in TRACES}
-DECODERS = DecoderFactory()
 
 
 @pytest.fixture(scope="module")
@@ -40,49 +32,15 @@ def snapshots(tmp_path_factory):
     return place
 
 
-def read_forward(content):
-    """Return the traces up to the first record that the stock reader cannot read."""
-    reader = NonSeekingReader(io.BytesIO(content), decoder_factories=[DECODERS])
-    found = []
-    try:
-        for _, channel, _, message in reader.iter_decoded_messages(log_time_order=False):
-            if channel.topic == "/trace":
-                found.append(message)
-    except (McapError, EOFError, struct.error):
-        return found  # what the stock reader raises at a torn record
-    return found
-
-
 def read(path):
     """Return the prints of the traces that a file holds, and what is wrong in it."""
-    mcap = StoredMcap(path)
-    prints, wrong = {}, 0
-    for message in mcap.messages(trace_message.DATATYPE):
-        try:
-            trace = trace_message.decode(message.data, message.md5sum)
-        except TraceRefusedError:
-            wrong += 1
-            continue
-        if trace.index in prints:
-            wrong += 1
-        else:
-            prints[trace.index] = trace.fingerprint()
-    return prints, [*mcap.faults, *["damaged trace"] * wrong]
+    found = RecordedTraces(path, SURVEY, lambda _trace: None)
+    return found.prints, found.faults
 
 
 def drawn(first, last, count=12):
     """Return places from the first to before the last, that one and others."""
     return [first, *random.Random(SEED).sample(range(first, last), draws(count))]
-
-
-def test_the_survey_is_described_inside_the_file(snapshots):
-    with open(snapshots / "end" / "survey.mcap", "rb") as stream:
-        reader = make_reader(stream, decoder_factories=[DECODERS])
-        assert reader.get_header().profile == "ros1"
-        found = next(reader.iter_decoded_messages(["/survey_metadata"])).decoded_message
-    description = json.loads(found.data)
-    assert (description["survey_id"], description["vna"]) == (SURVEY, {"identity": "x"})
-    assert description["simulated"] is True
 
 
 def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(snapshots, tmp_path):
@@ -94,7 +52,7 @@ def test_a_recording_cut_in_its_last_records_holds_what_was_acknowledged(snapsho
         assert faults == []
         assert {index: PRINTS[index] for index in range(3)}.items() <= prints.items()
         assert prints.items() <= PRINTS.items()
-        traces = read_forward(path.read_bytes())
+        traces = list(torn_mcap_traces(path))
         assert len(traces) == len(prints)
         for trace, message in zip(TRACES, traces):
             assert_same_numbers(trace, message)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import os
 import random
 import shutil
 
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from reopening_kit import trace_file
 from run_seed import draws
 from storage_kit import OTHER_SURVEY, Kit, text_message
 from trace_examples import SURVEY, make_trace
 
+from gpr20_survey.folder.trace_files import MAX_FILE_BYTES
 from gpr20_survey.trace.trace import SAMPLE, TraceBlock
 from gpr20_vna_processing.mid import stored_surveys
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
@@ -47,10 +50,6 @@ def assert_as_stored(block: TraceBlock):
     assert block.s21.dtype == SAMPLE
 
 
-def json_file(folder, index):
-    return next((folder / "traces").glob(f"{index:06d}_*"))
-
-
 @settings(max_examples=draws(10))
 @given(
     stored=st.sets(st.sampled_from(PLANNED), min_size=1),
@@ -73,18 +72,20 @@ def test_what_is_stored_is_read_and_what_is_not_is_named(
 
 def test_a_trace_of_which_nothing_is_whole_is_named_and_the_others_are_read(tmp_path):
     folder = stored_survey(tmp_path, PLANNED)
-    json_file(folder, 6).write_bytes(b"{")
+    trace_file(folder, 6).write_bytes(b"{")
     assert StoredSurveys(folder.parent).traces(SURVEY, [6]).block.indices.tolist() == [6]
     (folder / "survey.mcap").unlink()
-    torn, unreadable = json_file(folder, 2), json_file(folder, 3)
+    torn, unreadable = trace_file(folder, 2), trace_file(folder, 3)
     torn.write_bytes(torn.read_bytes()[:-20])
     unreadable.unlink()
     unreadable.mkdir()
-    foreign = json_file(folder, 4)
+    foreign = trace_file(folder, 4)
     foreign.write_bytes(foreign.read_bytes().replace(SURVEY.encode(), OTHER_SURVEY.encode()))
-    found = StoredSurveys(folder.parent).traces(SURVEY, [1, 2, 3, 4, 5])
-    assert found.block.indices.tolist() == [1, 5]
-    assert list(found.unreadable) == [2, 3, 4]
+    os.truncate(str(trace_file(folder, 5)), MAX_FILE_BYTES + 1)
+    found = StoredSurveys(folder.parent).traces(SURVEY, [1, 2, 3, 4, 5, 6])
+    assert found.block.indices.tolist() == [1]
+    assert list(found.unreadable) == [2, 3, 4, 5, 6]
+    assert str(MAX_FILE_BYTES) in str(found.unreadable[5])
     assert found.unreadable[2].fault_code == "survey.damaged"
     assert all(map(str, found.unreadable.values()))
 
@@ -104,13 +105,8 @@ def test_a_survey_is_read_while_it_is_measured(tmp_path):
 def test_an_answer_is_bounded_by_its_points_and_by_its_time(tmp_path, monkeypatch):
     folder = stored_survey(tmp_path, PLANNED)
     monkeypatch.setattr(stored_surveys, "MAX_POINTS", 23)
-    assert StoredSurveys(folder.parent).traces(SURVEY, PLANNED).block.indices.tolist() == [
-        0,
-        1,
-        2,
-        3,
-        4,
-    ]
+    found = StoredSurveys(folder.parent).traces(SURVEY, PLANNED)
+    assert found.block.indices.tolist() == [*range(5)]
     monkeypatch.setattr(stored_surveys, "MAX_READING_S", -1.0)
     assert StoredSurveys(folder.parent).traces(SURVEY, [7, 8]).block.indices.tolist() == [7]
 

@@ -6,7 +6,6 @@ for ever. `test_random_damage.py` draws other damages.
 
 from __future__ import annotations
 
-import itertools
 import json
 import shutil
 from dataclasses import dataclass, replace
@@ -17,12 +16,9 @@ from annotation_examples import EXAMPLE
 from case_kit import each_case
 from fault_kit import raises_fault
 from log_examples import (
-    DONE,
-    KILLED,
     NOW,
     add_marker,
     change_digit,
-    ended_at_call,
     with_own_sum,
 )
 from reopening_kit import (
@@ -59,6 +55,7 @@ MCAP, TRACE = "survey.mcap", "a trace"
 SIX = tuple(range(6))
 WITHOUT_2 = (0, 1, 3, 4, 5)
 TRACE_NAME = "000002_X0020.00_Y0010.00_Z+000.00.json"
+OTHER_NAME = "000002_X0030.00_Y0010.00_Z+000.00.json"
 
 
 def path_of(folder, name):
@@ -151,6 +148,24 @@ def other_trace(folder, _older):
     path.write_bytes(trace_files.encode(replace(trace, antennae_height_m=0.7)))
 
 
+def renamed_trace(folder, _older):
+    """Let the name of a trace's file say another place."""
+    trace_file(folder, 2).rename(folder / "traces" / OTHER_NAME)
+
+
+def foreign_trace(folder, _older):
+    """Put a trace of another survey in the place of one in the MCAP, and remove its JSON file."""
+    trace_file(folder, 2).unlink()
+    messages = list(StoredMcap(folder / MCAP).messages())
+    (folder / MCAP).unlink()
+    file, own = McapFile(folder / MCAP), trace_message.encode(TRACES[2])
+    foreign = trace_message.encode(replace(TRACES[2], survey_id=OTHER_SURVEY))
+    for one in messages:
+        file.write_alone(replace(one, data=foreign) if one.data == own else one)
+    file.commit()
+    file.abandon()
+
+
 def foreign_manifest(folder, _older):
     """Put the manifest of another survey, whose log is longer, in the place of its own."""
     sealed, head = manifest.read_manifest(folder), LogHead(40, "0" * 64)
@@ -167,21 +182,6 @@ def later_manifest(whole):
 def later_trace(whole):
     covered = whole[: whole.rindex(b', "sha256"')] + b"}"
     return trace_files.sealed(covered.replace(b"gpr20-trace/1", b"gpr20-trace/2"))
-
-
-def later_mcap(make):
-    """Give each trace of the MCAP, and its type, another version."""
-
-    def change(folder, _older):
-        messages = list(StoredMcap(folder / MCAP).messages())
-        (folder / MCAP).unlink()
-        file = McapFile(folder / MCAP)
-        for one in messages:
-            file.write_alone(make(one) if one.datatype == trace_message.DATATYPE else one)
-        file.commit()
-        file.abandon()
-
-    return change
 
 
 @dataclass(frozen=True)
@@ -219,16 +219,11 @@ LINE_AND_MORE = content(LOG, lambda whole: whole[:-3] + b"#}\n")
 DAMAGES = {
     # survey.json decides nothing; the manifest shows that it was changed.
     "nothing": Damage(STOPPED, both()),
-    "view flipped": Damage(INTERRUPTED, flipped(VIEW, place=0), [VIEW]),
     "view gone": Damage(FINISHED, gone(VIEW), [VIEW]),
     "view gone of one that was cut off": Damage(CUT_OFF, gone(VIEW)),
     # Each file of the log replaces the other.
     "log gone": Damage(CUT_OFF, gone(LOG), [LOG]),
-    "copy gone": Damage(FINISHED, gone(COPY), [COPY]),
-    "log empty": Damage(STOPPED, emptied(LOG), [LOG], [LOG]),
     "marker in the log": Damage(STOPPED, digit(LOG), [LOG], [LOG]),
-    "marker in the copy": Damage(FINISHED, digit(COPY), [COPY], [COPY]),
-    "end of the log": Damage(STOPPED, flipped(LOG, b"\n"), [LOG], [LOG]),
     "another plan in the log": Damage(
         CUT_OFF, replaced(LOG, b'"y_stop_mm":20.0', b'"y_stop_mm":30.0'), [LOG], [LOG]
     ),
@@ -255,7 +250,6 @@ DAMAGES = {
         ["entry 4"], repaired=["record 4"], markers=[1], doubts=["record 4"],
     ),
     "older copy": Damage(INTERRUPTED, older(COPY), repaired=[]),
-    "older manifest": Damage(STOPPED, older(SEAL), repaired=[]),
     "copy of another history": Damage(STOPPED, other_history, [COPY], doubts=["record 5"]),
     # The manifest.
     "manifest flipped": Damage(STOPPED, flipped(SEAL), [SEAL], [SEAL]),
@@ -272,18 +266,13 @@ DAMAGES = {
         CUT_OFF, content(TRACE, later_trace), [TRACE], repaired=["gpr20-trace/2"],
         refused=OTHER_VERSION,
     ),
-    "later traces in the mcap": Damage(
-        CUT_OFF, later_mcap(lambda one: replace(one, data=one.data.replace(b"ace/1", b"ace/2"))),
-        [MCAP], repaired=["gpr20-trace/2"], refused=OTHER_VERSION,
-    ),
-    "later type of traces in the mcap": Damage(
-        CUT_OFF, later_mcap(lambda one: replace(one, md5sum="2" * 32)), [MCAP],
-        repaired=["2" * 32], refused=OTHER_VERSION,
-    ),
     # Traces.
     "trace gone": Damage(STOPPED, gone(TRACE), [TRACE]),
-    "digit of a trace": Damage(CUT_OFF, flipped(TRACE, b'"s21_real": [0.1'), [TRACE], [TRACE]),
     "space in a trace": Damage(STOPPED, replaced(TRACE, b": ", b":  "), [TRACE], [TRACE]),
+    "name of a trace": Damage(CUT_OFF, renamed_trace, [OTHER_NAME]),
+    "trace of another survey": Damage(
+        CUT_OFF, foreign_trace, [OTHER_SURVEY], loaded=WITHOUT_2, stored=WITHOUT_2
+    ),
     "another trace": Damage(
         CUT_OFF, other_trace, ["trace 2", MCAP], [MCAP], [TRACE], doubts=["traces/000002"]
     ),
@@ -297,7 +286,6 @@ DAMAGES = {
     "all traces": Damage(STOPPED, gone("traces"), ["traces/"], repaired=[TRACE],
                          loaded="storage.folder_moved"),
     # The MCAP: what cannot be read of it is in the JSON files.
-    "mcap gone": Damage(CUT_OFF, gone(MCAP), [MCAP]),
     "mcap flipped": Damage(STOPPED, flipped(MCAP, place=0.6), [MCAP], [MCAP]),
 }  # fmt: skip
 
@@ -434,7 +422,7 @@ def test_nothing_is_added_to_a_survey_of_which_something_is_lost_or_damaged(
 def test_the_manifest_holds_what_was_acknowledged_and_not_what_is_on_the_disk_at_the_end(kit):
     folder = kit.open(metadata_json=METADATA)
     kit.processing.store(TRACES[2])
-    flipped(TRACE, b'"s21_imag": [')(folder, None)
+    other_trace(folder, None)
     kit.processing.close_survey(SURVEY, "stopped")
     assert trace_file(folder, 2).name in said(verify_survey(folder).faults)
 
@@ -456,21 +444,3 @@ def test_what_was_never_finished_is_removed_and_is_never_data(copies):
     assert not any(path.exists() for path in torn)
     assert reopened.stored_indices == SIX
     assert_whole(folder, TRACES)
-
-
-def test_kills_in_a_row_while_facts_are_added_are_no_damage(copies, tmp_path):
-    """The copy of the log lacks two entries then."""
-    first = copies("finished")
-    number = 0
-    while recover(first).found.behind != (COPY,):
-        number += 1
-        assert ended_at_call(number, lambda: add_to_survey(first, add_marker(3), NOW)) == KILLED
-    for number in itertools.count(1):
-        folder = tmp_path / str(number) / first.name
-        shutil.copytree(str(first), str(folder))
-        ending = ended_at_call(number, lambda at=folder: add_to_survey(at, add_marker(4), NOW))
-        found = verify_survey(folder)
-        assert (found.status, found.faults) == (COMPLETE, []), number
-        if ending == DONE:
-            break
-    assert number > 5

@@ -3,15 +3,11 @@
 import multiprocessing
 import os
 import sys
-from dataclasses import replace
 
 import pytest
 from fault_suite import worker
 from fault_suite.__main__ import main
 from run_seed import SEED
-
-from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.survey_log import SurveyLog
 
 LIMIT_S = 600.0
 NOTHING_LOST, LOST = 0, 1
@@ -39,30 +35,8 @@ def without_fsync(data, make=worker.new_storage):
     return make(data)
 
 
-def with_other_numbers(data, make=worker.new_storage):
-    kit = make(data)
-    store = kit.processing.store
-    kit.processing.store = lambda trace: store(replace(trace, s21_real=-trace.s21_real))
-    return kit
-
-
-def add_twice(log, record, add=SurveyLog.add):
-    add(log, record)
-    return add(log, log.next(Kind(record.kind), record.values, record.time))
-
-
 @pytest.mark.timeout(LIMIT_S)
-@pytest.mark.parametrize(
-    ("module", "name", "broken", "options", "found"),
-    [
-        (worker, "new_storage", without_fsync, "calls --count 40", ["LOST"]),
-        (worker, "new_storage", with_other_numbers, "calls --count 4", ["CHANGED", "LAUNDERED"]),
-        (worker, "add_fact", lambda _processing, _fact: None, "kills --count 6", ["LOST"]),
-        (SurveyLog, "add", add_twice, "calls --count 12", ["DOUBLED"]),
-    ],
-)
-def test_a_planted_fault_is_found(module, name, broken, options, found, tmp_path, monkeypatch):
-    monkeypatch.setattr(module, name, broken)
-    status, failures = suite(tmp_path, "--only", *options.split())
-    assert status == LOST
-    assert all(one in failures for one in found)
+def test_a_storage_that_answers_before_fsync_is_found(tmp_path, monkeypatch):
+    monkeypatch.setattr(worker, "new_storage", without_fsync)
+    status, failures = suite(tmp_path, "--only", "calls", "--count", "40")
+    assert status == LOST and "LOST" in failures

@@ -3,43 +3,23 @@
 What is not a survey's file keeps no survey from going on or ending, and is named.
 """
 
-import contextlib
 import os
-import re
-import resource
 import shutil
-import struct
-from pathlib import Path
 
 import pytest
 from fault_kit import raises_fault
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
-from log_examples import NOW, marker
+from log_examples import marker
 from reopening_kit import TRACES, trace_file, tree
-from run_seed import draws
-from storage_kit import Kit, with_bag
+from storage_kit import with_bag
 from trace_examples import SURVEY
 
 from gpr20_analysis.read.checks import is_sealed, manifest_differences
 from gpr20_survey.errors import ProcessingError, StorageFailedError, SurveyRefusedError
 from gpr20_survey.files import durable_files
-from gpr20_survey.folder.log_record import Kind, LogRecord
 from gpr20_survey.folder.recovery import recover
-from gpr20_survey.folder.survey_folder import LOG_FILES
 from gpr20_vna_processing.mid.stored_surveys import StoredSurveys
 
-MEMORY_BYTES = 100 << 20
-HUGE_BYTES = 160 << 20
 FOREIGN = "somebody else's"
-# Where what counts ends in a recording of which the index was written: the end of the data.
-DATA_END = struct.pack("<BQ", 0x0F, 4)
-ONE = st.none() | st.booleans() | st.integers() | st.text(max_size=20)
-JSON = ONE | st.lists(ONE, max_size=4) | st.dictionaries(st.text(max_size=8), ONE)
-KEYS = st.sampled_from(
-    ["survey_id", "started", "ended", "outcome", "parameters", "planned_traces", "resumed"]
-    + ["report", "simulated", "stored_traces", "format", "axes", "settings", "instrument"]
-)
 
 
 @pytest.fixture
@@ -135,65 +115,6 @@ def test_a_pipe_in_the_place_of_a_file_is_not_waited_for(kit, folder, part):
     assert refusal_of(lambda: StoredSurveys(folder.parent).list("", 10)) is None
 
 
-@contextlib.contextmanager
-def little_memory():
-    """Let this process take a bounded amount more; beyond it there is a MemoryError."""
-    status = Path("/proc/self/status").read_text()
-    (now_kib,) = re.findall(r"^VmData:\s+(\d+) kB", status, re.MULTILINE)
-    limits = resource.getrlimit(resource.RLIMIT_DATA)
-    resource.setrlimit(resource.RLIMIT_DATA, (int(now_kib) * 1024 + MEMORY_BYTES, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_DATA, limits)
-
-
-@pytest.mark.parametrize("part", ["log.jsonl", "log.copy.jsonl", "trace"])
-def test_a_huge_file_does_not_fill_the_memory(kit, folder, part):
-    os.truncate(str(path_of(folder, part)), HUGE_BYTES)  # without taking the space
-    with little_memory():
-        refusal_of(lambda: StoredSurveys(folder.parent).list("", 10))
-        refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(10)))
-        refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
-
-
-def test_a_record_that_says_it_is_huge_does_not_fill_the_memory(kit, folder):
-    with (folder / "survey.mcap").open("r+b") as file:
-        # In the place of the index, which is behind all that counts.
-        file.seek(file.read().rindex(DATA_END))
-        file.write(struct.pack("<BQ", 0x0C, HUGE_BYTES))
-        file.truncate(2 * HUGE_BYTES)
-    with little_memory():
-        refusal_of(lambda: StoredSurveys(folder.parent).traces(SURVEY, range(3)))
-        refused = refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
-    # A file that is mostly a hole is not read; the JSON files hold the traces.
-    assert refused.message.fault_code == "file.damaged"
-    (folder / "survey.mcap").unlink()
-    assert kit.processing.reopen_survey(SURVEY).stored_indices == tuple(range(6))
-
-
-@settings(max_examples=draws(5), suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.dictionaries(KEYS, JSON, min_size=1, max_size=4))
-def test_no_description_writes_outside_its_folder_or_ends_the_storage(copies, description):
-    folder = copies("stopped")
-    data, top = folder.parent, folder.parent.parent
-    kit = Kit(data)
-    values = {**recover(folder).found.records[0].values, **description}
-    plan = LogRecord.after(None, Kind.PLAN, values, NOW)
-    for name in LOG_FILES:
-        (folder / name).write_bytes(plan.line())
-    try:
-        refusal_of(lambda: kit.processing.reopen_survey(SURVEY))
-        refusal_of(lambda: StoredSurveys(data).list("", 10))
-        refusal_of(lambda: StoredSurveys(data).survey(SURVEY))
-        refusal_of(lambda: StoredSurveys(data).traces(SURVEY, range(10)))
-        assert (list(data.iterdir()), list(top.iterdir())) == ([folder], [data])
-        assert trace_file(folder, 0).is_file()
-    finally:
-        kit.processing.shut_down()
-        shutil.rmtree(str(top))
-
-
 @pytest.mark.parametrize("put", [put_folder, put_link, put_pipe])
 def test_what_is_named_like_a_trace_file_is_put_aside_and_the_survey_ends(kit, folder, put):
     trace, more = trace_file(folder, 1), "000009_X0001.00_Y0001.00_Z+000.00.json"
@@ -205,17 +126,6 @@ def test_what_is_named_like_a_trace_file_is_put_aside_and_the_survey_ends(kit, f
     assert aside == [trace.name, more]
     assert len(list((folder / "traces").iterdir())) == len(TRACES)
     assert not differences(folder)
-
-
-def test_a_folder_put_aside_takes_the_place_of_nothing(tmp_path):
-    aside = tmp_path / "damaged"
-    kept = []
-    for number in range(3):
-        (tmp_path / "trace.json").mkdir()
-        (tmp_path / "trace.json" / str(number)).touch()
-        kept.append(durable_files.move_aside(tmp_path / "trace.json", aside))
-    assert [one.name for one in kept] == ["trace.json", "trace.json.1", "trace.json.2"]
-    assert [next(one.iterdir()).name for one in kept] == ["0", "1", "2"]
 
 
 def test_another_users_file_of_which_no_second_name_may_be_made_is_moved(folder, monkeypatch):

@@ -12,7 +12,7 @@ import shutil
 import pytest
 from annotation_examples import EXAMPLE
 from fault_kit import raises_fault
-from log_examples import marker
+from log_examples import NOW, marker
 from mcap.reader import make_reader
 from reopening_kit import (
     REPORT,
@@ -176,6 +176,8 @@ def test_a_survey_that_another_process_writes_is_not_reopened(opened, kits):
     before = tree(folder)
     with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
         other.processing.reopen_survey(SURVEY)
+    with raises_fault("survey.locked", os.getpid(), error=SurveyRefusedError):
+        other.add_marker(SURVEY, marker(3))
     assert tree(folder) == before
     assert other.processing.state().survey_id == ""
     fill(writer, TRACES[3:4])
@@ -193,66 +195,46 @@ def test_a_survey_that_another_process_writes_is_not_reopened(opened, kits):
         writer.processing.reopen_survey(SURVEY)
 
 
-def store_refused(kit, *shown):
-    with raises_fault("storage.folder_moved", *shown, error=StorageFailedError):
+def replace_mcap(folder, away):
+    shutil.copy(str(folder / "survey.mcap"), str(away))
+    os.replace(str(away), str(folder / "survey.mcap"))
+
+
+def replace_folder(folder, away):
+    """As from another disk."""
+    folder.rename(away)
+    shutil.copytree(str(away), str(folder))
+
+
+@pytest.mark.parametrize(
+    "harm",
+    [
+        lambda folder, _away: (folder / "survey.mcap").unlink(),
+        lambda folder, _away: shutil.rmtree(str(folder / "traces")),
+        lambda folder, away: folder.rename(away),
+        replace_mcap,
+        replace_folder,
+    ],
+    ids=["mcap", "traces", "folder", "other mcap", "other folder"],
+)
+def test_no_trace_is_acknowledged_into_what_is_gone_and_the_survey_goes_on(opened, tmp_path, harm):
+    (kit, folder), away = opened, tmp_path / "away"
+    harm(folder, away)
+    with raises_fault("storage.folder_moved", error=StorageFailedError):
         kit.processing.store(TRACES[3])
-
-
-def go_on_to_the_end(kit, folder):
-    """What the control does when the survey is resumed: reopen, store again, close."""
+    if not folder.exists():
+        with raises_fault("survey.unknown", error=SurveyRefusedError):
+            kit.processing.reopen_survey(folder.name)
+        away.rename(folder)
+    elif (folder / "traces").exists():
+        with raises_fault("storage.folder_moved", error=StorageFailedError):
+            kit.processing.close_survey(SURVEY, "finished")
+        assert not (folder / "manifest.json").exists()
+    # What the control does when the survey is resumed: reopen, store again, close.
     reopened = kit.processing.reopen_survey(folder.name)
     assert reopened.stored_indices[:3] == (0, 1, 2)
     finish(kit, folder, reopened)
     assert published(kit) == [*range(9)]
-
-
-@pytest.mark.parametrize("replaced", [False, True])
-def test_no_trace_is_acknowledged_into_a_recording_that_is_gone(opened, replaced):
-    (kit, folder), name = opened, "survey.mcap"
-    if replaced:
-        shutil.copy(str(folder / name), str(folder / "copy"))
-        os.replace(str(folder / "copy"), str(folder / name))
-    else:
-        (folder / name).unlink()
-    store_refused(kit, name)
-    with raises_fault("storage.folder_moved", error=StorageFailedError):
-        kit.processing.close_survey(SURVEY, "finished")
-    assert not (folder / "manifest.json").exists()
-    assert published(kit) == [0, 1, 2]
-    go_on_to_the_end(kit, folder)
-
-
-@pytest.mark.parametrize("way", ["back", "as a copy", "as a copy, unnoticed"])
-def test_a_survey_that_was_moved_away_goes_on_when_it_is_back(opened, tmp_path, way):
-    kit, folder = opened
-    folder.rename(tmp_path / "away")
-    if way != "as a copy, unnoticed":
-        store_refused(kit)
-        with raises_fault("survey.unknown", error=SurveyRefusedError):
-            kit.processing.reopen_survey(folder.name)
-    if way == "back":
-        (tmp_path / "away").rename(folder)
-    else:  # as from another disk
-        shutil.copytree(str(tmp_path / "away"), str(folder))
-    if way == "as a copy, unnoticed":
-        store_refused(kit)
-    go_on_to_the_end(kit, folder)
-
-
-def test_the_traces_folder_is_made_again_when_the_survey_is_resumed(opened):
-    kit, folder = opened
-    shutil.rmtree(str(folder / "traces"))
-    store_refused(kit)
-    go_on_to_the_end(kit, folder)
-
-
-def test_a_survey_that_is_gone_does_not_keep_the_next_one_from_beginning(opened):
-    kit, folder = opened
-    shutil.rmtree(str(folder))
-    with pytest.raises(StorageFailedError):
-        kit.processing.close_survey(SURVEY, "stopped")
-    assert kit.processing.interrupt_other(OTHER_SURVEY) == folder.name
-    kit.open(OTHER_SURVEY)
 
 
 @pytest.mark.parametrize("is_there", [True, False])
@@ -284,12 +266,14 @@ def test_every_record_of_the_log_is_recorded_and_published_when_it_is_durable(ki
     kit.annotate("", EXAMPLE)
     kit.add_marker("", marker(1))
     kit.add_marker("", marker(1))  # a repeated request says nothing new
+    for _ in range(2):
+        kit.processing.add_fact("", "pause", json.dumps({"time": NOW}))
     kit.remove_marker(SURVEY, marker(1).marker_id, "Luis")
     kit.report(SURVEY, '{"verdict": "none"}')
     kit.processing.close_survey(SURVEY, "stopped")
     kit.processing.reopen_survey(SURVEY)
     kit.processing.close_survey(SURVEY, "stopped")
-    kinds = ["annotation", "marker", "marker_removed", "report"]
+    kinds = ["annotation", "marker", "pause", "marker_removed", "report"]
     assert [record.kind for record in map(recorded_log, kit.logged)] == kinds
     added = recover(folder).found.records
     assert [one.kind for one in added] == ["plan", *kinds, "end", "resume", "end"]

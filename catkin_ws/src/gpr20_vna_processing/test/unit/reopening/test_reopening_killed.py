@@ -7,7 +7,6 @@ every few calls, a release each of them.
 from __future__ import annotations
 
 import contextlib
-import errno
 import itertools
 import random
 import shutil
@@ -25,8 +24,6 @@ from trace_examples import METADATA, SURVEY
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 from gpr20_survey.errors import StorageFailedError
-from gpr20_survey.files import regular_files
-from gpr20_survey.folder import survey_log
 from gpr20_survey.folder.recovery import add_to_survey
 
 STORED = 6
@@ -175,19 +172,6 @@ def test_an_entry_that_was_torn_while_it_was_added_leaves_a_sealed_survey_intact
         add_to_survey(folder, add_marker(4), NOW)
         assert noted(folder) == texts(1, 2, 4)
         assert verify_survey(folder).status == COMPLETE
-
-
-def test_a_log_that_the_disk_does_not_show_is_not_called_another_survey(tmp_path, monkeypatch):
-    folder = Kit(tmp_path / "first").open(metadata_json=METADATA)
-    shutil.copytree(str(folder), str(tmp_path / "second" / folder.name))
-
-    def refuse(*_arguments, **_options):
-        raise OSError(errno.EIO, "Input/output error")
-
-    for module in (survey_log, regular_files):
-        monkeypatch.setattr(module, "open_regular", refuse)
-    with pytest.raises(StorageFailedError):
-        Kit(tmp_path / "second").open(metadata_json=METADATA)
 
 
 def test_a_folder_that_holds_anything_else_is_not_emptied_by_an_opening(copies):
