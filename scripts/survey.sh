@@ -21,7 +21,7 @@ case " $* " in *" --resume"*) area=() ;; esac
 # A mistake is refused before a robot is started for it.
 python -c 'import sys
 from gpr20_common.catalogue import Catalogue
-from gpr20_user_interface.terminal.survey_arguments import parse_arguments
+from gpr20_user_interface.terminal import parse_arguments
 parse_arguments(sys.argv[1:], Catalogue())' "${area[@]}" "$@"
 
 data="$(realpath -ms "${GPR20_DATA:-$HOME/gpr20_data}")"

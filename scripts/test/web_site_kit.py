@@ -50,9 +50,9 @@ class Touchscreen:
 
     def __init__(self) -> None:
         self.model = SurveyModel(Clock())
-        senders = Senders("/")
-        self.control = ControlClient(self._take, senders)
-        self.web = WebPageClient(self._take, senders)
+
+        self.control = ControlClient(self._take, Senders("/"))
+        self.web = WebPageClient(self._take, "/")
         self.arming = Arming(Clock(), self.web.send)
         for client in (self.control, self.web):
             client.listen()
