@@ -26,8 +26,6 @@ from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.links import NO_ANSWER, answers, end_when_broken, limited_server, value_of
-from gpr20_common.low.thread_fault import log_remark
-from gpr20_common.message import Message
 
 # The code of an answer that reports no failure.
 SUCCESS = 1
@@ -97,8 +95,7 @@ class GraphKeeper:
             if rospy.core.is_shutdown_requested():
                 return
             self._fill(me, uri)
-            said = Message("the ROS master was restarted; this part is known to it again")
-            log_remark(said)
+            rospy.logwarn("the ROS master was restarted; this part is known to it again")
         self._filled = number
         if self._checks % REMEMBER_EVERY == 0:
             self._parameters.update(_leaves(value_of(self._master.getParam(me, "/"))))
