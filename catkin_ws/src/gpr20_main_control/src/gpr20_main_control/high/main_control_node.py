@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from functools import partial
 from typing import Any, Callable, Dict, Tuple
 
@@ -27,11 +26,7 @@ from gpr20_main_control.high.ros_devices import (
 )
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
-from gpr20_main_control.mid.devices.described_robot import (
-    NEEDED_NODES,
-    DescribedRobot,
-    TimeLimits,
-)
+from gpr20_main_control.mid.devices.described_robot import NEEDED_NODES, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S, NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
@@ -165,7 +160,6 @@ def _caller(request: Any) -> str:
 def build_main_control_node() -> MainControlNode:
     """Read the parameters and build the main control from the bottom up."""
     settings = read_parameters(SurveySettings, "survey")
-    limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
@@ -183,12 +177,12 @@ def build_main_control_node() -> MainControlNode:
             topics.simulated = simulated
             topics.publish_status(status.status)
 
-    description = DescribedRobot(read_parameters(Site, "site"), limits, describe)
+    description = DescribedRobot(read_parameters(Site, "site"), describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
-        analyzer=RosAnalyzer(limits.analyzer_limit_s),
-        height_m=height_over_ros(limits.height_limit_s),
-        storage=RosStorage(limits.storage_limit_s, topics),
+        analyzer=RosAnalyzer(),
+        height_m=height_over_ros(),
+        storage=RosStorage(topics),
         nodes=nodes,
         description=description,
         sensors=sensors.sensors,
@@ -197,8 +191,7 @@ def build_main_control_node() -> MainControlNode:
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
     node = MainControlNode(control, robot, status, topics)
-    own = {**plain(settings), **asdict(limits)}
-    description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
+    description.note(NodeDescription(NODE, NO_HARDWARE, plain(settings), own_software()))
     listen_to_nodes(description.note)
     return node
 

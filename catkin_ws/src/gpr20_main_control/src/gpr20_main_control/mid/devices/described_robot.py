@@ -10,7 +10,6 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.codec import bounded
 from gpr20_main_control.errors import CONFIGURATION_CHANGED, DeviceError
 from gpr20_survey.faults import SENSOR_FAILED, WRONG_VNA
 from gpr20_survey.plan.annotation import Site
@@ -36,24 +35,12 @@ RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
 US_PER_S = 1_000_000
 
 
-@dataclass(frozen=True)
-class TimeLimits:
-    """How long the main control waits for an answer of the other nodes [s]."""
-
-    analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
-    height_limit_s: float = bounded(0.1, 3600.0, 10.0)
-    storage_limit_s: float = bounded(0.1, 3600.0, 90.0)
-
-
 class DescribedRobot:
     """Holds the description of each node; every method may be called from any thread."""
 
-    def __init__(
-        self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
-    ) -> None:
+    def __init__(self, site: Site, on_change: Callable[[DescribedRobot], None]) -> None:
         """Begin with no description; `on_change` is called after each new one."""
-        self.site, self.limits = site, limits
-        self._on_change = on_change
+        self.site, self._on_change = site, on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
         self._config: Optional[RobotConfig] = None
@@ -141,7 +128,6 @@ class DescribedRobot:
                 for key, name in RECORDED.items()
                 if name in nodes
             },
-            "time_limits": asdict(self.limits),
             "site": asdict(self.site),
         }
 
