@@ -60,8 +60,7 @@ class MainControlNode:
     def __init__(
         self, control: MainControl, robot: Robot, status: SurveyStatus, topics: SurveyTopics
     ) -> None:
-        self._control, self._robot = control, robot
-        self._status, self._topics = status, topics
+        self._control, self._status = control, status
         for name, kind, handle in (
             ("set_survey_parameters", srv.SetSurveyParameters, self._set_parameters),
             ("start_survey", srv.StartSurvey, self._start),
@@ -76,14 +75,12 @@ class MainControlNode:
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
-        self._periodic = Periodic(PUBLISHING_PERIOD_S, self._publish)
+        publish = lambda: topics.publish(robot, status.status)  # noqa: E731
+        self._periodic = Periodic(PUBLISHING_PERIOD_S, publish)
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
-
-    def _publish(self) -> None:
-        self._topics.publish(self._robot, self._status.status)
 
     def _set_parameters(self, request: Any) -> Said:
         rotations_deg = tuple(request.parameters.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
