@@ -166,7 +166,7 @@ def build_main_control_node() -> MainControlNode:
         nodes.watch(name, plain_name, _probe(name))
 
     def describe(description: DescribedRobot) -> None:
-        simulated = description.problem() is None and description.config().simulated
+        simulated = description.problem is None and description.config().simulated
         if simulated:
             nodes.watch(SIMULATOR, Message("the simulated robot"), _probe(SIMULATOR))
         topics.publish_robot(description)

@@ -320,8 +320,7 @@ class RosAnalyzer:
 
 def height_over_ros() -> Callable[[], float]:
     """Return what measures the height of the antennas above the ground [m]."""
-    sensor = PLAIN_NAMES[HEIGHT_SENSOR]
-    measure = DeviceService(sensor, "get_height", srv.GetHeight, HEIGHT_LIMIT_S)
+    measure = DeviceService(PLAIN_NAMES[HEIGHT_SENSOR], "get_height", srv.GetHeight, HEIGHT_LIMIT_S)
     return lambda: float(measure().height_m)
 
 

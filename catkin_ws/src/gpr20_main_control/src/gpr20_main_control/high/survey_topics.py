@@ -102,7 +102,7 @@ class SurveyTopics:
 
     def publish_robot(self, robot: DescribedRobot) -> None:
         """Publish what the nodes of the robot say together."""
-        problem = robot.problem()
+        problem = robot.problem
         message = _stamped(
             msg.RobotConfiguration,
             known=problem is None,

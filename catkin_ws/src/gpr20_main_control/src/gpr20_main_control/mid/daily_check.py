@@ -43,7 +43,6 @@ FORMAT = "gpr20-daily-check/1"
 HISTORY = Path("daily_checks") / "history.jsonl"
 CHECK_SWEEP = SweepSettings(600.0e6, 6.0e9, 501)
 STEPS = tuple(Part)
-NS = 1e9
 # Samples of an echo in the reciprocal of the bandwidth: the delay is exact to a tenth of its limit.
 SAMPLES_PER_RESOLUTION = 16
 # An echo is one if it is so many times higher than any noise.
@@ -212,7 +211,7 @@ def _echo(frequency_hz: np.ndarray, echo: np.ndarray, noise: np.ndarray) -> Dict
     if levels[place] < ECHO_FACTOR * floor:
         return {"delay_ns": math.nan, "echo_db": math.nan}
     echo_db = float(decibels(float(levels[place])))
-    return {"delay_ns": NS * float(delays_s[place]), "echo_db": echo_db}
+    return {"delay_ns": 1e9 * float(delays_s[place]), "echo_db": echo_db}
 
 
 def judge(figures: Figures, history: Sequence[Figures]) -> Verdict:

@@ -19,15 +19,13 @@ from gpr20_common.message import Message, numeral
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.positioner import Positioner
 from gpr20_main_control.mid.devices.robot import Analyzer, Robot
-from gpr20_main_control.mid.waits import Interruption
+from gpr20_main_control.mid.waits import REST_LIMIT_S, Interruption
 from gpr20_survey.axes import AxisId, AxisParameters
 from gpr20_survey.plan.robot_description import axis_parameters
 from gpr20_survey.radar import decibels
 from gpr20_survey.results.answers import AnalyzerTest
 from gpr20_survey.trace.sweep import Sweep, SweepSettings
 
-# A stopped axis ramps down within this time [s]; one that does not is reported as moving.
-REST_LIMIT_S = 10.0
 # What is swept if no survey has been planned yet.
 TEST_SWEEP = SweepSettings(600.0e6, 6.0e9, 101)
 
@@ -152,7 +150,7 @@ def run_analyzer_test(
     try:
         with analyzer_in_service(robot, interruption) as call:
             test = replace(test, identity=call(lambda: analyzer.connect(address)))
-            if robot.description.problem() is None:
+            if robot.description.problem is None:
                 robot.description.check_identity(test.identity, robot.description.config())
             test = replace(test, calibration=call(analyzer.calibration).status.name)
             call(lambda: analyzer.configure(settings))

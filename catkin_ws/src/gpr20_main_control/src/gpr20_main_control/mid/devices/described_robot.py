@@ -32,7 +32,6 @@ from gpr20_survey.trace.trace import AuxValue
 NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
-US_PER_S = 1_000_000
 
 
 class DescribedRobot:
@@ -44,7 +43,8 @@ class DescribedRobot:
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
         self._config: Optional[RobotConfig] = None
-        self._problem: Optional[Message] = None
+        # Why no survey can be measured; None if nothing is wrong.
+        self.problem: Optional[Message] = None
         self._judge()
 
     @property
@@ -52,10 +52,6 @@ class DescribedRobot:
         """The descriptions received so far, by their nodes."""
         with self._described:
             return dict(self._nodes)
-
-    def problem(self) -> Optional[Message]:
-        """Return why no survey can be measured; None if nothing is wrong."""
-        return self._problem
 
     def note(self, description: NodeDescription) -> None:
         """Note what a node is now."""
@@ -67,16 +63,16 @@ class DescribedRobot:
 
     def _judge(self) -> None:
         try:
-            self._config, self._problem = robot_config(self._nodes), None
+            self._config, self.problem = robot_config(self._nodes), None
         except InvalidValueError as error:
-            self._config, self._problem = None, error.message
+            self._config, self.problem = None, error.message
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
         """Return what is fixed for the robot; nodes that are starting are waited for [s]."""
         with self._described:
-            self._described.wait_for(lambda: self._problem is None, wait_s)
-            if self._problem is not None:
-                raise InvalidValueError(self._problem)
+            self._described.wait_for(lambda: self.problem is None, wait_s)
+            if self.problem is not None:
+                raise InvalidValueError(self.problem)
             assert self._config is not None
             return self._config
 
@@ -231,7 +227,7 @@ class AuxSensors:
                 one.sensor.name,
                 one.value,
                 one.sensor.unit,
-                now_us - round((one.age_s or 0.0) * US_PER_S),
+                now_us - round(1e6 * (one.age_s or 0.0)),
             )
             for one in measured
             if one.value is not None
