@@ -47,9 +47,9 @@ def git_revision(*options: str) -> str:
     """Return the git revision that was installed, or that of the sources; empty if unknown."""
     if INSTALLED_REVISION.exists():  # not that of a repository which the install space may be in
         return INSTALLED_REVISION.read_text(encoding="utf-8").strip()
-    command = ["git", "-C", INSTALLED_REVISION.parent, "describe", "--always", "--tags", *options]
+    git = ["git", "-C", str(INSTALLED_REVISION.parent), "describe", "--always", "--tags", *options]
     try:
-        answer = subprocess.run(command, capture_output=True, timeout=TIME_LIMIT_S, check=True)
+        answer = subprocess.run(git, capture_output=True, timeout=TIME_LIMIT_S, check=True)
     except (OSError, subprocess.SubprocessError):
         return ""  # without git, or no checkout
     return answer.stdout.decode(errors="replace").strip()

@@ -27,6 +27,7 @@ from gpr20_survey.plan.robot_description import (
 )
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.trace import AuxValue
+from gpr20_survey.trace.utc_time import US_PER_S
 
 # Without which no survey is measured, and what operators call them.
 NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
@@ -227,7 +228,7 @@ class AuxSensors:
                 one.sensor.name,
                 one.value,
                 one.sensor.unit,
-                now_us - round(1e6 * (one.age_s or 0.0)),
+                now_us - round((one.age_s or 0.0) * US_PER_S),
             )
             for one in measured
             if one.value is not None
