@@ -32,7 +32,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.mid.codec import plain
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_height_sensor.height_driver import HeightParameters
-from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
@@ -208,7 +208,7 @@ class RobotInProcess:
 
     def _description(self, analyzer: VnaParameters) -> DescribedRobot:
         """Return what the nodes of the robot say of themselves."""
-        described = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
+        described = DescribedRobot(Site(), lambda _robot: None)
         configurations: Dict[str, Any] = {
             f"{axis_id.value}_axis/axis_driver": AXES[axis_id] for axis_id in AxisId
         }

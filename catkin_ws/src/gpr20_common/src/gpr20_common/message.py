@@ -62,10 +62,6 @@ class Fault:
     may_move: bool = False
     can_continue: bool = True
 
-    def __post_init__(self) -> None:
-        if not CODE_FORMAT.fullmatch(self.code):
-            raise ValueError(f"the code {self.code!r} of a fault must have the form area.what")
-
     def as_warning(self) -> Fault:
         return replace(self, severity=Severity.WARNING)
 

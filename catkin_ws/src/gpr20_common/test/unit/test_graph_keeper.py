@@ -18,9 +18,7 @@ from rospy.impl.tcpros_base import TCPServer
 from gpr20_common.high import graph_keeper
 from gpr20_common.high.graph_keeper import (
     BROKEN_LIMIT_S,
-    FEWEST_STRANGERS,
     MOST_OPEN,
-    SAY_PERIOD_S,
     GraphKeeper,
     _Doorman,
 )
@@ -224,17 +222,6 @@ def test_who_closes_a_connection_is_no_stranger(port):
         node.sendall(HEADER)
         assert heard(1) == [HEADER]
     assert noted == []
-
-
-def test_strangers_are_said_when_several_come_and_not_too_often(monkeypatch):
-    said, doorman = [], _Doorman(SimpleNamespace(inbound_handler=None))
-    monkeypatch.setattr(graph_keeper, "log_remark", lambda remark: said.append(str(remark)))
-    rare = [SAY_PERIOD_S * number for number in range(5)]
-    for now_s in (*rare, *(rare[-1] + 1 + number for number in range(9))):
-        monkeypatch.setattr(graph_keeper, "time", SimpleNamespace(monotonic=lambda: now_s))  # noqa: B023
-        doorman.note(("10.0.0.9", 4711))
-    (only,) = said
-    assert f"were ended: {FEWEST_STRANGERS}, the last from 10.0.0.9:4711" in only
 
 
 def test_the_xml_rpc_of_a_node_has_a_bounded_number_of_connections(monkeypatch):

@@ -137,12 +137,6 @@ def test_a_warning_keeps_code_remedy_and_motion_of_the_cause():
     assert reporting(None).as_warning().cause is None
 
 
-@each_case("code", ["", "vna.", "Vna.x", "vna.x\n", "a.b.c", "a" * 31 + ".b"])
-def test_a_code_has_the_form_area_what(code):
-    with pytest.raises(ValueError):
-        Fault(code)
-
-
 # How it travels.
 
 

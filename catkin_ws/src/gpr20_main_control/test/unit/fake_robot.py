@@ -15,7 +15,7 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, received_message, verbatim
 from gpr20_common.mid.node_facts import NO_HARDWARE, Hardware
 from gpr20_main_control.errors import DeviceError
-from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot, TimeLimits
+from gpr20_main_control.mid.devices.described_robot import AuxSensors, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import NodeLiveness
 from gpr20_main_control.mid.devices.robot import (
     AnalyzerCalibration,
@@ -323,7 +323,7 @@ class FakeStorage:
 
 def described_robot(simulated=True):
     """Return what the nodes of a robot say about themselves."""
-    robot = DescribedRobot(Site(), TimeLimits(), lambda _robot: None)
+    robot = DescribedRobot(Site(), lambda _robot: None)
     configurations = {
         f"{axis_id.value}_axis/axis_driver": asdict(AXES[axis_id]) for axis_id in AxisId
     }

@@ -120,7 +120,7 @@ def test_a_homing_that_begins_while_a_stop_is_on_its_way_is_stopped_too(bench):
     order = []
     bench.y.stop = lambda: order.append("stop")
     bench.y.home = lambda _limit_s: (bench.control.stop(), order.append("home"))
-    with raises_fault(NOT_HOMED.as_note(), error=StopRequested):
+    with raises_fault(ASKED_FOR, error=StopRequested):
         home(bench, Y)
     assert order == ["stop", "home", "stop"]
 
@@ -132,7 +132,7 @@ def test_a_stop_ends_a_homing(bench):
     homing = in_background(lambda: home(bench, Y))
     assert begun.wait(LIMIT_S)
     bench.control.stop()
-    assert reports(homing.exception(LIMIT_S).message, NOT_HOMED.as_note(), "y")
+    assert reports(homing.exception(LIMIT_S).message, ASKED_FOR, "y")
 
 
 def test_a_stop_stops_every_axis_while_the_request_is_held(bench):

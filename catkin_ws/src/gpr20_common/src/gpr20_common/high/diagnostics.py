@@ -22,25 +22,23 @@ Health = Tuple[int, Message, Dict[str, Any]]
 FAULT = "fault"
 
 PERIOD_S = 1.0
-# For so long an exception that nobody expected, in any thread, and a remark are said [s].
+# For so long an exception that nobody expected, in any thread, is said [s].
 FAULT_S = 60.0
 
 
-class _LastSaid(logging.Handler):
-    """Remembers for a while the last fault that was logged, and the last remark."""
+class _LastFault(logging.Handler):
+    """Remembers for a while the last fault that was logged."""
 
     def __init__(self) -> None:
         super().__init__()
-        self._said: Dict[bool, Tuple[Message, float]] = {}
+        self._said, self._said_s = verbatim(""), -math.inf
 
     def emit(self, record: logging.LogRecord) -> None:
-        said = getattr(record, SAID, None)
-        if said is not None:
-            self._said[bool(said.fault)] = said, time.monotonic()
+        if hasattr(record, SAID):
+            self._said, self._said_s = getattr(record, SAID), time.monotonic()
 
-    def last(self, is_fault: bool) -> Optional[Message]:
-        said, said_s = self._said.get(is_fault, (None, -math.inf))
-        return said if time.monotonic() - said_s < FAULT_S else None
+    def last(self) -> Optional[Message]:
+        return self._said if time.monotonic() - self._said_s < FAULT_S else None
 
 
 class Diagnostics:
@@ -48,23 +46,21 @@ class Diagnostics:
 
     def __init__(self, hardware_id: str, health: Callable[[], Health]) -> None:
         self._health = health
-        self._said = _LastSaid()
-        LOGGER.addHandler(self._said)
+        self._last_fault = _LastFault()
+        LOGGER.addHandler(self._last_fault)
         self._updater = diagnostic_updater.Updater()
         self._updater.setHardwareID(hardware_id)
         self._updater.add("state", self._fill)
         self._periodic = Periodic(PERIOD_S, self._updater.force_update)
         # It may be why the node ends.
-        rospy.on_shutdown(lambda: self._said.last(is_fault=True) and self._updater.force_update())
+        rospy.on_shutdown(lambda: self._last_fault.last() and self._updater.force_update())
 
     def _fill(self, status: diagnostic_updater.DiagnosticStatusWrapper) -> Any:
         found: Health = (ERROR, verbatim(""), {})
         with faults_logged("diagnostics"):
             found = self._health()
         level, message, values = found
-        remark, fault = self._said.last(is_fault=False), self._said.last(is_fault=True)
-        if remark is not None and level == OK:
-            level, message = WARN, remark
+        fault = self._last_fault.last()
         if fault is not None:
             level, message = ERROR, fault
         status.summary(level, str(message))

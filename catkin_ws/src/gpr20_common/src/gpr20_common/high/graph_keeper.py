@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import contextlib
 import functools
-import math
 import selectors
 import socket
 import struct
@@ -27,8 +26,6 @@ from rospy.impl.registration import get_service_manager, get_topic_manager
 
 from gpr20_common.high.periodic import Periodic
 from gpr20_common.low.links import NO_ANSWER, answers, end_when_broken, limited_server, value_of
-from gpr20_common.low.thread_fault import log_remark
-from gpr20_common.message import Message
 
 # The code of an answer that reports no failure.
 SUCCESS = 1
@@ -45,10 +42,8 @@ MOST_OPEN = 100
 LARGEST_HEADER_BYTES = 1 << 16
 LENGTH = struct.Struct("<I")
 POLL_S = 0.5
-# Strangers, and a master that does not answer, are said this often [s].
+# Strangers, and a master that does not answer, are logged this often [s].
 SAY_PERIOD_S = 10.0
-# Fewer within that time are not said: a busy computer makes a node of this robot late.
-FEWEST_STRANGERS = 5
 
 
 class GraphKeeper:
@@ -100,8 +95,7 @@ class GraphKeeper:
             if rospy.core.is_shutdown_requested():
                 return
             self._fill(me, uri)
-            said = Message("the ROS master was restarted; this part is known to it again")
-            log_remark(said)
+            rospy.logwarn("the ROS master was restarted; this part is known to it again")
         self._filled = number
         if self._checks % REMEMBER_EVERY == 0:
             self._parameters.update(_leaves(value_of(self._master.getParam(me, "/"))))
@@ -183,23 +177,16 @@ class _Doorman:
     def __init__(self, server: Any) -> None:
         self._server, self._begin = server, server.inbound_handler
         self._selector = selectors.DefaultSelector()
-        self._noted_s: List[float] = []
-        self._said_s = -math.inf
         server.inbound_handler = self._serve
 
     def note(self, address: Tuple[str, int]) -> None:
-        """Say who connected without speaking as ROS does, where several did."""
-        now_s = time.monotonic()
-        self._noted_s = [*(one for one in self._noted_s if now_s - one < SAY_PERIOD_S), now_s]
-        if len(self._noted_s) >= FEWEST_STRANGERS and now_s - self._said_s >= SAY_PERIOD_S:
-            said = Message(
-                "connections that say nothing that ROS understands were ended: {count}, the last "
-                "from {address}; find the program that makes them, and end it",
-                count=len(self._noted_s),
-                address="{}:{}".format(*address),
-            )
-            log_remark(said)
-            self._said_s = now_s
+        """Log who was ended, such as a stranger or a node of a busy computer."""
+        rospy.logwarn_throttle(
+            SAY_PERIOD_S,
+            "a connection from %s:%d that said nothing that ROS understands was ended; if it comes "
+            "again, find the program that makes it, and end it",
+            *address,
+        )
 
     def _serve(self, first: socket.socket, address: Tuple[str, int]) -> None:
         """Be called by rospy with the next connection; return when the node ends."""

@@ -138,17 +138,12 @@ class ServiceClient:
             return deserialized(kind._response_class, self._make(message, timeout_s))
         except FAILURES as error:
             text = Message(
-                "the service {service} could not be called; check that its node is running",
+                "the service {service} could not be called, or did not answer within {limit_s:g} "
+                "s; check that its node is running and not hung",
                 service=self.name,
+                limit_s=timeout_s,
                 details=error,
             )
-            if isinstance(error, socket.timeout):
-                text = Message(
-                    "the service {service} did not answer within {limit_s:g} s; check that its "
-                    "node is running and not hung",
-                    service=self.name,
-                    limit_s=timeout_s,
-                )
             raise ServiceUnavailableError(text) from error
 
     def give_up(self) -> None:

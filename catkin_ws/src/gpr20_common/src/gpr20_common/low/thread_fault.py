@@ -32,10 +32,6 @@ def log_fault(part: str) -> Message:
     return said
 
 
-def log_remark(said: Message) -> None:
-    LOGGER.warning(str(said), extra={SAID: said})
-
-
 @contextlib.contextmanager
 def faults_logged(part: str) -> Iterator[None]:
     """Log an exception and continue, for work whose result nobody needs."""

@@ -99,28 +99,21 @@ def load_extension(
     module, _colon, class_name = name.partition(":")
     try:
         found = getattr(importlib.import_module(module), class_name)
+        members = (one for one in sorted(vars(protocol)) if one[0] != "_")
+        lacking = [one for one in members if not hasattr(found, one)]
+        if lacking or not inspect.isclass(found):
+            raise TypeError(f"it lacks {', '.join(lacking) or 'class'}")
     except Exception as error:  # the module is not ours: it may raise anything
         raise ConfigurationError(
             Message(
-                "{key} is {name}, but {module} cannot be imported: {reason}; install its package "
-                "in the virtual environment of this software, or correct the name",
-                key=key,
-                name=name,
-                module=module,
-                reason=f"{type(error).__name__}: {error}",
-            )
-        ) from error
-    missing = [one for one in sorted(vars(protocol)) if one[0] != "_" and not hasattr(found, one)]
-    if missing or not inspect.isclass(found):
-        raise ConfigurationError(
-            Message(
-                "{key} is {name}, which is not usable as {protocol}: it lacks {missing}",
+                "{key} is {name}, which cannot be imported or is no {protocol}: {reason}; install "
+                "its package in the virtual environment of this software, or correct the name",
                 key=key,
                 name=name,
                 protocol=protocol.__name__,
-                missing=", ".join(missing) or "class",
+                reason=f"{type(error).__name__}: {error}",
             )
-        )
+        ) from error
     try:
         inspect.signature(found).bind(*range(arguments), **options)
     except TypeError as error:

@@ -46,7 +46,7 @@ KEYS = frozenset(
     settle_s seconds_per_point sweep_timeout_s request_timeout_s attempts retry_pause_s link_check_s
     transfer_format min_frequency_hz max_frequency_hz min_level_db max_level_db antenna_delay_ns
     height_s on_height_failure return_limit_s repeat_limit_db reference_interval_s drift_limit_db
-    drift_limit_deg analyzer_limit_s height_limit_s storage_limit_s
+    drift_limit_deg
     data_disk disk_reserve_mb message_queue_mb timeout_s long_timeout_s commit_period_s
     false_alarms_per_m2 port session_hours unchecked accepted_calibrations
     readable_by""",

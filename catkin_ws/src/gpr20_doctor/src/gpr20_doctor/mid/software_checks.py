@@ -18,7 +18,6 @@ from gpr20_common.faults import (
 )
 from gpr20_common.low.yaml_file import data_folder
 from gpr20_common.message import Message, received_message, verbatim
-from gpr20_common.mid.node_facts import software_difference
 from gpr20_common.terminal_text import printable
 from gpr20_doctor.low.processes import HALTED, Process, answer_of
 from gpr20_doctor.mid.finding import Finding, Level
@@ -163,20 +162,22 @@ def check_versions(facts: RobotFacts, here: Optional[MachineReport]) -> Iterator
     silent = [one for one in EXPECTED_NODES if one not in (IMAGING, *software)]
     if here is not None:
         software["installed here"] = here.software
-    difference = software_difference(software)
-    if difference is not None:
-        text = Message("Versions: {difference}", difference=difference)
-        hosts = {one.host: one.name for one in software.values()}
+    versions = sorted({(one.name, one.host) for one in software.values()})
+    if len({name for name, _host in versions}) > 1:
+        found = tuple(
+            Message("{software} on {host}", software=name, host=host or "?")
+            for name, host in versions
+        )
+        text = Message("The parts of the robot run different software: {versions}", versions=found)
         fault, advice = VERSIONS_DIFFER.as_warning(), None
-        if here is not None and any(one.name != hosts[one.host] for one in software.values()):
+        if here is not None and len({host for _name, host in versions}) < len(versions):
             # It was updated under a robot that runs on.
             again = Message("Start all parts of the robot again, from one installation.")
             fault, advice = OTHER_LAUNCH.as_warning(), here.machine.restart(again)
-        yield Finding.of("versions", text.reporting_only(fault), fault, advice=advice)
+        yield Finding.of("versions", text, fault, advice=advice)
     elif silent:
         text = Message("Not known: the software of {parts}", parts=tuple(map(node_title, silent)))
         yield Finding("versions", Level.UNKNOWN, text, VERSIONS_DIFFER.remedy)
     else:
-        name = next(iter(software.values())).name
-        text = Message("Software {software} on every part", software=name)
+        text = Message("Software {software} on every part", software=versions[0][0])
         yield Finding.of("versions", text)

@@ -13,7 +13,6 @@ from gpr20_common.message import Fault, Message, Severity
 from gpr20_common.mid.codec import mistakes, record_from
 from gpr20_common.terminal_text import printable
 from gpr20_height_sensor.height_driver import HeightParameters
-from gpr20_main_control.mid.devices.described_robot import TimeLimits
 from gpr20_survey.axes import BOARD_PINS, AxisId, AxisParameters
 from gpr20_survey.plan.annotation import Site
 from gpr20_survey.plan.robot_description import SENSORS, Sensors
@@ -53,7 +52,7 @@ class Wiring:
 FILES: Mapping[str, Mapping[str, Type]] = {
     "height.yaml": {"height_sensor": HeightParameters},
     "analyzer.yaml": {"vna_acquisition": VnaParameters},
-    "survey.yaml": {"survey": SurveySettings, "time_limits": TimeLimits},
+    "survey.yaml": {"survey": SurveySettings},
     "storage.yaml": {"storage": ProcessingParameters},
     "sensors.yaml": {SENSORS: Sensors},
     "site.yaml": {"site": Site},

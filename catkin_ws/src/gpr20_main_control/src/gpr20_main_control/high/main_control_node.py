@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from functools import partial
 from typing import Any, Callable, Dict, Tuple
 
@@ -27,11 +26,7 @@ from gpr20_main_control.high.ros_devices import (
 )
 from gpr20_main_control.high.sensor_topics import SensorTopics
 from gpr20_main_control.high.survey_topics import SurveyTopics, listen_to_nodes
-from gpr20_main_control.mid.devices.described_robot import (
-    NEEDED_NODES,
-    DescribedRobot,
-    TimeLimits,
-)
+from gpr20_main_control.mid.devices.described_robot import NEEDED_NODES, DescribedRobot
 from gpr20_main_control.mid.devices.node_liveness import SILENCE_LIMIT_S, NodeLiveness
 from gpr20_main_control.mid.devices.robot import Robot
 from gpr20_main_control.mid.main_control import MainControl
@@ -65,8 +60,7 @@ class MainControlNode:
     def __init__(
         self, control: MainControl, robot: Robot, status: SurveyStatus, topics: SurveyTopics
     ) -> None:
-        self._control, self._robot = control, robot
-        self._status, self._topics = status, topics
+        self._control, self._status = control, status
         for name, kind, handle in (
             ("set_survey_parameters", srv.SetSurveyParameters, self._set_parameters),
             ("start_survey", srv.StartSurvey, self._start),
@@ -81,14 +75,12 @@ class MainControlNode:
         # After the services: clients that receive the status call them.
         topics.publish_status(status.status)
         topics.publish_service(None)
-        self._periodic = Periodic(PUBLISHING_PERIOD_S, self._publish)
+        publish = lambda: topics.publish(robot, status.status)  # noqa: E731
+        self._periodic = Periodic(PUBLISHING_PERIOD_S, publish)
         self._diagnostics = diagnostics.Diagnostics(robot.description.site.robot, self._health)
         # First: nodes that are shut down too are no faults.
         rospy.on_shutdown(robot.nodes.stop)
         rospy.on_shutdown(lambda: control.shut_down(SHUTDOWN_LIMIT_S))
-
-    def _publish(self) -> None:
-        self._topics.publish(self._robot, self._status.status)
 
     def _set_parameters(self, request: Any) -> Said:
         rotations_deg = tuple(request.parameters.polarizations_deg) or DEFAULT_POLARIZATIONS_DEG
@@ -165,7 +157,6 @@ def _caller(request: Any) -> str:
 def build_main_control_node() -> MainControlNode:
     """Read the parameters and build the main control from the bottom up."""
     settings = read_parameters(SurveySettings, "survey")
-    limits = read_parameters(TimeLimits, "time_limits")
     clock = Clock()
     sensors = SensorTopics(read_parameters(Sensors, SENSORS).sensors, clock)
     topics = SurveyTopics()
@@ -175,7 +166,7 @@ def build_main_control_node() -> MainControlNode:
         nodes.watch(name, plain_name, _probe(name))
 
     def describe(description: DescribedRobot) -> None:
-        simulated = description.problem() is None and description.config().simulated
+        simulated = description.problem is None and description.config().simulated
         if simulated:
             nodes.watch(SIMULATOR, Message("the simulated robot"), _probe(SIMULATOR))
         topics.publish_robot(description)
@@ -183,12 +174,12 @@ def build_main_control_node() -> MainControlNode:
             topics.simulated = simulated
             topics.publish_status(status.status)
 
-    description = DescribedRobot(read_parameters(Site, "site"), limits, describe)
+    description = DescribedRobot(read_parameters(Site, "site"), describe)
     robot = Robot(
         axes={axis_id: RosAxis(axis_id, clock) for axis_id in AxisId},
-        analyzer=RosAnalyzer(limits.analyzer_limit_s),
-        height_m=height_over_ros(limits.height_limit_s),
-        storage=RosStorage(limits.storage_limit_s, topics),
+        analyzer=RosAnalyzer(),
+        height_m=height_over_ros(),
+        storage=RosStorage(topics),
         nodes=nodes,
         description=description,
         sensors=sensors.sensors,
@@ -197,8 +188,7 @@ def build_main_control_node() -> MainControlNode:
         robot, settings, status, clock, description.site.annotation, topics.publish_service
     )
     node = MainControlNode(control, robot, status, topics)
-    own = {**plain(settings), **asdict(limits)}
-    description.note(NodeDescription(NODE, NO_HARDWARE, own, own_software()))
+    description.note(NodeDescription(NODE, NO_HARDWARE, plain(settings), own_software()))
     listen_to_nodes(description.note)
     return node
 

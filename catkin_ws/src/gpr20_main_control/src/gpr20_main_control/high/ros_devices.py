@@ -26,7 +26,10 @@ from gpr20_main_control.high.survey_topics import (
     progress_message,
 )
 from gpr20_main_control.mid.devices.robot import (
+    ANALYZER_LIMIT_S,
+    HEIGHT_LIMIT_S,
     SETUP_LIMIT_S,
+    STORAGE_LIMIT_S,
     AnalyzerCalibration,
     AnalyzerSetup,
     AxisReading,
@@ -258,8 +261,8 @@ def move_failure(goal: actionlib.ClientGoalHandle) -> Optional[DeviceError]:
 class RosAnalyzer:
     """Implements `gpr20_main_control.mid.devices.robot.Analyzer`."""
 
-    def __init__(self, time_limit_s: float) -> None:
-        service = partial(DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=time_limit_s)
+    def __init__(self) -> None:
+        service = partial(DeviceService, PLAIN_NAMES[ANALYZER], time_limit_s=ANALYZER_LIMIT_S)
         self._connection = service("connection", srv.Connection)
         self._setup = service("freq_sweep_setup", srv.FreqSweepSetup, time_limit_s=SETUP_LIMIT_S)
         self._calibration = service("get_calibration_status", srv.GetCalibrationStatus)
@@ -315,23 +318,23 @@ class RosAnalyzer:
         return SweepConfirmation(tuple(answer.quality), answer.temperature_c if known else None)
 
 
-def height_over_ros(time_limit_s: float) -> Callable[[], float]:
+def height_over_ros() -> Callable[[], float]:
     """Return what measures the height of the antennas above the ground [m]."""
-    measure = DeviceService(PLAIN_NAMES[HEIGHT_SENSOR], "get_height", srv.GetHeight, time_limit_s)
+    measure = DeviceService(PLAIN_NAMES[HEIGHT_SENSOR], "get_height", srv.GetHeight, HEIGHT_LIMIT_S)
     return lambda: float(measure().height_m)
 
 
 class RosStorage:
     """Implements `gpr20_main_control.mid.devices.robot.Storage`."""
 
-    def __init__(self, time_limit_s: float, topics: SurveyTopics) -> None:
+    def __init__(self, topics: SurveyTopics) -> None:
         """Prepare the calls; `topics` makes the messages with which recordings end."""
         self._topics = topics
         service = partial(DeviceService, STORAGE_NAME)
         self._open = service("open_survey", srv.OpenSurvey, WHOLE_SURVEY_LIMIT_S)
         self._reopen = service("reopen_survey", srv.ReopenSurvey, WHOLE_SURVEY_LIMIT_S)
-        self._add_fact = service("add_fact", srv.AddFact, time_limit_s)
-        self._store = service("store_data", srv.StoreData, time_limit_s)
+        self._add_fact = service("add_fact", srv.AddFact, STORAGE_LIMIT_S)
+        self._store = service("store_data", srv.StoreData, STORAGE_LIMIT_S)
         self._close = service("close_survey", srv.CloseSurvey, WHOLE_SURVEY_LIMIT_S)
 
     def open(self, record: SurveyRecord) -> str:

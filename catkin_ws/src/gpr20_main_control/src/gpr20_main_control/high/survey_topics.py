@@ -102,7 +102,7 @@ class SurveyTopics:
 
     def publish_robot(self, robot: DescribedRobot) -> None:
         """Publish what the nodes of the robot say together."""
-        problem = robot.problem()
+        problem = robot.problem
         message = _stamped(
             msg.RobotConfiguration,
             known=problem is None,
@@ -160,14 +160,12 @@ def only_from(node: str, receive: Callable[[Any], None]) -> Callable[[Any], None
 def listen_to_nodes(note: Callable[[NodeDescription], None]) -> None:
     """Call `note` with the description of each node, now and whenever it starts again."""
 
-    def listen_to(node: str) -> None:
-        def receive(message: Any) -> None:
-            note(replace(NodeDescription.from_fields(message), node=node))
+    def receive(node: str, message: Any) -> None:
+        note(replace(NodeDescription.from_fields(message), node=node))
 
-        rospy.Subscriber(f"{node}/{DESCRIPTION}", msg.NodeDescription, only_from(node, receive))
-
-    for name in (*NEEDED_NODES, SIMULATOR):
-        listen_to(name)
+    for node in (*NEEDED_NODES, SIMULATOR):
+        own = only_from(node, partial(receive, node))
+        rospy.Subscriber(f"{node}/{DESCRIPTION}", msg.NodeDescription, own)
 
 
 def _coordinates(place: Sequence[float]) -> msg.Coordinates:

@@ -18,22 +18,13 @@ from gpr20_common.message import Message
 from gpr20_main_control.errors import STOPPED_BEFORE, RequestRefusedError
 from gpr20_main_control.mid.daily_check import DailyCheck, Verdict
 from gpr20_main_control.mid.devices.robot import Robot, SurveyEnd
-from gpr20_main_control.mid.service import (
-    TEST_SWEEP,
-    AxisMove,
-    move_axis,
-    run_analyzer_test,
-)
+from gpr20_main_control.mid.service import TEST_SWEEP, AxisMove, move_axis, run_analyzer_test
 from gpr20_main_control.mid.survey.survey import NOTHING, Accepted, Survey
-from gpr20_main_control.mid.survey.survey_plan import (
-    SurveyPlan,
-    checked_refines,
-    plan_resumption,
-    plan_survey,
-)
+from gpr20_main_control.mid.survey.survey_plan import SurveyPlan, plan_resumption, plan_survey
 from gpr20_main_control.mid.survey.survey_status import Status, SurveyStatus
 from gpr20_main_control.mid.waits import Interruption
 from gpr20_survey.faults import NO_PLAN, NONE_OPEN
+from gpr20_survey.folder.survey_folder import check_survey_id
 from gpr20_survey.plan.annotation import EMPTY, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings, check_address
 from gpr20_survey.plan.survey_state import SurveyState
@@ -76,7 +67,7 @@ class MainControl:
         # What is done for maintenance, and what ends it.
         self._service: Optional[Message] = None
         self._in_service = Interruption(clock)
-        self._daily_check = DailyCheck(robot, clock)
+        self._daily_check = DailyCheck(robot)
         self._requests = threading.Lock()
         # What was asked for before a STOP does not begin after it.
         self._stops = self._stops_at_plan = 0
@@ -124,7 +115,7 @@ class MainControl:
                 set_by=self._plan.set_by,
                 survey_id=str(uuid.uuid4()),
                 annotation=annotation.with_defaults(self._defaults),
-                refines=checked_refines(refines),
+                refines=refines and check_survey_id(refines),
                 permittivity=permittivity,
             )
             self._begin(plan, self._stops_at_plan)

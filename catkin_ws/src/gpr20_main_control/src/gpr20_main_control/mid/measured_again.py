@@ -18,7 +18,6 @@ from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple
 import numpy as np
 
 from gpr20_common.message import Message, numeral, verbatim
-from gpr20_main_control.errors import DRIFTED, DeviceError
 from gpr20_survey.plan.survey_parameters import SurveySettings
 from gpr20_survey.trace.sweep import Sweep
 from gpr20_survey.trace.trace import Trace
@@ -58,9 +57,11 @@ def drift_between(earlier: np.ndarray, later: np.ndarray) -> Drift:
 def difference_db(earlier: np.ndarray, later: np.ndarray) -> float:
     """Return the RMS of the difference relative to the earlier sweep [dB].
 
-    Minus infinity if they are equal; infinity if only the earlier one has no signal.
+    Minus infinity if they are equal; infinity or NaN if the earlier one has no signal.
     """
-    return _decibels(float(np.linalg.norm(later - earlier)), float(np.linalg.norm(earlier)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.linalg.norm(later - earlier) / np.linalg.norm(earlier)
+        return float(20.0 * np.log10(ratio))
 
 
 def noise_db(first: np.ndarray, second: np.ndarray) -> float:
@@ -79,12 +80,6 @@ def finite(value: float) -> Optional[float]:
 
 def _weighted_rms(values: np.ndarray, weights: np.ndarray) -> float:
     return math.sqrt(float(np.sum(weights * values**2) / np.sum(weights)))
-
-
-def _decibels(level: float, reference: float) -> float:
-    if level == 0.0:
-        return -math.inf
-    return 20.0 * math.log10(level / reference) if reference > 0.0 else math.inf
 
 
 @dataclass(frozen=True)
@@ -180,11 +175,11 @@ class KnownPoint:
 
 @dataclass(frozen=True)
 class Visit:
-    """What a visit of the first stop says; `exceeded` asks the operator if it is too much."""
+    """What a visit of the first stop says, whether it is too much, and what the log says of it."""
 
     message: Message
-    exceeded: Optional[DeviceError]
-    # What the log says of it, always since the start.
+    exceeded: bool
+    # Always since the start.
     values: Dict[str, Any]
 
 
@@ -213,14 +208,10 @@ class DriftLimits:
         # As text: an infinite drift has no number in JSON.
         message = Message(
             "the reference point at {z_deg:g} deg has drifted by {amplitude_db} dB and "
-            "{phase_deg} deg",
+            "{phase_deg} deg; allowed are {limit_db:g} dB and {limit_deg:g} deg",
             z_deg=repeats[worst].stored.z_coord_deg,
             amplitude_db=numeral(drifts[worst].amplitude_rms_db, ".2f"),
             phase_deg=numeral(drifts[worst].phase_rms_deg, ".1f"),
-        )
-        allowed = Message(
-            "{drift}; allowed are {limit_db:g} dB and {limit_deg:g} deg",
-            drift=message,
             **self._limits,
         )
         values = {
@@ -231,8 +222,7 @@ class DriftLimits:
             "exceeded": self._asked,
             "rotations": [_recorded(one) for one in repeats],
         }
-        exceeded = DeviceError(allowed, fault=DRIFTED) if self._asked else None
-        return Visit(message, exceeded, values)
+        return Visit(message, self._asked, values)
 
     def _since_accepted(self, repeated: Repeated) -> Drift:
         stored = repeated.stored

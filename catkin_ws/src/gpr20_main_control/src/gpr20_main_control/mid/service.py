@@ -18,22 +18,16 @@ from gpr20_common.faults import ASKED_FOR, NOT_ALLOWED
 from gpr20_common.message import Message, numeral
 from gpr20_main_control.errors import DeviceError, RequestRefusedError, StopRequested
 from gpr20_main_control.mid.devices.positioner import Positioner
-from gpr20_main_control.mid.devices.robot import Analyzer, Axis, Robot
-from gpr20_main_control.mid.waits import Interruption
+from gpr20_main_control.mid.devices.robot import Analyzer, Robot
+from gpr20_main_control.mid.waits import REST_LIMIT_S, Interruption
 from gpr20_survey.axes import AxisId, AxisParameters
-from gpr20_survey.faults import NOT_HOMED
 from gpr20_survey.plan.robot_description import axis_parameters
 from gpr20_survey.radar import decibels
 from gpr20_survey.results.answers import AnalyzerTest
 from gpr20_survey.trace.sweep import Sweep, SweepSettings
 
-# A stopped axis ramps down within this time [s]; one that does not is reported as moving.
-REST_LIMIT_S = 10.0
 # What is swept if no survey has been planned yet.
 TEST_SWEEP = SweepSettings(600.0e6, 6.0e9, 101)
-MICRO = 1.0e-6
-# Below any analyzer's noise; a level of nothing has no logarithm.
-LOWEST_LEVEL = 1.0e-15
 
 # Makes a call to the analyzer and returns its result.
 Call = Callable[[Callable[[], Any]], Any]
@@ -112,20 +106,10 @@ def move_axis(robot: Robot, move: AxisMove, interruption: Interruption) -> Messa
     except StopRequested as error:
         positioner.stop()
         moving = positioner.wait_for_rest(REST_LIMIT_S)
-        raise StopRequested(moving or _stopped(axis_id, robot.axes[axis_id])) from error
+        stopped = Message("the {axis} axis was stopped", axis=axis_id.value)
+        raise StopRequested(moving or stopped.with_fault(ASKED_FOR)) from error
     finally:
         positioner.release()
-
-
-def _stopped(axis_id: AxisId, axis: Axis) -> Message:
-    reading, names = axis.reading(), {"axis": axis_id.value, "unit": axis_id.unit}
-    if reading is None or not reading.homed:
-        stopped = Message("stopped; the {axis} axis is not homed", axis=axis_id.value)
-        return stopped.with_fault(NOT_HOMED.as_note())
-    place = {"coordinate": reading.coordinate, **names}
-    return Message("stopped; the {axis} axis is at {coordinate:.6g} {unit}", **place).with_fault(
-        ASKED_FOR
-    )
 
 
 def jog_target(parameters: AxisParameters, coordinate: float, distance: float) -> float:
@@ -166,21 +150,17 @@ def run_analyzer_test(
     try:
         with analyzer_in_service(robot, interruption) as call:
             test = replace(test, identity=call(lambda: analyzer.connect(address)))
-            if robot.description.problem() is None:
+            if robot.description.problem is None:
                 robot.description.check_identity(test.identity, robot.description.config())
             test = replace(test, calibration=call(analyzer.calibration).status.name)
             call(lambda: analyzer.configure(settings))
-            test = _with_sweep(test, confirmed_sweep(analyzer, call))
+            sweep = confirmed_sweep(analyzer, call)
+            test = replace(
+                test,
+                points=len(sweep.frequency_hz),
+                sweep_duration_s=1e-6 * (sweep.sweep_ended_us - sweep.sweep_started_us),
+                level_db=float(decibels(np.median(np.hypot(sweep.s21_real, sweep.s21_imag)))),
+            )
     except Gpr20Error as error:
         test = replace(test, failure=error.message)
     return test
-
-
-def _with_sweep(test: AnalyzerTest, sweep: Sweep) -> AnalyzerTest:
-    level = float(np.median(np.hypot(sweep.s21_real, sweep.s21_imag)))
-    return replace(
-        test,
-        points=len(sweep.frequency_hz),
-        sweep_duration_s=MICRO * (sweep.sweep_ended_us - sweep.sweep_started_us),
-        level_db=float(decibels(level, LOWEST_LEVEL)),
-    )

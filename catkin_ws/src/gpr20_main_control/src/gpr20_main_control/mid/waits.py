@@ -22,6 +22,9 @@ Check = Callable[[], None]
 Result = TypeVar("Result")
 # How often a wait looks for what ends it [s].
 POLL_S = 0.05
+# Axes that slow down from their top speed come to rest well within this time, and so much has the
+# last sweep of a survey to be confirmed; otherwise it is measured again later [s].
+REST_LIMIT_S = 10.0
 # A wait is shown when it takes this much longer than expected [s].
 LATE_S = 1.5
 # Three axes, height, sweep and its confirmation at the same time, and as many that were given up.

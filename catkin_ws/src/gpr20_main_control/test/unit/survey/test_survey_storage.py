@@ -8,10 +8,10 @@ import pytest
 from fake_robot import LIMIT_S, PARAMETERS, Bench, reports
 from fault_kit import raises_fault
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import CONFIGURATION, INTERNAL, NOT_ALLOWED
+from gpr20_common.faults import INTERNAL, NOT_ALLOWED
 from gpr20_main_control.mid.survey import sampling
 from gpr20_main_control.mid.survey.survey_archive import ATTEMPTS, StorageQueue
+from gpr20_survey.errors import SurveyRefusedError
 from gpr20_survey.faults import CAN_RESUME, TAKES_LONG
 from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY
 from gpr20_survey.plan.annotation import EMPTY, Annotation, Wgs84Position, annotation_of
@@ -56,7 +56,7 @@ def test_what_a_survey_is_started_without_is_that_of_the_robot():
 @pytest.mark.parametrize("wrong", ["../x", COARSE.upper(), COARSE + " "])
 def test_a_survey_refines_none_that_is_not_an_id(bench, wrong):
     bench.control.set_parameters(PARAMETERS)
-    with raises_fault((NOT_ALLOWED, CONFIGURATION), repr(wrong), error=InvalidValueError):
+    with raises_fault(NOT_ALLOWED, repr(wrong), error=SurveyRefusedError):
         bench.control.start(refines=wrong)
 
 

@@ -10,7 +10,6 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message, numeral
-from gpr20_common.mid.codec import bounded
 from gpr20_main_control.errors import CONFIGURATION_CHANGED, DeviceError
 from gpr20_survey.faults import SENSOR_FAILED, WRONG_VNA
 from gpr20_survey.plan.annotation import Site
@@ -28,36 +27,25 @@ from gpr20_survey.plan.robot_description import (
 )
 from gpr20_survey.trace.sweep import storable_remark
 from gpr20_survey.trace.trace import AuxValue
+from gpr20_survey.trace.utc_time import US_PER_S
 
 # Without which no survey is measured, and what operators call them.
 NEEDED_NODES = {**PLAIN_NAMES, STORAGE: STORAGE_NAME}
 # Entries of survey.json that hold the configuration of a node.
 RECORDED = {"height": HEIGHT_SENSOR, "analyzer": ANALYZER, "storage": STORAGE}
-US_PER_S = 1_000_000
-
-
-@dataclass(frozen=True)
-class TimeLimits:
-    """How long the main control waits for an answer of the other nodes [s]."""
-
-    analyzer_limit_s: float = bounded(0.1, 3600.0, 90.0)
-    height_limit_s: float = bounded(0.1, 3600.0, 10.0)
-    storage_limit_s: float = bounded(0.1, 3600.0, 90.0)
 
 
 class DescribedRobot:
     """Holds the description of each node; every method may be called from any thread."""
 
-    def __init__(
-        self, site: Site, limits: TimeLimits, on_change: Callable[[DescribedRobot], None]
-    ) -> None:
+    def __init__(self, site: Site, on_change: Callable[[DescribedRobot], None]) -> None:
         """Begin with no description; `on_change` is called after each new one."""
-        self.site, self.limits = site, limits
-        self._on_change = on_change
+        self.site, self._on_change = site, on_change
         self._described = threading.Condition()
         self._nodes: Dict[str, NodeDescription] = {}
         self._config: Optional[RobotConfig] = None
-        self._problem: Optional[Message] = None
+        # Why no survey can be measured; None if nothing is wrong.
+        self.problem: Optional[Message] = None
         self._judge()
 
     @property
@@ -65,10 +53,6 @@ class DescribedRobot:
         """The descriptions received so far, by their nodes."""
         with self._described:
             return dict(self._nodes)
-
-    def problem(self) -> Optional[Message]:
-        """Return why no survey can be measured; None if nothing is wrong."""
-        return self._problem
 
     def note(self, description: NodeDescription) -> None:
         """Note what a node is now."""
@@ -80,16 +64,16 @@ class DescribedRobot:
 
     def _judge(self) -> None:
         try:
-            self._config, self._problem = robot_config(self._nodes), None
+            self._config, self.problem = robot_config(self._nodes), None
         except InvalidValueError as error:
-            self._config, self._problem = None, error.message
+            self._config, self.problem = None, error.message
 
     def config(self, wait_s: float = 0.0) -> RobotConfig:
         """Return what is fixed for the robot; nodes that are starting are waited for [s]."""
         with self._described:
-            self._described.wait_for(lambda: self._problem is None, wait_s)
-            if self._problem is not None:
-                raise InvalidValueError(self._problem)
+            self._described.wait_for(lambda: self.problem is None, wait_s)
+            if self.problem is not None:
+                raise InvalidValueError(self.problem)
             assert self._config is not None
             return self._config
 
@@ -141,7 +125,6 @@ class DescribedRobot:
                 for key, name in RECORDED.items()
                 if name in nodes
             },
-            "time_limits": asdict(self.limits),
             "site": asdict(self.site),
         }
 

@@ -23,6 +23,8 @@ from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace.sweep import CalibrationStatus, Sweep, SweepSettings
 from gpr20_survey.trace.trace import Trace
 
+# How long the other nodes may take for an answer [s].
+ANALYZER_LIMIT_S, HEIGHT_LIMIT_S, STORAGE_LIMIT_S = 90.0, 10.0, 90.0
 # The driver takes sweeps when it sets up the analyzer, to learn how long one takes; it ends that by
 # itself when the instrument is silent [s].
 SETUP_LIMIT_S = 3600.0

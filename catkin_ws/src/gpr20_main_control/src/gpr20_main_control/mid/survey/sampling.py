@@ -19,6 +19,8 @@ from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message
 from gpr20_main_control.errors import MOVED_BY_OTHERS, DeviceError
 from gpr20_main_control.mid.devices.robot import (
+    ANALYZER_LIMIT_S,
+    HEIGHT_LIMIT_S,
     SETUP_LIMIT_S,
     AnalyzerCalibration,
     AnalyzerSetup,
@@ -152,7 +154,7 @@ class Sampling:
         height_call = self._robot.workers.begin(self._height)
         self._interruption.wait_s(self._settle_s)
         action = Message("height at point {index}", index=point.index)
-        limit_s = self._plan.settings.attempts * self._robot.description.limits.height_limit_s
+        limit_s = self._plan.settings.attempts * HEIGHT_LIMIT_S
         with self._waits.shown(PLAIN_NAMES[HEIGHT_SENSOR], action, limit_s) as check:
             height_m, self._remarks = result_of(height_call, check)
         self._resting_at(point)
@@ -241,10 +243,8 @@ class Sampling:
         return AnalyzerState(identity, calibration, setup)
 
     def _call(
-        self, call: Callable[[], Result], action: Message, limit_s: Optional[float] = None
+        self, call: Callable[[], Result], action: Message, limit_s: float = ANALYZER_LIMIT_S
     ) -> Result:
-        if limit_s is None:
-            limit_s = self._robot.description.limits.analyzer_limit_s
         with self._survey.waits.shown(THE_ANALYZER, action, limit_s) as check:
             return self._robot.analyzer_calls.call(call, check)
 

@@ -28,7 +28,7 @@ from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
 from gpr20_main_control.mid.survey.survey_report import ClockSteps, SurveyReport
 from gpr20_main_control.mid.survey.survey_status import Coverage, SurveyStatus
 from gpr20_main_control.mid.survey.survey_steps import SurveySteps
-from gpr20_main_control.mid.waits import Check, Interruption, WaitStatus
+from gpr20_main_control.mid.waits import POLL_S, REST_LIMIT_S, Check, Interruption, WaitStatus
 from gpr20_survey.faults import CAN_RESUME, STOPPED, VNA_SILENT
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.survey_metadata import INTERRUPTED
@@ -36,16 +36,12 @@ from gpr20_survey.plan.survey_state import SurveyState
 
 # A survey that loses nodes more often than this without storing a trace in between is paused.
 MOST_RECOVERIES = 3
-# Axes that slow down from their top speed come to rest well within this time, and so much has the
-# last sweep of a survey to be confirmed; otherwise it is measured again later [s].
-REST_LIMIT_S = 10.0
-# The same while a lost node is waited for, the notes of a pause are stored, or the robot is shut
+# As `REST_LIMIT_S`, while a lost node is waited for, a pause is noted, or the robot is shut
 # down, of each step; roslaunch kills a node that has not ended 15 s after Ctrl-C [s].
 SHORT_LIMIT_S = 2.5
 # Storing what waits and closing a survey that ends early take less, or a lost storage comes back
 # within `return_limit_s` [s].
 STORING_LIMIT_S = 300.0
-POLL_S = 0.05
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from gpr20_common.low.thread_fault import faults_logged
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import DeviceError, message_of
-from gpr20_main_control.mid.devices.robot import Storage, SurveyEnd, SurveyRecord
+from gpr20_main_control.mid.devices.robot import STORAGE_LIMIT_S, Storage, SurveyEnd, SurveyRecord
 from gpr20_main_control.mid.survey.sampling import AnalyzerState
 from gpr20_main_control.mid.survey.survey_plan import PLAN_ID, PLAN_SET_BY, SurveyPlan
 from gpr20_main_control.mid.survey.survey_status import Status
@@ -183,9 +183,8 @@ class SurveyArchive:
 
     def wait_until_left(self, traces: int, point: SurveyPoint) -> None:
         """Return when at most so many traces, up to that of a point, wait for the disk."""
-        limit_s = self._survey.robot.description.limits.storage_limit_s
         action = Message("traces up to point {index}", index=point.index)
-        longest_s = ATTEMPTS * (limit_s + RETRY_S)
+        longest_s = ATTEMPTS * (STORAGE_LIMIT_S + RETRY_S)
         with self._survey.waits.shown(STORAGE_NAME, action, longest_s) as check:
             self.queue.wait_until_left(traces, check)
 

@@ -6,7 +6,6 @@ import json
 from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
-from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_common.mid.codec import record_from
 from gpr20_main_control.errors import OTHER_ROBOT, RECORD_DAMAGED, RequestRefusedError
@@ -19,7 +18,7 @@ from gpr20_survey.plan.survey_parameters import SurveyParameters, SurveySettings
 from gpr20_survey.plan.survey_points import SurveyPoint, planned_times, survey_points
 from gpr20_survey.results.answers import ReopenedSurvey
 from gpr20_survey.trace.sweep import AnalyzerSettings, SweepSettings
-from gpr20_survey.trace.trace import SURVEY_ID, Trace
+from gpr20_survey.trace.trace import Trace
 
 # What is stored of a survey before it begins.
 NEW = ReopenedSurvey("", "", "{}", "", (), ())
@@ -179,16 +178,3 @@ def _damaged(reopened: ReopenedSurvey, details: str) -> RequestRefusedError:
         ),
         fault=RECORD_DAMAGED,
     )
-
-
-def checked_refines(survey_id: str) -> str:
-    """Return the id of the survey that another one refines, empty: none; refuse what is no id."""
-    if survey_id and not SURVEY_ID.fullmatch(survey_id):
-        raise InvalidValueError(
-            Message(
-                "refines is {survey}; it must be empty or a survey's id, a UUID in lower case "
-                "with hyphens",
-                survey=repr(survey_id[:64]),
-            )
-        )
-    return survey_id

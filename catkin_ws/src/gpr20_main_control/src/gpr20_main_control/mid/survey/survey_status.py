@@ -7,9 +7,9 @@ import threading
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Callable, Dict, FrozenSet, Iterable, List, Optional, Tuple
 
-from gpr20_common.errors import Gpr20Error
 from gpr20_common.low.clock import time_of_day_us
 from gpr20_common.message import Message, in_a_row
+from gpr20_main_control.errors import RequestRefusedError
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_points import SurveyPoint
 from gpr20_survey.plan.survey_state import ENDED, SampleState, SurveyState, Verdict, verdict
@@ -99,10 +99,6 @@ class Coverage:
         return verdict(len(self._states), failed, missing)
 
 
-class TransitionError(Gpr20Error, RuntimeError):
-    """A state cannot follow another."""
-
-
 @dataclass(frozen=True)
 class Status:
     """A snapshot of the control.
@@ -153,7 +149,7 @@ class Status:
     def entered(self, state: SurveyState, message: Message, time_us: int) -> Status:
         """Return the status in a state that may follow, entered at a time [us since 1970, UTC]."""
         if state not in TRANSITIONS[self.state]:
-            raise TransitionError(
+            raise RequestRefusedError(
                 Message(
                     "a survey that is {before} cannot become {after}",
                     before=self.state.label,

@@ -9,17 +9,13 @@ from typing import TYPE_CHECKING, Dict, Iterator, List, Optional, Sequence
 from gpr20_common.message import Message, in_a_row
 from gpr20_common.mid.codec import plain
 from gpr20_main_control.errors import (
+    DRIFTED,
     DeviceError,
     StopRequested,
     UnconfirmedError,
     message_of,
 )
-from gpr20_main_control.mid.measured_again import (
-    DriftLimits,
-    KnownPoint,
-    Repeated,
-    known_traces,
-)
+from gpr20_main_control.mid.measured_again import DriftLimits, KnownPoint, Repeated, known_traces
 from gpr20_main_control.mid.survey.sampling import Confirmation, Sampling
 from gpr20_main_control.mid.survey.survey_archive import CAPACITY
 from gpr20_main_control.mid.survey.survey_plan import SurveyPlan
@@ -225,11 +221,11 @@ class SurveySteps:
         visit = self._drift.visit(repeated, self.progress.next_index, self._now())
         self._archive.add_fact(Kind.DRIFT, **visit.values)
         self._archive.send_facts(self._survey.interruption.check)
-        if visit.exceeded is not None:
+        if visit.exceeded:
             if self.progress.next is not None:
-                raise visit.exceeded
+                raise DeviceError(visit.message, fault=DRIFTED)
             # Nothing is left to measure: the operator need not decide.
-            self._survey.show_warning(visit.exceeded.message)
+            self._survey.show_warning(visit.message.with_fault(DRIFTED))
         self.progress.note_visited()
         self._status.update(message=in_a_row([MEASURING, visit.message]))
 
