@@ -93,6 +93,11 @@ INPUT = Fault(
     "analysis.input",
     Message("Give other data, as the message says; gpr20 info tells what a survey or file holds."),
 )
+TOO_FEW_LINES = Fault(
+    "analysis.too_few_lines",
+    Message("Wait while the survey runs; if it has ended, resume it or measure more lines."),
+    Severity.NOTE,
+)
 STEPS = Fault(
     "analysis.steps",
     Message(

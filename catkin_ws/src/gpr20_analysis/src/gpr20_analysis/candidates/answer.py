@@ -29,13 +29,12 @@ from gpr20_analysis.dataset import (
     mapping_of,
     usable,
 )
-from gpr20_analysis.errors import WrongDatasetError
+from gpr20_analysis.errors import TOO_FEW_LINES, WrongDatasetError
 from gpr20_analysis.imaging.image import image_survey
 from gpr20_analysis.imaging.image_options import DEFAULT_STEPS, ImageOptions
 from gpr20_analysis.processing.antenna_step import HARMLESS
 from gpr20_analysis.processing.chain import process_survey, recorded_steps
 from gpr20_analysis.work import Progress, no_progress
-from gpr20_common.faults import BUSY
 from gpr20_common.message import Message
 from gpr20_survey.folder.log_record import soil_of_survey
 from gpr20_survey.plan.annotation import FALSE_ALARMS_PER_M2, USUAL_FALSE_ALARMS_PER_M2
@@ -199,10 +198,10 @@ def _measured_part(survey: xr.Dataset) -> Tuple[slice, slice]:
         if len(own) < min(FEWEST_LINES, size):
             raise WrongDatasetError(
                 Message(
-                    "a focused image needs traces on {fewest} lines; {rows} have any so far",
+                    "a focused image needs traces on {fewest} lines; lines with traces: {rows}",
                     fewest=FEWEST_LINES,
                     rows=len(own),
                 ),
-                fault=BUSY.as_note(),
+                fault=TOO_FEW_LINES,
             )
     return slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)

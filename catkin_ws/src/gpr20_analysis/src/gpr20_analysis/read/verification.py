@@ -46,6 +46,8 @@ def check_survey_folder(folder: Path) -> None:
     Raises:
         AnalysisError: It does not.
     """
+    if not folder.exists():
+        raise AnalysisError(errors.not_there(folder), fault=errors.INPUT)
     if not any(os.path.lexists(str(folder / name)) for name in FILES):
         raise AnalysisError(
             Message(

@@ -17,10 +17,10 @@ from survey_kit import POINTS, make_survey, planned_trace
 from gpr20_analysis.candidates.answer import FEWEST_LINES, focus
 from gpr20_analysis.candidates.search import find_candidates
 from gpr20_analysis.dataset import Quality
+from gpr20_analysis.errors import TOO_FEW_LINES
 from gpr20_analysis.imaging.image_options import Method
 from gpr20_analysis.processing.sweep import steps_to_top
 from gpr20_analysis.read.load import GrowingSurvey, load_survey
-from gpr20_common.faults import BUSY
 from gpr20_survey.folder import trace_files
 from gpr20_survey.folder.survey_folder import trace_file_name
 
@@ -196,7 +196,7 @@ def test_noise_alone_has_the_level_of_noise_also_half_way(area_survey, measured)
 
 
 def test_too_few_lines_are_refused(area_survey):
-    with raises_fault(BUSY.as_note(), FEWEST_LINES, 2):
+    with raises_fault(TOO_FEW_LINES, FEWEST_LINES, 2):
         focus(without(area_survey, slice(2, None)), 5.0)
 
 
