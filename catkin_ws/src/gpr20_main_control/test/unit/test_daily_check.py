@@ -128,6 +128,7 @@ def test_the_parts_of_other_checks_or_clients_do_not_make_one_check(stepped):
     stepped.control.daily_check(1, "/window")
     stepped.control.daily_check(0, "/other")
     refused(2, "/window")
+    refused(2, "/other")
     stepped.analyzer.identity = "Anritsu,MS2026C,other"
     refused(1, "/other")
 

@@ -1,5 +1,6 @@
 """Maintenance: single axes are moved and the analyzer is tested, never beside a survey."""
 
+import math
 import threading
 from types import SimpleNamespace
 
@@ -21,7 +22,7 @@ from gpr20_main_control.errors import (
     StopRequested,
 )
 from gpr20_main_control.mid.devices.robot import motion_error
-from gpr20_main_control.mid.service import AxisAction, AxisMove, jog_target
+from gpr20_main_control.mid.service import TEST_SWEEP, AxisAction, AxisMove, jog_target
 from gpr20_main_control.mid.waits import Workers
 from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import NOT_HOMED, ZERO_UNKNOWN
@@ -164,6 +165,13 @@ def test_a_stop_ends_a_jog_beside_which_no_survey_starts(bench, stopped, fault):
         bench.start()
     getattr(bench, stopped).stop()
     assert reports(jogging.exception(LIMIT_S).message, fault or BLOCKED)
+
+
+def test_a_test_of_the_analyzer_says_what_its_sweep_shows(bench):
+    found = bench.control.test_analyzer("")
+    level_db = 20.0 * math.log10(math.hypot(1.0, bench.analyzer.level))
+    assert (found.failure, found.points) == (None, TEST_SWEEP.points)
+    assert (found.sweep_duration_s, found.level_db) == pytest.approx((5e-6, level_db))
 
 
 @pytest.mark.parametrize("call", ["test_analyzer", "daily_check"])

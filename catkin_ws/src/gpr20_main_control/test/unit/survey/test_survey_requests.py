@@ -7,8 +7,9 @@ from fake_robot import LIMIT_S
 from survey_examples import PARAMETERS
 
 from gpr20_common.faults import ASKED_FOR
+from gpr20_common.message import Message
 from gpr20_main_control.errors import DeviceError, RequestRefusedError
-from gpr20_main_control.mid.survey.survey_status import TRANSITIONS
+from gpr20_main_control.mid.survey.survey_status import TRANSITIONS, SurveyStatus
 from gpr20_survey.plan.survey_state import RUNNING
 from gpr20_survey.plan.survey_state import SurveyState as State
 
@@ -94,6 +95,14 @@ def test_what_does_not_fit_the_state_is_refused_with_what_to_do_and_has_no_effec
         bench.complete()
     states = [State.IDLE, *(status.state for status in bench.history)]
     assert all(a is b or b in TRANSITIONS[a] for a, b in zip(states, states[1:]))
+
+
+def test_a_state_that_cannot_follow_is_refused_and_changes_nothing():
+    status = SurveyStatus(lambda *_changed: None, lambda _parameters: None, lambda *_known: None)
+    for state in set(State) - TRANSITIONS[State.IDLE]:
+        with pytest.raises(RequestRefusedError):
+            status.enter(state, Message("late"))
+        assert status.status.state is State.IDLE
 
 
 # Of two clients none starts the plan of the other.
