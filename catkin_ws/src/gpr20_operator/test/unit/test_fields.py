@@ -35,8 +35,7 @@ from gpr20_operator.plan.form import (
     preview,
 )
 from gpr20_operator.plan.texts import resumable, spacing_warning
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Progress
-from gpr20_operator.robot.snapshot import remaining
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
 from gpr20_operator.words import (
     duration,
     hertz_from_megahertz,
@@ -249,9 +248,3 @@ def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
     parts = re.findall(r"(\d+) (d|h|min)", words)
     said_s = sum(int(number) * units[unit] for number, unit in parts)
     assert 0 <= said_s - time_s < units[parts[-1][1]]
-
-
-def test_time_that_is_left_says_what_it_is_based_on():
-    for visited, basis in ((0, "by the plan"), (1, "measured"), (12, "measured")):
-        progress = Progress("id", 0.0, 18, visited, 1128.0)
-        assert str(remaining(progress)) == f"19 min left ({basis})"

@@ -37,13 +37,12 @@ def test_a_damaged_file_is_refused_with_its_name(path):
         path.write_text(text)
         with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
             SettingsFile(path).read()
-    for make in (os.mkdir, os.mkfifo):
-        path.rmdir() if path.is_dir() else path.unlink()
-        make(str(path))
-        with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
-            SettingsFile(path).read()
-    # Nor does random damage raise anything else.
     path.unlink()
+    path.mkdir()
+    with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
+        SettingsFile(path).read()
+    # Nor does random damage raise anything else.
+    path.rmdir()
     draw = random.Random(7)
     SettingsFile(path).write({"vna_address": "10.0.0.2", "list": [1, 2.5], "deep": {"a": "ñ"}})
     whole = path.read_bytes()

@@ -26,13 +26,8 @@ NO_CLEARANCE = Message("No echo does not mean no mine.")
 NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored one.")
 # While one begins: its plan comes with its first trace.
 BEGINS = Message("The survey begins. Nothing of it is measured yet.")
-# By whether it is a slice, else a section, and whether it is of the focused image.
-NOTHING = {
-    (True, False): Message("Nothing above the noise at this depth."),
-    (True, True): Message("Nothing above the clutter at this depth."),
-    (False, False): Message("Nothing above the noise in this section."),
-    (False, True): Message("Nothing above the clutter in this section."),
-}
+NO_SIGNAL = Message("Nothing above the noise here.")
+NO_ECHO = Message("Nothing above the clutter here.")
 UNKNOWN = verbatim("—")
 Lines = Tuple[Message, ...]
 
@@ -179,7 +174,7 @@ def nothing_in(model: GroundModel, picture: Picture, in_section: bool) -> Lines:
     if any(lies(model, one) for one in model.additions.candidates):
         return ()
     partial = (Message("A part is not measured."),) if model.is_partial else ()
-    return (NOTHING[not in_section, model.shows_focused], *partial, NO_CLEARANCE)
+    return (NO_ECHO if model.shows_focused else NO_SIGNAL, *partial, NO_CLEARANCE)
 
 
 def section_title(model: GroundModel) -> Tuple[str, Message]:

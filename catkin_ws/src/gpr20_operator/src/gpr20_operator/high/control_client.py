@@ -12,7 +12,6 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
 from gpr20_common.errors import Gpr20Error
@@ -35,7 +34,6 @@ from gpr20_operator.robot.events import (
     ControlState,
     CurrentPosition,
     MasterAnswered,
-    MeasuredHeight,
     Progress,
     Replay,
     Request,
@@ -104,12 +102,11 @@ class ControlClient(RosEvents):
         self._subscribe("robot_configuration", msg.RobotConfiguration, robot_described)
 
     def _watched_topics(self) -> List[rospy.Subscriber]:
-        """Subscribe to motion, position, endstops, height and health of the robot."""
+        """Subscribe to motion, position, endstops and health of the robot."""
         topics: List[Any] = [
             ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, parameters, None),
-            ("measured_height", Range, _height, 1),
         ]
         for axis in AxisId:
             topic = f"{axis.value}_axis/current_coord"
@@ -219,12 +216,6 @@ def _activity(message: msg.ServiceStatus) -> ServiceActivity:
 
 def _endstop(axis: AxisId, message: Bool) -> Endstop:
     return Endstop(axis, message.data)
-
-
-def _height(message: Range) -> MeasuredHeight:
-    # A value outside the sensor's range is none (REP 117).
-    within = message.min_range <= message.range <= message.max_range
-    return MeasuredHeight(float(message.range) if within else math.nan)
 
 
 def _target(message: msg.Coordinates) -> Optional[TargetPosition]:

@@ -126,15 +126,6 @@ class PlanForm:
             spacing = "" if length_mm is None or points < 2 else f"{length_mm / (points - 1):.6g}"
             self._texts[f"{axis}_spacing_mm"] = spacing
 
-    def normalize(self) -> None:
-        """Write every text that can be read as it is read: 12,50 becomes 12.5."""
-        for spec in PLAN:
-            try:
-                value = spec.kind.read(self._texts[spec.name])
-            except InvalidValueError:
-                continue
-            self._texts[spec.name] = spec.kind.write(value)
-
     def check(self) -> PlanCheck:
         """Check all fields."""
         return check_plan(self._texts, self.travel)

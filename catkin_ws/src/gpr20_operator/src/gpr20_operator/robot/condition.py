@@ -126,7 +126,7 @@ def urgent(snapshot: Snapshot) -> Optional[Condition]:
     if snapshot.replay:
         message = Message("Waiting for a recording.")
         if snapshot.state is not None:
-            state = snapshot.state.title
+            state = snapshot.state.shown.label
             message = Message("A recorded survey, and no robot: {state}", state=state)
         return Condition(JobLevel.REPLAY, snapshot.replay.title, message)
     return _motion(snapshot) or lost(snapshot)

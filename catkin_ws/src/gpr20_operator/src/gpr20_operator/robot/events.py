@@ -47,11 +47,6 @@ class ControlState:
         return self.end if self.code is SurveyState.CONFIGURED and self.end in ENDED else self.code
 
     @property
-    def title(self) -> Message:
-        """What is shown, in a word."""
-        return self.shown.label
-
-    @property
     def reason(self) -> Message:
         """What it says without the words around it that name the state, unless that may move."""
         failed = tuple(_failed(self.message)) or (self.message,)
@@ -110,13 +105,6 @@ class CurrentPosition(Position):
 
 class TargetPosition(Position):
     """Where the three axes move to."""
-
-
-@dataclass(frozen=True)
-class MeasuredHeight:
-    """Height of the antennas over the ground [m]; not finite if it was out of range."""
-
-    height_m: float
 
 
 @dataclass(frozen=True)

@@ -231,26 +231,18 @@ class ServiceModel:
 
     def move(self, axis: AxisId, action: AxisAction, distance: float = 0.0) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
-        self._ask(self.moving, axis=axis.value, action=int(action), distance=distance)
-
-    def measure_height(self) -> None:
-        """Ask for one height."""
-        self._ask(self.height)
-
-    def test_analyzer(self) -> None:
-        """Ask for a test of the VNA."""
-        self._ask(self.analyzer)
+        self.ask(self.moving, axis=axis.value, action=int(action), distance=distance)
 
     def check_daily(self) -> None:
         """Begin the daily check; once it has begun, measure its next part."""
         if self.part is not None:
-            self._ask(self.daily, step=PARTS.index(self.part))
+            self.ask(self.daily, step=PARTS.index(self.part))
         elif not self.daily.running:
             self.touch()
             self._part = PARTS[0]
             self.daily.end()
 
-    def _ask(self, job: Job[Any], **fields: Any) -> None:
+    def ask(self, job: Job[Any], **fields: Any) -> None:
         """Send a request, if the operator may; one at a time."""
         if self.entered and not self.busy:
             self.touch()

@@ -97,8 +97,7 @@ class ValueSheet(Overlay):
         self.setFocus()
 
     def finish(self) -> None:
-        """Close; what was understood is what is shown from now on."""
-        self._form.normalize()
+        """Close."""
         self.hide()
         self.changed.emit()
 

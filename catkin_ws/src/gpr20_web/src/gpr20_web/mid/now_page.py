@@ -39,7 +39,6 @@ class NowPage(WebPage):
         "area": Message("Area"),
         "line": Message("Line"),
         "position": Message("Antennas at"),
-        "height": Message("Height over the ground"),
         "result": Message("Result"),
         "details": Message("Details"),
         "simulated": Message("SIMULATED"),
@@ -111,5 +110,4 @@ class NowPage(WebPage):
             "line": sentence(text, line_of(snapshot)),
             "area": "" if parameters is None else text(area_of(parameters)),
             "place": None if place is None else text(_at(place)),
-            "height_mm": None if snapshot.height_m is None else round(snapshot.height_m * 1000.0),
         }

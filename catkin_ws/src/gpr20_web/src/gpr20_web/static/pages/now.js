@@ -22,7 +22,6 @@ export default {
       line: job.line,
       area: job.area,
       position: job.place ?? "",
-      height: job.height_mm === null ? "" : `${job.height_mm} mm`,
     };
     for (const [name, text] of Object.entries(texts)) {
       page[name].parentElement.hidden = !text;
