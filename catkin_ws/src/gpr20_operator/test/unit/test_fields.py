@@ -170,7 +170,8 @@ def test_a_decimal_comma_is_read_as_a_point():
         (number_from_text, ["", ",", "1.2.3", "1,234.5", "1.234,5", "1_0", "٣", "nan", "inf"]),
         (number_from_text, ["0x1", "1 2", "--1", "600 MHz"]),
         (hertz_from_megahertz, ["-inf", "1,5,0", "sNaN"]),
-        (rotations_from_text, ["", "0,,90", "zero"]),
+        (rotations_from_text, ["", "zero"]),
+        (lambda part: rotations_from_text(f"0,{part},90"), ["", "x"]),
     ],
 )
 def test_what_is_no_number_is_refused(read, texts):

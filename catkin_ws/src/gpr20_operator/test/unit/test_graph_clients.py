@@ -26,7 +26,6 @@ from gpr20_operator.high.storage_client import OFFERS
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
-from gpr20_operator.settings_file import Newest
 from gpr20_survey.axes import AxisId
 
 REMEDY = Message("Free some space on the disk.")
@@ -90,25 +89,6 @@ def test_what_axes_report_is_passed_on_as_it_is(client):
     for axis, homed, moving in zip(AxisId, (True, False, True), (False, True, True)):
         said = CurrentCoordinate(coordinate=1.5, homed=homed, moving=moving, owner="/o")
         assert client._measured(axis, said) == AxisReport(axis, 1.5, homed, moving, "/o")
-
-
-def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):
-    taken, begun, go_on = [], threading.Event(), threading.Event()
-
-    def act(value):
-        taken.append(value)
-        begun.set()
-        assert go_on.wait(LIMIT_S)
-        raise ZeroDivisionError("a fault of our own")
-
-    newest = Newest(act)
-    newest.put(1)
-    assert begun.wait(LIMIT_S)
-    for value in (2, 3):
-        newest.put(value)
-    go_on.set()
-    assert newest.wait(LIMIT_S)
-    assert (taken, len(fault_log)) == ([1, 3], 2)
 
 
 REFUSED = {"success": False}

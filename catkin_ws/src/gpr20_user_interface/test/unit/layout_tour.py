@@ -101,7 +101,6 @@ def busiest(code=SurveyState.SURVEYING, **other):
         "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
         "current": CurrentPosition(650.0, 800.0, -90.0),
         "target": TargetPosition(650.0, 800.0, -90.0),
-        "height_m": 0.123,
         "health": HealthReport(nodes),
         **other,
     }

@@ -286,7 +286,7 @@ class Asked:
 @pytest.fixture
 def parts(opened, clock):
     control = Asked()
-    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked()))
+    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked().ask))
     window.begin()
     yield window, control
     window.end()

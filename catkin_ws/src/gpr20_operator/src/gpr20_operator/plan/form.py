@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass, replace
 from itertools import takewhile
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
@@ -21,9 +20,8 @@ from gpr20_operator.plan.fields import (
     texts_of,
 )
 from gpr20_operator.robot.events import Configured
-from gpr20_operator.settings_file import Newest
 from gpr20_operator.words import number_from_text
-from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     Relation,
@@ -36,7 +34,6 @@ from gpr20_survey.radar import one_way_path_m
 
 # Of a text in a sheet, which has no room for more.
 LONGEST_SHOWN = 30
-_NUMBER_AT_END = re.compile(r"([0-9]{1,9})$", re.ASCII)
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5
 # Of an axis; the checks limit the size of the whole survey.
@@ -205,22 +202,10 @@ class CostEstimated:
     parameters: SurveyParameters
     cost: SurveyCost
 
-
-class CostEstimator(Newest[Tuple[SurveyParameters, Configured]]):
-    """Estimates beside the window's thread: a large survey takes seconds. The newest counts."""
-
-    def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
-        super().__init__(self._estimate)
-        self._listener = listener
-
-    def ask(self, parameters: SurveyParameters, robot: Configured) -> None:
-        """Estimate; the listener gets the result."""
-        self.put((parameters, robot))
-
-    def _estimate(self, asked: Tuple[SurveyParameters, Configured]) -> None:
-        parameters, robot = asked
-        cost = survey_cost(parameters, robot.config, robot.settings)
-        self._listener(CostEstimated(parameters, cost))
+    @classmethod
+    def on(cls, robot: Configured, parameters: SurveyParameters) -> CostEstimated:
+        """Estimate for a robot; of a large survey it takes seconds."""
+        return cls(parameters, survey_cost(parameters, robot.config, robot.settings))
 
 
 def annotation_texts(annotation: Annotation) -> Dict[str, str]:
@@ -254,35 +239,3 @@ def shortened(text: str) -> str:
     """Return as much of a text as a sheet has room for, as one line; a dash if it is empty."""
     line = " ".join(text.split()) or "—"
     return line if len(line) <= LONGEST_SHOWN else line[: LONGEST_SHOWN - 1] + "…"
-
-
-def next_name(name: str) -> str:
-    """Return the name of the survey after one: "El Carmen 3" follows "El Carmen 2".
-
-    The number keeps its leading zeros. A name without a number gets a 2; no name stays none.
-    """
-    if not name:
-        return ""
-    found = _NUMBER_AT_END.search(name)
-    digits = "" if found is None else found.group(1)
-    number = str(int(digits) + 1).zfill(len(digits)) if digits else " 2"
-    return name[: len(name) - len(digits)][: MAX_NAME_CHARACTERS - len(number)] + number
-
-
-class NextAnnotation:
-    """Operator and site stay for the surveys that follow, and their names are numbered.
-
-    Notes and position are for one survey.
-    """
-
-    def __init__(self) -> None:
-        self.value = EMPTY
-
-    def take_defaults(self, defaults: Annotation) -> None:
-        """Fill the empty fields with those of the robot."""
-        self.value = self.value.with_defaults(defaults)
-
-    def note_started(self) -> None:
-        """Note that a survey has started with this annotation."""
-        named = next_name(self.value.name)
-        self.value = replace(self.value, name=named, notes="", position=None)

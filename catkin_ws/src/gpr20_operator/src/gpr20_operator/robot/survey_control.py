@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Protocol
+from typing import Callable, Optional, Protocol
 
 from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
     CostEstimated,
-    CostEstimator,
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Answer, Request, StartPlan
+from gpr20_operator.robot.events import Answer, Configured, Request, StartPlan
 from gpr20_operator.robot.snapshot import Snapshot, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
@@ -45,6 +44,9 @@ class SurveyControl(Protocol):
 class WindowPresenter:
     """Carries events to the model and requests to the main control. Belongs to one thread.
 
+    Args:
+        estimate: Makes a CostEstimated beside this thread, which comes as an event.
+
     Attributes:
         snapshot: What the window shows now.
         preview: What the survey of the fields will be; None while they are wrong.
@@ -55,11 +57,11 @@ class WindowPresenter:
         self,
         model: SurveyModel,
         control: SurveyControl,
-        estimator: CostEstimator,
+        estimate: Callable[[Configured, SurveyParameters], None],
     ) -> None:
         self._model = model
         self._control = control
-        self._estimator = estimator
+        self._estimate = estimate
         self._parameters: Optional[SurveyParameters] = None
         self._permittivity = 1.0
         self._resumed = ""
@@ -87,7 +89,7 @@ class WindowPresenter:
         self._parameters, self._permittivity = parameters, permittivity
         self.preview = None if parameters is None else preview(parameters, permittivity)
         if parameters is not None and self.snapshot.robot is not None:
-            self._estimator.ask(parameters, self.snapshot.robot)
+            self._estimate(self.snapshot.robot, parameters)
 
     def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
         """Return the preview of parameters; with their cost if they are those of the plan."""

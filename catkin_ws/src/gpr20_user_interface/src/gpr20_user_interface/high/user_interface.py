@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional
+from typing import Any, Callable, NoReturn, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -38,15 +38,16 @@ from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.form import CostEstimator
-from gpr20_operator.robot.events import Senders
+from gpr20_operator.plan.form import CostEstimated
+from gpr20_operator.robot.events import Configured, Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.settings_file import PlanMemory, SettingsFile
+from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
+from gpr20_user_interface.low.settings_file import Newest, PlanMemory, SettingsFile
 from gpr20_user_interface.pages.settings import WindowMemory
 from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
@@ -109,9 +110,12 @@ class UserInterface:
         self.web = WebPageClient(self.signal.emit_event, senders.namespace)
         self._clients = (self.control, self.storage, self.web)
         imaging = Imaging(self.storage, time.monotonic)
+        estimates: Newest[Tuple[Configured, SurveyParameters]] = Newest(
+            lambda asked: self.signal.emit_event(CostEstimated.on(*asked))
+        )
         self.window = MainWindow(
             Presenters(
-                WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
+                WindowPresenter(model, self.control, lambda *asked: estimates.put(asked)),
                 TracePresenter(imaging, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 imaging,
                 ServiceModel(self.storage, self.storage.examine, Clock()),

@@ -19,7 +19,6 @@ from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.settings_file import PlanMemory
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
@@ -30,6 +29,7 @@ from gpr20_user_interface.look.look import (
     style_sheet,
 )
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.low.settings_file import PlanMemory
 from gpr20_user_interface.pages.alerts import Alerts
 from gpr20_user_interface.pages.ground import GroundPage
 from gpr20_user_interface.pages.plan import PlanPage
