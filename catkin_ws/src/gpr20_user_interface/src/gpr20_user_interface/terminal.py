@@ -31,10 +31,10 @@ from gpr20_operator.robot.events import (
     Progress,
     Request,
     StartPlan,
+    SurveyControl,
 )
 from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, SurveyModel
-from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_operator.words import number_from_text, time_left
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState

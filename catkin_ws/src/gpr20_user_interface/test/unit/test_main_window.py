@@ -28,9 +28,9 @@ from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.snapshot import SurveyModel
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.bars import StateBand, TabName
 from gpr20_user_interface.widgets.widgets import Overlay
 

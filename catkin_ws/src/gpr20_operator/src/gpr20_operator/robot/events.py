@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Iterator, Mapping, Optional, Sequence
+from typing import Iterator, Mapping, Optional, Protocol, Sequence
 
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
@@ -207,6 +207,30 @@ class AxisStopAnswer:
 
     axis: AxisId
     answered: bool
+
+
+class SurveyControl(Protocol):
+    """Requests to the main control, without waiting; the answers come as events."""
+
+    def start_survey(self, plan: StartPlan) -> None:
+        """Ask to accept the parameters and to start."""
+
+    def stop(self) -> None:
+        """Ask whatever moves to stop, whoever moves it."""
+
+    def withdraw_start(self) -> None:
+        """Keep a survey from starting whose parameters have not been accepted yet."""
+
+    def pause_survey(self) -> None:
+        """Ask to pause the survey."""
+
+    def resume_survey(
+        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
+    ) -> None:
+        """Ask to resume the paused survey, or one by its id or the name of its folder."""
+
+    def check_master(self) -> None:
+        """Check that the master answers; the answer is an event."""
 
 
 REPLAY = Message("REPLAY")

@@ -43,12 +43,12 @@ from gpr20_operator.robot.events import Configured, Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import SurveyModel
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
 from gpr20_user_interface.low.settings_file import Newest, PlanMemory, SettingsFile
 from gpr20_user_interface.pages.settings import WindowMemory
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 

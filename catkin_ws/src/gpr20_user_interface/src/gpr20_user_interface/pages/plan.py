@@ -24,7 +24,6 @@ from gpr20_operator.plan.texts import (
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request, StartPlan
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.answers import SurveySummary
@@ -32,6 +31,7 @@ from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
 from gpr20_user_interface.low.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.ground_picture import AreaPicture
 from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import Page, grid

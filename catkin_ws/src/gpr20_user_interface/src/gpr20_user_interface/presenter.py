@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Optional, Protocol
+from typing import Callable, Optional
 
 from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
@@ -11,34 +11,10 @@ from gpr20_operator.plan.form import (
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Answer, Configured, Request, StartPlan
+from gpr20_operator.robot.events import Answer, Configured, Request, StartPlan, SurveyControl
 from gpr20_operator.robot.snapshot import Snapshot, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
-
-
-class SurveyControl(Protocol):
-    """Requests to the main control, without waiting; the answers come as events."""
-
-    def start_survey(self, plan: StartPlan) -> None:
-        """Ask to accept the parameters and to start."""
-
-    def stop(self) -> None:
-        """Ask whatever moves to stop, whoever moves it."""
-
-    def withdraw_start(self) -> None:
-        """Keep a survey from starting whose parameters have not been accepted yet."""
-
-    def pause_survey(self) -> None:
-        """Ask to pause the survey."""
-
-    def resume_survey(
-        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
-    ) -> None:
-        """Ask to resume the paused survey, or one by its id or the name of its folder."""
-
-    def check_master(self) -> None:
-        """Check that the master answers; the answer is an event."""
 
 
 class WindowPresenter:
