@@ -217,7 +217,7 @@ def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time
     export = result.export
     export.begin()
     plug_in(node, LOCKED, BLUE)
-    assert export.offered == (BLUE, LOCKED)
+    assert export.sticks.volumes == (LOCKED, BLUE)
     export.look_for_sticks()
     assert len(node.of("sticks")) == 1
     now.s += LIST_PERIOD_S

@@ -10,8 +10,6 @@ from gpr20_survey.results.answers import FocusedImage, SurveySummary, Volume
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace.trace import TraceBlock
 
-NOT_KNOWN = 0.0
-"""What is sent as the permittivity to use that of the stored survey."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
 # The imaging node refuses an image of fewer lines than three.
@@ -150,8 +148,8 @@ class Imaging:
         is_due = wanted != self._asked or self._shown.state is JobState.FAILED
         if is_new or (is_due and self._shown.age_s >= PERIOD_S):
             self._asked = wanted
-            # The one that is stored.
-            self._shown.ask(survey=wanted.survey_id, permittivity=NOT_KNOWN)
+            # With the permittivity that is stored, as without any in the request.
+            self._shown.ask(survey=wanted.survey_id)
 
     def end(self) -> None:
         """End what is awaited."""

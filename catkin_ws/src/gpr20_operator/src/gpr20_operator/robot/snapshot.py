@@ -75,11 +75,6 @@ class Snapshot:
         return self.code is not None and self.code.running
 
     @property
-    def survey_parameters(self) -> Optional[SurveyParameters]:
-        """The parameters of the survey that runs."""
-        return self.job_parameters if self.running else None
-
-    @property
     def running_survey(self) -> str:
         """The id of the survey that has not ended; empty: there is none."""
         return self.state.survey_id if self.state is not None and self.running else ""

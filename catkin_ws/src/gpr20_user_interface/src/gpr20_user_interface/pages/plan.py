@@ -101,6 +101,8 @@ class PlanPage(QWidget, Page):
         self._snapshot: Optional[Snapshot] = None
         self._offer: Optional[SurveySummary] = None
         self._waiting = 0
+        # What the survey that runs measures.
+        self._measured: Optional[SurveyParameters] = None
         self._previewed: Optional[SurveyPreview] = None
         self.form = PlanForm(DOCUMENTED_TRAVEL)
         self._check: PlanCheck = self.form.check()
@@ -167,9 +169,10 @@ class PlanPage(QWidget, Page):
             self.show_plan()
         elif self._survey.preview is not self._previewed:
             self._show_tiles()
-        shown = None if before is None else before.survey_parameters
-        if snapshot.survey_parameters not in (None, shown):
-            self.show_parameters(snapshot.survey_parameters)
+        measured = snapshot.job_parameters if snapshot.running else None
+        if measured not in (None, self._measured):
+            self.show_parameters(measured)
+        self._measured = measured
         locked = snapshot.fields_locked
         for tile, button in self.tiles.items():
             named = tile is Tile.NAME

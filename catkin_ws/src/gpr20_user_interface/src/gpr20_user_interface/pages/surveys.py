@@ -13,7 +13,7 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import Cell
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs.job import Job, Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
@@ -216,7 +216,7 @@ class SurveysPage(QWidget, Page):
         self.list.viewport().update()
         self._answer.end()
         if survey is not None and self._surveys.can_open(survey):
-            self._answer.ask(survey=survey.folder, permittivity=NOT_KNOWN, only_known=True)
+            self._answer.ask(survey=survey.folder, only_known=True)
         self._show_choice()
 
     def search_for(self, text: str) -> None:
