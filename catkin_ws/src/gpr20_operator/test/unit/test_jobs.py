@@ -8,7 +8,7 @@ from result_kit import Now, Requests
 from view_kit import SURVEY
 
 from gpr20_common.message import verbatim
-from gpr20_operator.jobs.job import Job, JobState
+from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import FEWEST_TRACES, PERIOD_S, Imaging, Wanted
 
 REASON = verbatim("cancelled")
@@ -20,17 +20,18 @@ STEPS = st.lists(
 
 @given(STEPS)
 def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
-    cancelled, results, tickets = [], [], []
-    job = Job(tickets.append, cancelled.append, lambda: 0.0, results.append)
+    node, results = Requests(), []
+    job = Job(node, Service.EXPORT, lambda: 0.0, results.append)
     waiting = None
     for step, which in steps:
+        tickets = [one for _kind, one, _fields in node.asked]
         before = job.revision, job.state, job.result, job.problem, job.stage
         ticket = tickets[which % len(tickets)] if tickets else None
         if step in ("ask", "end"):
             job.ask() if step == "ask" else job.end(REASON)
-            assert waiting is None or cancelled[-1] == waiting.request_id
+            assert waiting is None or node.cancelled[-1] == waiting.request_id
             assert (job.result, job.problem) == (None, None if step == "ask" else REASON)
-            waiting = tickets[-1] if step == "ask" else None
+            waiting = node.asked[-1][1] if step == "ask" else None
         elif ticket is None:
             continue
         else:
@@ -46,8 +47,8 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
                 assert step == "fail" or results[-1] == REASON
                 waiting = None
         assert job.running == (waiting is not None) and job.revision >= before[0]
-    assert len(set(cancelled)) == len(cancelled)
-    assert len({one.request_id for one in tickets}) == len(tickets)
+    assert len(set(node.cancelled)) == len(node.cancelled)
+    assert len({one.request_id for _kind, one, _fields in node.asked}) == len(node.asked)
 
 
 @pytest.fixture
@@ -86,7 +87,7 @@ def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(change
         due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
         assert len(node.of("focus")) - before == due
         if due:
-            assert node.of("focus")[-1] == (survey, 0.0)
+            assert node.of("focus")[-1] == (survey,)
             asked, waits = wanted, True
         if waits and answered:
             focused(node, asked.survey_id)

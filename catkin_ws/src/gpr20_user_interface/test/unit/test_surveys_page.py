@@ -105,7 +105,7 @@ def test_the_newest_survey_is_chosen_with_its_map_date_and_answer(window, node):
     listed = window.past
     assert listed.chosen == survey and listed.map.isVisible()
     assert shown_text(local_time(STARTED)) in listed.details.text()
-    assert node.of("focus") == [(FOLDER, 0.0, True)]
+    assert node.of("focus") == [(FOLDER, True)]
     node.ticket("focus").done(focused(PLACES, SURVEY))
     assert listed.details.text().startswith("1 place to check; 1 weaker echo")
     assert listed.result.text() == "Result"

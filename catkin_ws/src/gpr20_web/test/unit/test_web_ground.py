@@ -164,7 +164,7 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
     assert server.look() == []  # too few for an image
     server.run(permittivity=4.0)
     for _ in range(3):
-        assert server.look() == [(SURVEY, 0.0)]
+        assert server.look() == [(SURVEY,)]
     server.node.ticket("focus").done(focused())
     ground = server.ask(layer="focused")["ground"]
     marks = [one for one in ground["marks"] if one["candidate"]]

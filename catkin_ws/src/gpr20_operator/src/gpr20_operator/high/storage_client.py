@@ -18,7 +18,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_doctor.high.graph import analyzer_test_of
 from gpr20_doctor.mid.findings import examine
-from gpr20_doctor.mid.machine import Machine, MachineReport
+from gpr20_doctor.mid.machine import Machine
 from gpr20_msgs import srv
 from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -186,17 +186,12 @@ class StorageClient(RosEvents):
         found = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
         return offer.convert(found)
 
-    def examine(
-        self,
-        ticket: Ticket[MachineReport],
-        nodes: Mapping[str, NodeDescription],
-        thorough: bool,
-    ) -> None:
-        """Look at this computer in the background."""
+    def examine(self, nodes: Mapping[str, NodeDescription], thorough: bool) -> None:
+        """Look at this computer in the background; its MachineReport is an event."""
 
         def look() -> None:
             machine = Machine.here(os.environ, nodes=nodes, thorough=thorough)
-            self._emit(Delivery(partial(ticket.done, examine(machine))))
+            self._emit(examine(machine))
 
         in_background(look)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, JobState, Requests, Service, job_of
+from gpr20_operator.jobs.job import Job, JobState, Requests, Service
 from gpr20_survey.results.answers import FocusedImage, SurveySummary, Volume
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace.trace import TraceBlock
@@ -133,7 +133,7 @@ class Imaging:
         failed: Callable[[Message], None] = lambda _problem: None,
     ) -> Job[Any]:
         """Return a job of a service."""
-        return job_of(self._requests, service, self._now_s, done, failed)
+        return Job(self._requests, service, self._now_s, done, failed)
 
     @property
     def problem(self) -> Optional[Message]:

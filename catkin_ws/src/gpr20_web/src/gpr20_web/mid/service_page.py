@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Optional
+from typing import Any, Mapping, Optional
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.findings import summary
 from gpr20_operator.jobs.job import Service, Ticket
-from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.service_model import Examine, ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_web.calls import Call, Role, Route, WebPage, sentence
 
@@ -41,7 +41,7 @@ class ServicePage(WebPage):
         "all": Message("All checks"),
     }
 
-    def __init__(self, examine: Callable[..., None], clock: Clock) -> None:
+    def __init__(self, examine: Examine, clock: Clock) -> None:
         self._model = ServiceModel(NoRequests(), examine, clock)
         self._now_s = clock.now_s
         # When somebody asked last; None: nobody looks.
