@@ -40,8 +40,6 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
         run_states=[3],
         failures=[f"4: {TEXT}", "7: no template: as it is"],
         failure_faults=[SENT, fault_of(None)],
-        verdict=TEXT,
-        verdict_fault=SENT,
     )
     runs = storage_client.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
@@ -55,7 +53,7 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
     listed = ListSurveysResponse(success=True, surveys=[summary])
     (failed,) = OFFERS[Service.LIST].convert(listed).surveys
     assert failed.verdict is None
-    for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
+    for one in (runs.failures[4], read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)
 
 

@@ -203,8 +203,7 @@ def ground(window):
     live = window.traces.live
     live.begin(grid)
     failures = {10: verbatim("el VNA no contestó en 90 s; revise el cable y la dirección")}
-    verdict = verbatim("INCOMPLETA: 11 de 40 trazas planeadas guardadas, 1 fallida, 28 faltan")
-    runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
+    runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
     window.refresh()

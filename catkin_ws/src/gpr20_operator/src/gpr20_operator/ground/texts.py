@@ -47,7 +47,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         place_text(place.x_mm, place.y_mm, model.settings.depth_m * 1000.0),
         *_level(model, shown),
         *_state(model),
-        *(_summary(model) if model.follows else ()),
+        *(_answer(model) if model.follows else ()),
     )
 
 
@@ -83,11 +83,10 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     )
 
 
-def _summary(model: GroundModel) -> Lines:
-    """Return what is known of the survey while no place is chosen."""
-    verdict, image = model.survey.map.verdict, model.image
-    found = () if image is None or not image.found.total else (headline(image.found),)
-    return (*(() if verdict is None else (verdict,)), *found)
+def _answer(model: GroundModel) -> Lines:
+    """Return how many places there are to check; empty while that is not known."""
+    image = model.image
+    return () if image is None or not image.found.total else (headline(image.found),)
 
 
 def _level(model: GroundModel, shown: Shown) -> Lines:
@@ -106,10 +105,10 @@ def _state(model: GroundModel) -> Lines:
     """Return what a person should know of a stop; nothing of one that is done and shown."""
     survey, stop, number = model.survey, model.stop, model.settings.polarization
     ground, radar = survey.map, survey.radar
-    if ground.grid is None or stop is None:
+    if ground.grid is None or ground.stop_states is None or stop is None:
         return ()
-    state, trace = ground.state_at(stop), (number, *stop)
-    lines = [] if state in (None, StopState.DONE) else [STATE_NAMES[state]]
+    state, trace = StopState(int(ground.stop_states[stop])), (number, *stop)
+    lines = [] if state is StopState.DONE else [STATE_NAMES[state]]
     lines.extend(ground.reasons_at(stop))
     if survey.loading.waiting[trace]:
         lines.append(Message("this trace is being loaded"))

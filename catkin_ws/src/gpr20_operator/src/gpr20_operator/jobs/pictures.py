@@ -95,14 +95,6 @@ class Pictures:
             self.revision += 1
 
 
-class Wanted(NamedTuple):
-    """What an image depends on."""
-
-    survey_id: str
-    traces: int
-    permittivity: Optional[float]
-
-
 class Imaging:
     """Asks for images while somebody looks at them. Belongs to one thread.
 
@@ -124,7 +116,7 @@ class Imaging:
         self._requests, self._now_s = requests, now_s
         self.pictures = pictures or Pictures()
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
-        self._asked = Wanted("", 0, None)
+        self._asked: Tuple[str, Optional[float], int] = "", None, 0
 
     def job(
         self,
@@ -140,16 +132,17 @@ class Imaging:
         """Why there is no newer image of the survey that is shown; None: nothing went wrong."""
         return self._shown.problem
 
-    def keep(self, wanted: Wanted) -> None:
+    def keep(self, survey_id: str, permittivity: Optional[float], traces: int) -> None:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
-        if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
+        if not survey_id or traces < FEWEST_TRACES or self._shown.running:
             return
-        is_new = wanted._replace(traces=self._asked.traces) != self._asked
+        wanted = survey_id, permittivity, traces
+        is_new = wanted[:2] != self._asked[:2]
         is_due = wanted != self._asked or self._shown.state is JobState.FAILED
         if is_new or (is_due and self._shown.age_s >= PERIOD_S):
             self._asked = wanted
             # With the permittivity that is stored, as without any in the request.
-            self._shown.ask(survey=wanted.survey_id)
+            self._shown.ask(survey=survey_id)
 
     def end(self) -> None:
         """End what is awaited."""
