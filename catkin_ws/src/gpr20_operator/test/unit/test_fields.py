@@ -30,7 +30,6 @@ from gpr20_operator.plan.form import (
     PlanForm,
     annotation_from,
     annotation_texts,
-    check_plan,
     points_for,
     preview,
 )
@@ -53,7 +52,9 @@ DEFAULTS = {spec.name: spec.default for spec in PLAN}
 
 
 def check(travel=ROBOT, **texts):
-    return check_plan({**DEFAULTS, **texts}, travel)
+    form = PlanForm(travel)
+    form.restore(texts)
+    return form.check()
 
 
 @st.composite
@@ -113,7 +114,7 @@ def test_texts_are_read_back_as_the_same(wanted, annotation):
 
 @given(st.fixed_dictionaries({spec.name: st.text(max_size=8) for spec in PLAN}))
 def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
-    result = check_plan(texts, ROBOT)
+    result = check(**texts)
     assert (result.parameters is None) == bool(result.problems)
     assert result.parameters is None or find_problems(result.parameters, ROBOT) == []
 

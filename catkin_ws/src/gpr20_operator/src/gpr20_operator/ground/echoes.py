@@ -70,7 +70,7 @@ class RadarModel:
 
     Nothing else of a trace is stored: single precision and a few delays are enough for a picture.
     The echoes of all planned traces have their place from the start, but memory is used only
-    for those that are there. If the plan is so large that they would need more than `max_bytes`,
+    for those that are there. Of a plan so large that they would need more than MAX_VOLUME_BYTES,
     fewer delays of each are stored.
 
     Attributes:
@@ -83,8 +83,7 @@ class RadarModel:
         given_up: Traces that cannot be shown, and why, by their place in the plan.
     """
 
-    def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
-        self._max_bytes = max_bytes
+    def __init__(self) -> None:
         self.revision = 0
         self.begin(None)
 
@@ -236,7 +235,7 @@ class RadarModel:
         return strongest
 
     def _begin_volume(self, frequency_hz: np.ndarray) -> FrequencyToDelay:
-        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self.present.size))
+        room = MAX_VOLUME_BYTES // (BYTES_PER_SAMPLE * max(1, self.present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
         self.transform, self._late = transform, late_kernel(frequency_hz)
         # Zeros are given by the system page by page when they are written.

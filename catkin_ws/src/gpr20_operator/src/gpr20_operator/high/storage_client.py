@@ -29,8 +29,8 @@ from gpr20_operator.high.ros_events import (
     RequestError,
     RosEvents,
     accepted,
-    call,
     in_background,
+    no_answer,
 )
 from gpr20_operator.jobs.job import Delivery, Service, Ticket
 from gpr20_operator.jobs.pictures import (
@@ -183,7 +183,10 @@ class StorageClient(RosEvents):
             values_json = json.dumps(fields.pop("values"), allow_nan=False)
             fields = {**fields, "kind": fields["kind"].value, "values_json": values_json}
         offer = OFFERS[service]
-        found = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
+        try:
+            found = self._clients[service].call(offer.timeout_s, **fields)
+        except ServiceUnavailableError as error:
+            raise RequestError(no_answer(offer.silent, error)) from error
         return offer.convert(found)
 
     def examine(self, nodes: Mapping[str, NodeDescription], thorough: bool) -> None:

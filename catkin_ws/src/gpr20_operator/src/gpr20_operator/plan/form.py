@@ -55,29 +55,6 @@ class PlanCheck:
         return Message("{field}: {allowed}", field=SPECS[name].title, allowed=self.problems[name])
 
 
-def check_plan(texts: Mapping[str, str], travel: RobotTravel) -> PlanCheck:
-    """Check the texts of all fields."""
-    values: Dict[str, Any] = {}
-    problems: Dict[str, Message] = {}
-    for spec in PLAN:
-        try:
-            values[spec.name] = spec.kind.read(texts[spec.name])
-        except InvalidValueError:
-            problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
-    unreadable = [one.name for one in PARAMETERS if one.name not in values]
-    known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
-    candidate = replace(default_parameters(), **known)
-    # What cannot be read has its default, which must not be judged, nor what follows from it.
-    for found in find_problems(candidate, travel):
-        if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
-            for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
-                shown = SPACINGS.get(name, name)
-                own = found.of is Relation.FREQUENCY_ORDER or not isinstance(found.of, Relation)
-                problems.setdefault(shown, SPECS[name].allowed(travel) if own else found.message)
-    in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
-    return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
-
-
 def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
     if spec.kind.keys is not Keys.NUMBER or _finite(text) is not None:
         return spec.allowed(travel)
@@ -125,7 +102,28 @@ class PlanForm:
 
     def check(self) -> PlanCheck:
         """Check all fields."""
-        return check_plan(self._texts, self.travel)
+        texts, travel = self._texts, self.travel
+        values: Dict[str, Any] = {}
+        problems: Dict[str, Message] = {}
+        for spec in PLAN:
+            try:
+                values[spec.name] = spec.kind.read(texts[spec.name])
+            except InvalidValueError:
+                problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
+        unreadable = [one.name for one in PARAMETERS if one.name not in values]
+        known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
+        candidate = replace(default_parameters(), **known)
+        # What cannot be read has its default, which must not be judged, nor what follows from it.
+        for found in find_problems(candidate, travel):
+            relation = found.of if isinstance(found.of, Relation) else None
+            if found.of in unreadable or (unreadable and relation is not None):
+                continue
+            own = relation in (None, Relation.FREQUENCY_ORDER)
+            for name in (found.of,) if relation is None else relation.value:
+                said = SPECS[name].allowed(travel) if own else found.message
+                problems.setdefault(SPACINGS.get(name, name), said)
+        in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
+        return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
     def _length_mm(self, axis: str) -> Optional[float]:
         ends = (self._texts[f"{axis}_{end}_mm"] for end in ("start", "stop"))

@@ -84,11 +84,6 @@ class Progress:
     visited_points: int
     remaining_s: float
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether every trace is taken."""
-        return self.visited_points >= self.total_points > 0
-
 
 @dataclass(frozen=True)
 class Position:
@@ -121,11 +116,6 @@ class Configured:
     settings: SurveySettings
     site: Site
     vna_address: str
-
-    @property
-    def travel(self) -> RobotTravel:
-        """The limits of the axes."""
-        return self.config.travel
 
 
 @dataclass(frozen=True)

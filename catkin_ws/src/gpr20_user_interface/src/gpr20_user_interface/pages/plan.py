@@ -162,7 +162,7 @@ class PlanPage(QWidget, Page):
             changed = not snapshot.replay
             if changed:
                 self.next_annotation.take_defaults(robot.site.annotation)
-        travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
+        travel = DOCUMENTED_TRAVEL if robot is None else robot.config.travel
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
         if changed:
