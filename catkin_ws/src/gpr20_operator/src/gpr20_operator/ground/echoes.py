@@ -101,7 +101,6 @@ class RadarModel:
         # With whether the background is removed, and how many traces were here.
         self._scale: Optional[Tuple[LevelScale, bool, int]] = None
         self.count = 0
-        self._median_height: Tuple[int, float] = (-1, float("nan"))
         self.latest: Dict[Optional[int], Stop] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
@@ -185,11 +184,8 @@ class RadarModel:
 
     def typical_height_m(self) -> float:
         """Return the median of the known heights [m]; NaN if none is known."""
-        if self._median_height[0] != self.revision:
-            known = self._heights_m[np.isfinite(self._heights_m)]
-            height_m = float(np.median(known)) if known.size else float("nan")
-            self._median_height = (self.revision, height_m)
-        return self._median_height[1]
+        known = self._heights_m[np.isfinite(self._heights_m)]
+        return float(np.median(known)) if known.size else math.nan
 
     def background(self, polarization: int) -> Optional[np.ndarray]:
         """Return what the traces of a polarization have in common; None while they are too few."""
@@ -244,21 +240,21 @@ class RadarModel:
         return transform
 
 
-def late_delays_s(frequency_hz: np.ndarray) -> np.ndarray:
-    """Return delays at which only noise is expected [s]."""
+def late_kernel(frequency_hz: np.ndarray) -> np.ndarray:
+    """Return what turns sweeps into samples at delays at which only noise is expected.
+
+    It is complex64 (frequency, delay).
+    """
     bandwidth_hz = float(frequency_hz[-1] - frequency_hz[0])
     end_s = unambiguous_s(frequency_hz)
     first_s, last_s = LATE_PART * end_s, end_s - LATE_MARGIN / bandwidth_hz
     count = int((last_s - first_s) * bandwidth_hz / LATE_STEP)
     if count < MIN_LATE_SAMPLES:
         # Few frequencies: echoes may arrive here, so that the noise is rather overestimated.
-        return np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
-    return np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
-
-
-def late_kernel(frequency_hz: np.ndarray) -> np.ndarray:
-    """Return what turns sweeps into samples at late delays: complex64 (frequency, delay)."""
-    return delay_kernel(frequency_hz, late_delays_s(frequency_hz)).astype(np.complex64)
+        delays_s = np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
+    else:
+        delays_s = np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
+    return delay_kernel(frequency_hz, delays_s).astype(np.complex64)
 
 
 def noise_of_traces(late: np.ndarray) -> np.ndarray:

@@ -28,7 +28,6 @@ NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored o
 BEGINS = Message("The survey begins. Nothing of it is measured yet.")
 NO_SIGNAL = Message("Nothing above the noise here.")
 NO_ECHO = Message("Nothing above the clutter here.")
-UNKNOWN = verbatim("—")
 Lines = Tuple[Message, ...]
 
 
@@ -53,7 +52,7 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
 
 def marker_lines(marker: Marker) -> Lines:
     return (
-        Message("Marker: {text}", text=marker.text or UNKNOWN),
+        Message("Marker: {text}", text=marker.text or verbatim("—")),
         place_text(marker.x_mm, marker.y_mm, marker.depth_mm),
         moment_text(f"{marker.time[:16]} UTC {marker.author}".strip()),
     )

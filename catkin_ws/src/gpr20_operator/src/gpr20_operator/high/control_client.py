@@ -55,8 +55,7 @@ from gpr20_survey.plan.survey_parameters import (
 from gpr20_survey.plan.survey_state import SurveyState
 
 WINDOW = "user_interface"
-SET_TIMEOUT_S = 10.0
-PAUSE_TIMEOUT_S = 10.0
+ANSWER_TIMEOUT_S = 10.0
 # An axis reports itself at 10 Hz at rest and at 50 Hz while it moves: fewer are enough for what
 # people see, and for a STOP, which is confirmed within 1 s.
 AXIS_PERIOD_S = 0.2
@@ -133,7 +132,7 @@ class ControlClient(RosEvents):
 
     def pause_survey(self) -> None:
         """See `SurveyControl`."""
-        self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
+        self._ask(Request.PAUSE, lambda: self._pause.call(ANSWER_TIMEOUT_S))
 
     def resume_survey(
         self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
@@ -164,7 +163,7 @@ class ControlClient(RosEvents):
     def _ask_start(self, plan: StartPlan, withdrawals: int) -> Any:
         """Return the answer; None if the request was withdrawn."""
         fields = plan_fields(plan)
-        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=fields.pop("parameters"))
+        accepted = self._set_parameters.call(ANSWER_TIMEOUT_S, parameters=fields.pop("parameters"))
         if not accepted.success:
             return accepted
         if withdrawals != self._withdrawals:

@@ -17,8 +17,7 @@ from gpr20_operator.jobs.pictures import Exported, Imaging, Sticks, StoredSurvey
 from gpr20_survey.folder.log_record import Kind, log_values, soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND_FORMAT
-from gpr20_survey.plan.markers import Found, What, found_of, present
+from gpr20_survey.plan.markers import FOUND_FORMAT, Found, What, found_of, present
 from gpr20_survey.results.answers import ExportPart, FocusedImage, Volume
 from gpr20_survey.results.candidates import Candidate, CandidateList, json_text
 from gpr20_survey.results.hiding_map import HidingMap, Targets

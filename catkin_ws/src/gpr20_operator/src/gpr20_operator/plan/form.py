@@ -19,7 +19,6 @@ from gpr20_operator.plan.fields import (
     default_parameters,
     texts_of,
 )
-from gpr20_operator.robot.events import Configured
 from gpr20_operator.words import number_from_text
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import (
@@ -29,7 +28,7 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     find_problems,
 )
-from gpr20_survey.plan.survey_points import SurveyCost, survey_cost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.radar import one_way_path_m
 
 # Of a text in a sheet, which has no room for more.
@@ -199,11 +198,6 @@ class CostEstimated:
 
     parameters: SurveyParameters
     cost: SurveyCost
-
-    @classmethod
-    def on(cls, robot: Configured, parameters: SurveyParameters) -> CostEstimated:
-        """Estimate for a robot; of a large survey it takes seconds."""
-        return cls(parameters, survey_cost(parameters, robot.config, robot.settings))
 
 
 def annotation_texts(annotation: Annotation) -> Dict[str, str]:

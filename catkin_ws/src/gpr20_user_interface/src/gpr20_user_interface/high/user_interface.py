@@ -44,6 +44,7 @@ from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import SurveyModel
 from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_points import survey_cost
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
 from gpr20_user_interface.low.settings_file import Newest, PlanMemory, SettingsFile
@@ -110,9 +111,7 @@ class UserInterface:
         self.web = WebPageClient(self.signal.emit_event, senders.namespace)
         self._clients = (self.control, self.storage, self.web)
         imaging = Imaging(self.storage, time.monotonic)
-        estimates: Newest[Tuple[Configured, SurveyParameters]] = Newest(
-            lambda asked: self.signal.emit_event(CostEstimated.on(*asked))
-        )
+        estimates = Newest(self._estimate)
         self.window = MainWindow(
             Presenters(
                 WindowPresenter(model, self.control, lambda *asked: estimates.put(asked)),
@@ -133,6 +132,12 @@ class UserInterface:
             self.window.top_bar.show_robot(senders.namespace.strip("/"))
         self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
+
+    def _estimate(self, asked: Tuple[Configured, SurveyParameters]) -> None:
+        """Say what a survey costs; of a large one that takes seconds."""
+        robot, parameters = asked
+        cost = survey_cost(parameters, robot.config, robot.settings)
+        self.signal.emit_event(CostEstimated(parameters, cost))
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""

@@ -16,7 +16,6 @@ from gpr20_operator.plan.fields import (
     PEOPLE,
     SPECS,
     TILE_FIELDS,
-    VALUE_TILES,
     FieldSpec,
     Preset,
     Tile,
@@ -51,7 +50,8 @@ from gpr20_user_interface.widgets.widgets import (
     tiled,
 )
 
-MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
+# The sheet of the names has no keys for all fields at once.
+MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in Tile if tile is not Tile.NAME)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
 # More characters than any parameter needs, an address of any form included.
 MAX_LENGTH = 80
