@@ -28,7 +28,7 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthRepo
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.jobs.pictures import Exported
-from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.notices import Refused, refusal_notice
@@ -38,6 +38,7 @@ from gpr20_survey.plan.markers import What
 from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
+from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.widgets.bars import TabName
 
 LONG = "el VNA en 192.168.100.100 no contesta; revise el cable y la dirección. " * 9

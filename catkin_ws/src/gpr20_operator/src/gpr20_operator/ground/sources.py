@@ -209,7 +209,7 @@ class FocusedSource:
         known = image.levels_db[np.isfinite(image.levels_db)]
         strongest = 10.0 ** (float(known.max()) / 20.0) if known.size else 1.0
         last = None if before is None else before._scale
-        self._scale = LevelScale.of(image.levels_db.size, 1.0, strongest, last)
+        self._scale: LevelScale = LevelScale.of(image.levels_db.size, 1.0, strongest, last)
 
     def nearest(self, place: Place) -> Optional[Place]:
         row, column = self._index(place)

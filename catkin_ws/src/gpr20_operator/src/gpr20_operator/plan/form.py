@@ -114,11 +114,11 @@ class PlanForm:
         candidate = replace(default_parameters(), **known)
         # What cannot be read has its default, which must not be judged, nor what follows from it.
         for found in find_problems(candidate, travel):
-            relation = found.of if isinstance(found.of, Relation) else None
-            if found.of in unreadable or (unreadable and relation is not None):
+            related = isinstance(found.of, Relation)
+            if found.of in unreadable or (unreadable and related):
                 continue
-            own = relation in (None, Relation.FREQUENCY_ORDER)
-            for name in (found.of,) if relation is None else relation.value:
+            own = not related or found.of is Relation.FREQUENCY_ORDER
+            for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
                 said = SPECS[name].allowed(travel) if own else found.message
                 problems.setdefault(SPACINGS.get(name, name), said)
         in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}

@@ -50,8 +50,9 @@ from gpr20_user_interface.widgets.widgets import (
     tiled,
 )
 
-# The sheet of the names has no keys for all fields at once.
-MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in Tile if tile is not Tile.NAME)
+# Those whose sheet has keys for all fields at once.
+VALUE_TILES = tuple(tile for tile in Tile if tile is not Tile.NAME)
+MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
 # More characters than any parameter needs, an address of any form included.
 MAX_LENGTH = 80
