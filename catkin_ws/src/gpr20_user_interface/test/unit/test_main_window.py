@@ -321,6 +321,8 @@ def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
     click(window.top_bar.stop)
     resumed = ("resume_survey", "")
     assert control.asked[1:] == [("pause_survey",), resumed, ("stop",), ("stop",)]
+    window.refresh()
+    assert Request.STOP in window.survey.snapshot.pending
 
 
 OTHER = "Anritsu,MS2026C/2,62011033,1.23"
