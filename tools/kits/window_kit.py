@@ -18,9 +18,9 @@ from robot_kit import running
 from gpr20_common.high.service_client import ServiceClient
 from gpr20_msgs.msg import ControlStatus, SurveyParameters
 from gpr20_msgs.srv import Command, SetSurveyParameters, StartSurvey
-from gpr20_operator.settings_file import SettingsFile
 from gpr20_user_interface.high.user_interface import UserInterface
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.low.settings_file import SettingsFile
 
 # Homing from the far end of an axis takes more than a minute.
 TIME_LIMIT_S = 180.0

@@ -62,12 +62,7 @@ def hertz_from_megahertz(text: str) -> float:
     Raises:
         InvalidValueError: The text is not a number.
     """
-    try:
-        return round(number_from_text(text) * HERTZ_PER_MEGAHERTZ, 3)
-    except InvalidValueError:
-        raise InvalidValueError(
-            Message("'{text}' is not a number of MHz, such as 600 or 5999.5", text=text)
-        ) from None
+    return round(number_from_text(text) * HERTZ_PER_MEGAHERTZ, 3)
 
 
 def megahertz_text(frequency_hz: float) -> str:
@@ -84,12 +79,7 @@ def rotations_from_text(text: str) -> Tuple[float, ...]:
         InvalidValueError: A part of the list is not a number.
     """
     separator = ";" if ";" in text else ","
-    try:
-        return tuple(number_from_text(part) for part in text.split(separator))
-    except InvalidValueError:
-        raise InvalidValueError(
-            Message("'{text}' is not a list of rotations in degrees, such as 0,90", text=text)
-        ) from None
+    return tuple(number_from_text(part) for part in text.split(separator))
 
 
 def rotations_text(rotations_deg: Iterable[float]) -> str:
@@ -145,17 +135,15 @@ def size_text(width_mm: float, height_mm: float) -> Message:
     return Message("{width:g} x {height:g} mm", width=width_mm, height=height_mm)
 
 
-def local_time(started: str, folder: str = "", seconds: bool = False) -> Message:
+def local_time(started: str, folder: str = "") -> Message:
     """Return when a survey started, as "2026-11-21 05:10", in the time of this computer.
 
     Args:
         started: ISO 8601, UTC; empty if it is not recorded.
         folder: Name of its folder, which begins with the start.
-        seconds: Whether to say them, too.
     """
     for text, pattern in ((started[:19], STARTED), (folder[:15], FOLDER)):
         with contextlib.suppress(ValueError):
             at = datetime.datetime.strptime(f"{text}+0000", f"{pattern}%z")
-            shown = "%Y-%m-%d %H:%M:%S" if seconds else "%Y-%m-%d %H:%M"
-            return moment_text(at.astimezone().strftime(shown))
+            return moment_text(at.astimezone().strftime("%Y-%m-%d %H:%M"))
     return verbatim(folder)

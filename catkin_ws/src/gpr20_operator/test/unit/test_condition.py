@@ -101,6 +101,8 @@ def test_a_time_is_left_only_while_it_passes():
     for state, left in ((said(S.SURVEYING, verbatim("x")), True), (LATE, True), (None, False)):
         state = state or said(S.SURVEYING, WAITING)
         assert (left_of(snapshot(state=state, **going)) is not None) is left, state
+    done = Progress("id", 100.0, 10, 10, 1.0)
+    assert left_of(snapshot(state=said(S.SURVEYING, verbatim("x")), progress=done)) is None
 
 
 CODES = st.none() | st.sampled_from(SurveyState)

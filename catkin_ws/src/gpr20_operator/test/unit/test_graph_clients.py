@@ -1,6 +1,5 @@
 """Between the graph and the window, without a graph: messages, STOP, and joining a master."""
 
-import math
 import threading
 from types import SimpleNamespace
 
@@ -11,7 +10,6 @@ pytest.importorskip("rospy")
 import rosgraph
 from fake_clock import FakeClock
 from fault_kit import raises_fault
-from sensor_msgs.msg import Range
 from topics_kit import LIMIT_S, taken
 
 from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
@@ -22,11 +20,12 @@ from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_msgs.msg import CurrentCoordinate, SurveyCoverage, SurveySummary
 from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
 from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.high import control_client, robot_stop, ros_events, storage_client
+from gpr20_operator.high import robot_stop, ros_events, storage_client
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
+from gpr20_operator.high.storage_client import OFFERS
+from gpr20_operator.jobs.job import Service
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
-from gpr20_operator.settings_file import Newest
 from gpr20_survey.axes import AxisId
 
 REMEDY = Message("Free some space on the disk.")
@@ -41,21 +40,20 @@ def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text()
         run_states=[3],
         failures=[f"4: {TEXT}", "7: no template: as it is"],
         failure_faults=[SENT, fault_of(None)],
-        verdict=TEXT,
-        verdict_fault=SENT,
     )
     runs = storage_client.coverage_runs(coverage)
     assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
     response = ReadTracesResponse(
-        survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
+        success=True, survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
     )
-    read = storage_client.traces_read(response)
+    read = OFFERS[Service.TRACES].convert(response)
     assert (read.block.survey_id, read.block.indices.size) == ("id", 0)
     assert read.unreadable == {3: FULL, 5: verbatim("torn")}
     summary = SurveySummary(problem=TEXT, problem_fault=SENT)
-    (failed,) = storage_client.surveys_listed(ListSurveysResponse(surveys=[summary])).surveys
+    listed = ListSurveysResponse(success=True, surveys=[summary])
+    (failed,) = OFFERS[Service.LIST].convert(listed).surveys
     assert failed.verdict is None
-    for one in (runs.failures[4], runs.verdict, read.unreadable[3], failed.problem):
+    for one in (runs.failures[4], read.unreadable[3], failed.problem):
         assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)
 
 
@@ -85,32 +83,10 @@ def test_a_survey_whose_parameters_are_not_accepted_yet_is_not_started_after_sto
     assert dict(taken(services.asked, 2))["start_survey"]["plan_id"] == "0123"
 
 
-def test_what_axes_and_height_sensor_report_is_passed_on_as_it_is(client):
+def test_what_axes_report_is_passed_on_as_it_is(client):
     for axis, homed, moving in zip(AxisId, (True, False, True), (False, True, True)):
         said = CurrentCoordinate(coordinate=1.5, homed=homed, moving=moving, owner="/o")
         assert client._measured(axis, said) == AxisReport(axis, 1.5, homed, moving, "/o")
-    for range_m, within in ((0.1, True), (0.8, True), (0.81, False), (math.nan, False)):
-        height = control_client._height(Range(min_range=0.1, max_range=0.8, range=range_m))
-        assert math.isfinite(height.height_m) is within
-
-
-def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):
-    taken, begun, go_on = [], threading.Event(), threading.Event()
-
-    def act(value):
-        taken.append(value)
-        begun.set()
-        assert go_on.wait(LIMIT_S)
-        raise ZeroDivisionError("a fault of our own")
-
-    newest = Newest(act)
-    newest.put(1)
-    assert begun.wait(LIMIT_S)
-    for value in (2, 3):
-        newest.put(value)
-    go_on.set()
-    assert newest.wait(LIMIT_S)
-    assert (taken, len(fault_log)) == ([1, 3], 2)
 
 
 REFUSED = {"success": False}

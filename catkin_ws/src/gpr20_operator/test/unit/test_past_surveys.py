@@ -35,7 +35,7 @@ def test_a_search_is_a_plain_filter_of_all_pages_by_names_time_and_ending(survey
     past.take(past.next_before, numbered[split:], False)
 
     def wanted(survey):
-        begun = local_time(survey.started, survey.folder, seconds=len(numbered) > 1)
+        begun = local_time(survey.started, survey.folder)
         shown = map(SPANISH.text, (begun, past.ending(survey)))
         written = searchable("\n".join((survey.name, survey.site, survey.operator, *shown)))
         return all(searchable(word) in written for word in text.split())

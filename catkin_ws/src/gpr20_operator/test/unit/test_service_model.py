@@ -66,7 +66,7 @@ def test_service_ends_two_minutes_after_the_last_touch_or_motion(model, clock, r
 def test_one_request_at_a_time(model, requests):
     jog(model)
     jog(model)
-    model.test_analyzer()
+    model.ask(model.analyzer)
     assert requests.asked == [("x", "JOG", 10.0)]
     assert model.busy
     requests.fail(Service.MOVE, Message("the axis is not homed"))
@@ -108,7 +108,8 @@ def test_nothing_is_asked_for_beside_a_survey_or_another_request(clock):
     model = ServiceModel(tools, tools.examine, clock)
     shown = at_rest()
     acts = [
-        *(model.enter, model.leave, model.measure_height, model.test_analyzer, model.check_daily),
+        *(model.enter, model.leave, lambda: model.ask(model.height)),
+        *(lambda: model.ask(model.analyzer), model.check_daily),
         lambda: jog(model),
         lambda: model.set_watched(False),
         lambda: tools.done(Service.MOVE, Message("done")),

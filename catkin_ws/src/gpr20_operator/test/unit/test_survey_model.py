@@ -15,7 +15,6 @@ from gpr20_operator.robot.events import (
     Answer,
     ControlState,
     CurrentPosition,
-    MeasuredHeight,
     Progress,
     Request,
     TargetPosition,
@@ -104,14 +103,10 @@ def test_what_is_old_is_not_shown_as_now(model, clock):
     place, target = CurrentPosition(1.0, 2.0, 90.0), TargetPosition(3.0, 4.0, 0.0)
     for event in (place, target, AxisReport(AxisId.X, 1.0, True, True)):
         model.handle(event)
-    for height_m in (math.nan, math.inf, 0.3):
-        assert model.snapshot().height_m is None, "out of range"
-        model.handle(MeasuredHeight(height_m))
     for pause_s, known in ((STALE_S, True), (0.1, False)):
         clock.advance(pause_s)
         shown = model.snapshot()
-        found = (shown.current, shown.target, shown.height_m)
-        assert found == ((place, target, 0.3) if known else (None,) * 3)
+        assert (shown.current, shown.target) == ((place, target) if known else (None, None))
         # An axis that fell silent while it moved counts as moving.
         assert shown.moving and shown.axes[0].silent is not known
 

@@ -115,7 +115,7 @@ def test_another_permittivity_is_used_once_it_is_in_the_log_and_else_its_loss_is
     assert result.image is None
     begin_search(result, node, stored(log=[*log, noted(kind, values)]))
     assert result.permittivity == entered
-    assert node.of("focus") == [(SURVEY, 0.0)] * 2
+    assert node.of("focus") == [(SURVEY,)] * 2
     assert (str(soil_lines(result)[1]) == "ASSUMED") is (entered is None)
 
 
@@ -129,7 +129,7 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     assert node.asked == [] and result.waits
     result.latest_id = PAST
     begin_search(result, node)
-    assert node.of("focus") == [(SURVEY, 0.0, True)] and result.waits
+    assert node.of("focus") == [(SURVEY, True)] and result.waits
     known = image_of(candidate_list(ELEVEN, survey_id=SURVEY))
     node.ticket("focus").done(known)
     assert result.image is known and not result.waits
@@ -142,7 +142,7 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     result.note_running(False)
     begin_search(result, node)
     late = node.ticket("focus")
-    assert node.of("focus")[-1] == (SURVEY, 0.0)
+    assert node.of("focus")[-1] == (SURVEY,)
     result.note_running(True)
     assert node.cancelled == [late.request_id]
     late.done(known)
@@ -217,7 +217,7 @@ def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time
     export = result.export
     export.begin()
     plug_in(node, LOCKED, BLUE)
-    assert export.offered == (BLUE, LOCKED)
+    assert export.sticks.volumes == (LOCKED, BLUE)
     export.look_for_sticks()
     assert len(node.of("sticks")) == 1
     now.s += LIST_PERIOD_S

@@ -31,11 +31,11 @@ from gpr20_operator.robot.events import (
     Progress,
     Request,
     StartPlan,
+    SurveyControl,
 )
 from gpr20_operator.robot.notices import remedy
-from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, SurveyModel, remaining
-from gpr20_operator.robot.survey_control import SurveyControl
-from gpr20_operator.words import number_from_text
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, SurveyModel
+from gpr20_operator.words import number_from_text, time_left
 from gpr20_survey.plan.annotation import EMPTY
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
@@ -174,7 +174,7 @@ class Display:
             percent=progress.completion_percent,
             visited=progress.visited_points,
             total=progress.total_points,
-            remaining=remaining(progress),
+            remaining=time_left(progress.remaining_s),
         )
         step = progress.completion_percent // STEP_PERCENT
         if self._clear or step > self._step:
@@ -318,7 +318,7 @@ class SurveyFollower:
             status = (_ENDS_AFTER_STOP if stopping else _ENDS).get(state.shown)
         if state is not None and status is not None:
             # After another plan was set the message is about that one.
-            self._end(status, state.message if state.code is state.shown else state.title)
+            self._end(status, state.message if state.code is state.shown else state.shown.label)
         elif (self._silent_s > LOST_S and not stopping) or now_s - self._stopped_s > STOP_S:
             self._end(ExitStatus.FAILED, condition.message)
         elif alive and not own and answered_s > CONTROL_SILENCE_S:

@@ -31,8 +31,8 @@ import rostest
 
 from gpr20_common.mid.codec import plain
 from gpr20_msgs.msg import AxisAction, AxisGoal, ControlStatus
-from gpr20_operator.settings_file import RememberedPlan, SettingsFile
 from gpr20_survey.axes import AxisId
+from gpr20_user_interface.low.settings_file import RememberedPlan, SettingsFile
 
 sys.path.append(str(Path(__file__).resolve().parents[5] / "tools/kits"))
 sys.path.insert(0, os.path.join(rospkg.RosPack().get_path("gpr20"), "test", "ros"))

@@ -28,7 +28,7 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthRepo
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.jobs.pictures import Exported
-from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, VALUE_TILES, default_parameters
+from gpr20_operator.plan.fields import SPECS, TILE_FIELDS, default_parameters
 from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import ControlState, CurrentPosition, Progress, TargetPosition
 from gpr20_operator.robot.notices import Refused, refusal_notice
@@ -38,6 +38,7 @@ from gpr20_survey.plan.markers import What
 from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
+from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.widgets.bars import TabName
 
 LONG = "el VNA en 192.168.100.100 no contesta; revise el cable y la dirección. " * 9
@@ -101,7 +102,6 @@ def busiest(code=SurveyState.SURVEYING, **other):
         "progress": Progress("id", 99.99, 1000000, 999999, 10**7),
         "current": CurrentPosition(650.0, 800.0, -90.0),
         "target": TargetPosition(650.0, 800.0, -90.0),
-        "height_m": 0.123,
         "health": HealthReport(nodes),
         **other,
     }
@@ -204,8 +204,7 @@ def ground(window):
     live = window.traces.live
     live.begin(grid)
     failures = {10: verbatim("el VNA no contestó en 90 s; revise el cable y la dirección")}
-    verdict = verbatim("INCOMPLETA: 11 de 40 trazas planeadas guardadas, 1 fallida, 28 faltan")
-    runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures, verdict)
+    runs = CoverageRuns(SURVEY, 40, (0, 10, 11, 12), (1, 3, 1, 0), failures)
     live.map.set_coverage(runs)
     live.take_traces([trace_at(grid, index) for index in range(10)])
     window.refresh()

@@ -142,8 +142,8 @@ def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, 
     cover(model, 40)
     window.traces.live.take_traces(traces[25:])
     refreshed(view)
-    assert view.above.notice == f"Nothing above the noise at this depth. {NO_MINE}"
-    assert section.notice == f"Nothing above the noise in this section. {NO_MINE}"
+    assert view.above.notice == f"Nothing above the noise here. {NO_MINE}"
+    assert section.notice == f"Nothing above the noise here. {NO_MINE}"
     cover(model, 30)
     assert "A part is not measured." in refreshed(view).above.notice
 
@@ -466,7 +466,7 @@ def test_the_crosshair_ends_with_what_can_be_measured(picture, grid):
 def test_a_notice_is_never_cut_off(application, size):
     picture = GroundPicture()
     picture.resize(*size)
-    picture.set_notice("Nothing above the noise at this depth. No echo does not mean no mine.")
+    picture.set_notice("Nothing above the noise here. No echo does not mean no mine.")
     image = picture.grab().toImage()
     edge = {image.pixel(x, y) for x in range(size[0]) for y in (0, size[1] - 1)}
     assert len(edge) == 1, "the notice reaches the edge"

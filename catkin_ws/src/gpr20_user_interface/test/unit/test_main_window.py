@@ -28,9 +28,9 @@ from gpr20_operator.robot.condition import Condition, JobLevel
 from gpr20_operator.robot.events import Answer, Progress, Request, TargetPosition
 from gpr20_operator.robot.notices import ANSWER_S, Refused, fault_notice, refusal_notice
 from gpr20_operator.robot.snapshot import SurveyModel
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.bars import StateBand, TabName
 from gpr20_user_interface.widgets.widgets import Overlay
 
@@ -286,7 +286,7 @@ class Asked:
 @pytest.fixture
 def parts(opened, clock):
     control = Asked()
-    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked()))
+    window = opened(survey=WindowPresenter(SurveyModel(clock), control, Asked().ask))
     window.begin()
     yield window, control
     window.end()
@@ -321,6 +321,8 @@ def test_pause_resume_and_every_press_of_stop_are_asked_for(parts):
     click(window.top_bar.stop)
     resumed = ("resume_survey", "")
     assert control.asked[1:] == [("pause_survey",), resumed, ("stop",), ("stop",)]
+    window.refresh()
+    assert Request.STOP in window.survey.snapshot.pending
 
 
 OTHER = "Anritsu,MS2026C/2,62011033,1.23"

@@ -22,11 +22,12 @@ from window_helpers import (
 )
 
 from gpr20_common.message import verbatim
-from gpr20_operator.plan.fields import VALUE_TILES, Tile, default_parameters
+from gpr20_operator.plan.fields import Tile, default_parameters
 from gpr20_operator.plan.form import preview
 from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import Mark
+from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.widgets.keys import ERASE
 

@@ -153,7 +153,7 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     assert not service.robot.overview.check_button.isEnabled()
     click(service.robot.overview.check_button)
     hot = Finding.of("memory", Message("Memory: 9 MB free"), OVERLOADED)
-    service.tools.done("examine", MachineReport((hot,)))
+    service.on_event(MachineReport((hot,)))
     service.tools.done(Service.HEIGHT, HeightTested(0.2, 0.001, 1.2))
     lost = Message("no connection to the VNA")
     service.tools.done(Service.ANALYZER, AnalyzerTest("10.0.0.1", failure=lost))

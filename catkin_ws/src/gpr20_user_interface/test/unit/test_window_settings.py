@@ -30,9 +30,9 @@ from gpr20_operator.robot.remote_control import (
     Arming,
     WebStatusReported,
 )
-from gpr20_operator.settings_file import SettingsFile
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_user_interface.low.settings_file import SettingsFile
 from gpr20_user_interface.pages.settings import (
     WindowMemory,
     WindowSettings,

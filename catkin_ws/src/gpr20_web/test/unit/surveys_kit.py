@@ -59,7 +59,9 @@ class Services:
         if service is Service.EXPORT:
             return self.export(survey, fields)
         assert service is Service.FOCUS
-        return self._imaging.focus(fields.pop("request_id", ""), survey, **fields)
+        # A field that is left out is 0 on the graph.
+        fields = {"request_id": "", "permittivity": 0.0, **fields}
+        return self._imaging.focus(survey=survey, **fields)
 
     def _search(self, _limit_s, _report, _name, folder, _permittivity):
         self.searched.append(read_description(folder)["survey_id"])

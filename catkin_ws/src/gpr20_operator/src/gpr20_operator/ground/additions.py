@@ -9,6 +9,7 @@ from typing import Any, Callable, Mapping, Optional, Tuple
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.ground.grid import SurveyGrid
+from gpr20_operator.ground.traces import RETRY_S
 from gpr20_operator.jobs.job import Job, JobState, Service
 from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_survey.errors import SurveyRefusedError
@@ -18,9 +19,6 @@ from gpr20_survey.plan.markers import Marker, present_markers
 from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import Candidate
 from gpr20_survey.results.hiding_map import HidingMap
-
-# After a failure a survey is read again [s].
-RETRY_S = 10.0
 
 
 class AdditionsPresenter:

@@ -52,7 +52,6 @@ class CoverageRuns:
         starts: Place in the plan at which each run begins, ascending from 0.
         states: State of the traces of each run.
         failures: Why traces failed, by their place in the plan.
-        verdict: One sentence; None if there is none.
     """
 
     survey_id: str
@@ -60,7 +59,6 @@ class CoverageRuns:
     starts: Tuple[int, ...]
     states: Tuple[int, ...]
     failures: Mapping[int, Message] = field(default_factory=dict)
-    verdict: Optional[Message] = None
 
     def trace_states(self) -> np.ndarray:
         """Return the state of every planned trace (uint8, shape `planned`).
@@ -120,7 +118,6 @@ class MapModel:
         grid: The plan; None before it is known.
         trace_states: State of every planned trace; None while it is not known.
         stop_states: StopState of every stop (rows x columns); None while it is not known.
-        verdict: The coverage in one sentence; None if there is none.
         current: The stop that is being visited.
     """
 
@@ -161,10 +158,6 @@ class MapModel:
         if self.stop_states is None:
             return None
         return {one: int(np.count_nonzero(self.stop_states == one)) for one in StopState}
-
-    def state_at(self, stop: Stop) -> Optional[StopState]:
-        """Return the state of a stop; None while it is not known."""
-        return None if self.stop_states is None else StopState(int(self.stop_states[stop]))
 
     def reasons_at(self, stop: Stop) -> Tuple[Message, ...]:
         """Return why traces of a stop failed."""
@@ -209,7 +202,6 @@ class MapModel:
         self.revision += 1
         self.trace_states: Optional[np.ndarray] = None
         self.stop_states: Optional[np.ndarray] = None
-        self.verdict: Optional[Message] = None
         self._reasons: Mapping[int, Message] = {}
         if self.grid is None or self._coverage is None:
             return
@@ -227,4 +219,4 @@ class MapModel:
                 fault=VERSIONS_DIFFER,
             )
         self.trace_states, self.stop_states = traces, stop_states(self.grid, traces)
-        self.verdict, self._reasons = coverage.verdict, coverage.failures
+        self._reasons = coverage.failures

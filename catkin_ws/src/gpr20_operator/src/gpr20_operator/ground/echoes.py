@@ -70,7 +70,7 @@ class RadarModel:
 
     Nothing else of a trace is stored: single precision and a few delays are enough for a picture.
     The echoes of all planned traces have their place from the start, but memory is used only
-    for those that are there. If the plan is so large that they would need more than `max_bytes`,
+    for those that are there. Of a plan so large that they would need more than MAX_VOLUME_BYTES,
     fewer delays of each are stored.
 
     Attributes:
@@ -83,8 +83,7 @@ class RadarModel:
         given_up: Traces that cannot be shown, and why, by their place in the plan.
     """
 
-    def __init__(self, max_bytes: int = MAX_VOLUME_BYTES) -> None:
-        self._max_bytes = max_bytes
+    def __init__(self) -> None:
         self.revision = 0
         self.begin(None)
 
@@ -100,9 +99,8 @@ class RadarModel:
         self._sums = np.zeros((shape[0], 0), np.complex128)
         self._noises = np.full(shape, np.nan, np.float32)
         # With whether the background is removed, and how many traces were here.
-        self._scale: Optional[Tuple[SteadyScale, bool, int]] = None
+        self._scale: Optional[Tuple[LevelScale, bool, int]] = None
         self.count = 0
-        self._median_height: Tuple[int, float] = (-1, float("nan"))
         self.latest: Dict[Optional[int], Stop] = {}
         self.given_up: Dict[int, Message] = {}
         self.revision += 1
@@ -127,12 +125,14 @@ class RadarModel:
             )
         planned = block.indices < self.grid.planned
         places = self.grid.cells(np.where(planned, block.indices, 0))
-        in_place = planned & self.grid.holds(places, block.positions)
         fits = self.transform is None or self.transform.fits(block.frequency_hz)
-        right = in_place & fits
+        right = planned & self.grid.holds(places, block.positions) & fits
         wrong = {
-            int(block.indices[one]): _misfit(self.grid, block, one, in_place[one])
-            for one in np.flatnonzero(~right)
+            index: Message(
+                "trace {index} is not as planned: it has another place or other frequencies",
+                index=index,
+            )
+            for index in block.indices[~right].tolist()
         }
         self.given_up.update(wrong)
         if right.any():
@@ -184,11 +184,8 @@ class RadarModel:
 
     def typical_height_m(self) -> float:
         """Return the median of the known heights [m]; NaN if none is known."""
-        if self._median_height[0] != self.revision:
-            known = self._heights_m[np.isfinite(self._heights_m)]
-            height_m = float(np.median(known)) if known.size else float("nan")
-            self._median_height = (self.revision, height_m)
-        return self._median_height[1]
+        known = self._heights_m[np.isfinite(self._heights_m)]
+        return float(np.median(known)) if known.size else math.nan
 
     def background(self, polarization: int) -> Optional[np.ndarray]:
         """Return what the traces of a polarization have in common; None while they are too few."""
@@ -205,14 +202,14 @@ class RadarModel:
         counts = np.count_nonzero(self.present, axis=(1, 2))
         # Only where every polarization that has traces has a background.
         removed = bool((counts[counts > 0] >= MIN_BACKGROUND_TRACES).all())
-        stops, before = self.present.size, 0
-        steady = SteadyScale(stops * self.transform.samples)
+        stops, before, scale = self.present.size, 0, None
         if self._scale is not None and self._scale[1] is removed:
-            steady, _removed, before = self._scale
-        if self.count >= SCALE_GROWTH * before + 1 or before < self.count == stops:
-            steady.update(noise_of_survey(self._noises), self._strongest(self.transform, removed))
-            self._scale = steady, removed, self.count
-        return steady.scale()
+            scale, _removed, before = self._scale
+        if scale is None or self.count >= SCALE_GROWTH * before + 1 or before < self.count == stops:
+            found = noise_of_survey(self._noises), self._strongest(self.transform, removed)
+            scale = LevelScale.of(stops * self.transform.samples, *found, before=scale)
+            self._scale = scale, removed, self.count
+        return scale
 
     def _strongest(self, transform: FrequencyToDelay, removed: bool) -> float:
         """Return the amplitude of the strong echoes from just above the surface on."""
@@ -234,7 +231,7 @@ class RadarModel:
         return strongest
 
     def _begin_volume(self, frequency_hz: np.ndarray) -> FrequencyToDelay:
-        room = self._max_bytes // (BYTES_PER_SAMPLE * max(1, self.present.size))
+        room = MAX_VOLUME_BYTES // (BYTES_PER_SAMPLE * max(1, self.present.size))
         transform = FrequencyToDelay.resolved(frequency_hz, min(MAX_SAMPLES, room))
         self.transform, self._late = transform, late_kernel(frequency_hz)
         # Zeros are given by the system page by page when they are written.
@@ -243,45 +240,21 @@ class RadarModel:
         return transform
 
 
-def _misfit(grid: SurveyGrid, block: TraceBlock, number: int, in_place: bool) -> Message:
-    """Return why a trace of a block is not shown."""
-    index = int(block.indices[number])
-    if in_place:
-        return Message(
-            "the frequencies of trace {index} differ from those of the first trace", index=index
-        )
-    if index >= grid.planned:
-        return Message(
-            "trace {index} was not planned; the plan has {planned} traces",
-            index=index,
-            planned=grid.planned,
-        )
-    x_mm, y_mm, z_deg = block.positions[number].tolist()
-    return Message(
-        "trace {index} was measured at X {x_mm:g} mm, Y {y_mm:g} mm, {z_deg:g}°; this is "
-        "not its place in the plan",
-        index=index,
-        x_mm=x_mm,
-        y_mm=y_mm,
-        z_deg=z_deg,
-    )
+def late_kernel(frequency_hz: np.ndarray) -> np.ndarray:
+    """Return what turns sweeps into samples at delays at which only noise is expected.
 
-
-def late_delays_s(frequency_hz: np.ndarray) -> np.ndarray:
-    """Return delays at which only noise is expected [s]."""
+    It is complex64 (frequency, delay).
+    """
     bandwidth_hz = float(frequency_hz[-1] - frequency_hz[0])
     end_s = unambiguous_s(frequency_hz)
     first_s, last_s = LATE_PART * end_s, end_s - LATE_MARGIN / bandwidth_hz
     count = int((last_s - first_s) * bandwidth_hz / LATE_STEP)
     if count < MIN_LATE_SAMPLES:
         # Few frequencies: echoes may arrive here, so that the noise is rather overestimated.
-        return np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
-    return np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
-
-
-def late_kernel(frequency_hz: np.ndarray) -> np.ndarray:
-    """Return what turns sweeps into samples at late delays: complex64 (frequency, delay)."""
-    return delay_kernel(frequency_hz, late_delays_s(frequency_hz)).astype(np.complex64)
+        delays_s = np.linspace(first_s, end_s, MIN_LATE_SAMPLES, endpoint=False)
+    else:
+        delays_s = np.linspace(first_s, last_s, min(count, MAX_LATE_SAMPLES))
+    return delay_kernel(frequency_hz, delays_s).astype(np.complex64)
 
 
 def noise_of_traces(late: np.ndarray) -> np.ndarray:
@@ -331,6 +304,25 @@ class LevelScale:
     threshold_db: float
     top_db: float
 
+    @classmethod
+    def of(
+        cls, samples: int, noise: float, strongest: float, before: Optional[LevelScale] = None
+    ) -> LevelScale:
+        """Return the scale of a survey; it changes rarely while traces come, its top only rises.
+
+        Args:
+            samples: How many values of noise the planned survey has.
+            noise: Noise floor, as an amplitude.
+            strongest: Amplitude of the strong echoes of the survey.
+            before: Its scale so far.
+        """
+        noise, threshold_db = max(noise, SMALLEST_LEVEL), noise_threshold_db(samples)
+        if before is not None and abs(decibels(noise / before.noise)) <= HYSTERESIS_DB:
+            noise = before.noise
+        strongest_db = float(decibels(max(strongest, SMALLEST_LEVEL) / noise))
+        top_db = max(strongest_db, threshold_db + MIN_SPAN_DB, before.top_db if before else 0.0)
+        return cls(noise, threshold_db, math.ceil(top_db / TOP_STEP_DB) * TOP_STEP_DB)
+
     def levels_db(self, amplitudes: np.ndarray) -> np.ndarray:
         """Return levels of amplitudes [dB above noise]; NaN stays NaN."""
         return decibels(amplitudes) - float(decibels(self.noise))
@@ -346,36 +338,3 @@ class LevelScale:
         first = math.ceil((self.threshold_db - BELOW_THRESHOLD_DB) / TICK_STEP_DB) * TICK_STEP_DB
         levels_db = np.arange(first, self.top_db + 1.0, TICK_STEP_DB)
         return np.stack((levels_db, self.shades(levels_db)), axis=1)
-
-
-class SteadyScale:
-    """The scale of a survey while its traces arrive: it changes rarely and its top only rises.
-
-    Args:
-        samples: How many values of noise the planned survey has.
-    """
-
-    def __init__(self, samples: int) -> None:
-        self._threshold_db = noise_threshold_db(samples)
-        self._noise = 0.0
-        self._strongest = 0.0
-
-    def update(self, noise: float, strongest: float) -> None:
-        """Take what is known now.
-
-        Args:
-            noise: Noise floor, as an amplitude.
-            strongest: Amplitude of the strong echoes of the survey.
-        """
-        noise = max(noise, SMALLEST_LEVEL)
-        if self._noise == 0.0 or abs(decibels(noise / self._noise)) > HYSTERESIS_DB:
-            self._noise = noise
-        self._strongest = max(self._strongest, strongest)
-
-    def scale(self) -> LevelScale:
-        """Return the scale now."""
-        noise = max(self._noise, SMALLEST_LEVEL)
-        strongest_db = float(decibels(max(self._strongest, SMALLEST_LEVEL) / noise))
-        top_db = max(strongest_db, self._threshold_db + MIN_SPAN_DB)
-        top_db = math.ceil(top_db / TOP_STEP_DB) * TOP_STEP_DB
-        return LevelScale(noise, self._threshold_db, top_db)

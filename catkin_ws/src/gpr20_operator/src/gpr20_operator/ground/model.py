@@ -22,7 +22,7 @@ from gpr20_operator.ground.sources import (
     RadarSource,
 )
 from gpr20_operator.ground.traces import ShownSurvey
-from gpr20_operator.jobs.pictures import Imaging, Wanted
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_survey.plan.markers import Marker
 from gpr20_survey.radar import ANY_SOIL
 from gpr20_survey.results.answers import FocusedImage
@@ -124,7 +124,7 @@ class GroundModel:
     def keep_image(self, imaging: Imaging) -> None:
         """Ask for a newer image of the survey, while it is looked at."""
         stored = len(self.survey.map.stored)
-        imaging.keep(Wanted(self.survey.survey_id, stored, self.additions.permittivity))
+        imaging.keep(self.survey.survey_id, self.additions.permittivity, stored)
 
     @property
     def shows_focused(self) -> bool:

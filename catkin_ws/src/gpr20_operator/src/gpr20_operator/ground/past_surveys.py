@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import enum
 import unicodedata
-from collections import Counter
 from typing import Callable, Optional, Tuple
 
 from gpr20_common.message import Message, verbatim
@@ -63,24 +62,18 @@ class PastSurveys:
         self.outdated = self.read = self.more = False
         self.problem: Optional[Message] = None
         self._running_id = ""
-        # How many surveys of the list began in which minute.
-        self._begun: Counter[str] = Counter()
 
     @property
     def next_before(self) -> str:
         """Folder before which the next page begins; empty: the first page."""
         return self.surveys[-1].folder if self.surveys else ""
 
-    def time_of(self, survey: SurveySummary) -> Message:
-        """Return when a survey began; to the second if another one began in the same minute."""
-        begun = local_time(survey.started, survey.folder)
-        return local_time(survey.started, survey.folder, seconds=self._begun[str(begun)] > 1)
-
     def title_of(self, survey: SurveySummary) -> Message:
-        """Return what people call a survey: its name, or when it was measured."""
+        """Return what people call a survey: its name, or when it was measured, and its id."""
         # That of a folder of others may have several lines.
         name = " ".join(survey.name.split())
-        return verbatim(name) if name else self.time_of(survey)
+        begun = local_time(survey.started, survey.folder)
+        return verbatim(name) if name else survey_label("", survey.survey_id, begun)
 
     def find(self, folder: str) -> Optional[SurveySummary]:
         return next((one for one in self.surveys if one.folder == folder), None)
@@ -90,7 +83,7 @@ class PastSurveys:
         words = searchable(text).split()
 
         def has_words(one: SurveySummary) -> bool:
-            said = map(shown, (self.time_of(one), self.ending(one)))
+            said = map(shown, (local_time(one.started, one.folder), self.ending(one)))
             written = searchable("\n".join((one.name, one.site, one.operator, *said)))
             return all(word in written for word in words)
 
@@ -102,7 +95,6 @@ class PastSurveys:
         if before and before != self.next_before:
             return  # the list was replaced meanwhile
         self.surveys = (*self.surveys, *surveys) if before else surveys
-        self._begun = Counter(str(local_time(one.started, one.folder)) for one in self.surveys)
         self.more, self.read = more, True
 
     def set_running(self, survey_id: str) -> None:

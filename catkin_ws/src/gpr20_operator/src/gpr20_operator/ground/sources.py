@@ -11,7 +11,7 @@ from typing import Any, Optional, Tuple, Union
 
 import numpy as np
 
-from gpr20_operator.ground.echoes import ABOVE_SURFACE_M, LevelScale, RadarModel, SteadyScale
+from gpr20_operator.ground.echoes import ABOVE_SURFACE_M, LevelScale, RadarModel
 from gpr20_operator.ground.grid import Place, ascending
 from gpr20_survey.radar import delay_of_depth, depth_of_delay_m
 from gpr20_survey.results.answers import FocusedImage
@@ -204,12 +204,12 @@ class FocusedSource:
 
     def __init__(self, image: FocusedImage, before: Optional[FocusedSource] = None) -> None:
         self.image = image
-        self._steady = SteadyScale(image.levels_db.size)
-        if before is not None and before.image.found.survey_id == image.found.survey_id:
-            self._steady = before._steady
+        if before is not None and before.image.found.survey_id != image.found.survey_id:
+            before = None
         known = image.levels_db[np.isfinite(image.levels_db)]
-        strongest_db = float(known.max()) if known.size else 0.0
-        self._steady.update(1.0, 10.0 ** (strongest_db / 20.0))
+        strongest = 10.0 ** (float(known.max()) / 20.0) if known.size else 1.0
+        last = None if before is None else before._scale
+        self._scale: LevelScale = LevelScale.of(image.levels_db.size, 1.0, strongest, last)
 
     def nearest(self, place: Place) -> Optional[Place]:
         row, column = self._index(place)
@@ -225,8 +225,7 @@ class FocusedSource:
         along_x = settings.along is Axis.X_MM
         levels_db = image.levels_db[:, row] if along_x else image.levels_db[:, :, column]
         across_mm = image.x_mm if along_x else image.y_mm
-        scale = self._steady.scale()
-        return _picture(levels_db, across_mm, image.depth_mm, Axis.DEPTH_MM, scale)
+        return _picture(levels_db, across_mm, image.depth_mm, Axis.DEPTH_MM, self._scale)
 
     def slice(self, settings: RadarSettings) -> Optional[Picture]:
         """Return the layer nearest to the depth of the settings."""
@@ -242,8 +241,7 @@ class FocusedSource:
         return row, int(np.argmin(np.abs(self.image.x_mm - place.x_mm)))
 
     def _above(self, levels_db: np.ndarray) -> Picture:
-        image, scale = self.image, self._steady.scale()
-        return _picture(levels_db, image.x_mm, image.y_mm, Axis.Y_MM, scale)
+        return _picture(levels_db, self.image.x_mm, self.image.y_mm, Axis.Y_MM, self._scale)
 
 
 RadarSource = Union[EchoSource, FocusedSource]

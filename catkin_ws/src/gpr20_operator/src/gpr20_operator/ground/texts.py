@@ -26,14 +26,8 @@ NO_CLEARANCE = Message("No echo does not mean no mine.")
 NO_SURVEY = Message("Nothing is measured yet. Start a survey, or open a stored one.")
 # While one begins: its plan comes with its first trace.
 BEGINS = Message("The survey begins. Nothing of it is measured yet.")
-# By whether it is a slice, else a section, and whether it is of the focused image.
-NOTHING = {
-    (True, False): Message("Nothing above the noise at this depth."),
-    (True, True): Message("Nothing above the clutter at this depth."),
-    (False, False): Message("Nothing above the noise in this section."),
-    (False, True): Message("Nothing above the clutter in this section."),
-}
-UNKNOWN = verbatim("—")
+NO_SIGNAL = Message("Nothing above the noise here.")
+NO_ECHO = Message("Nothing above the clutter here.")
 Lines = Tuple[Message, ...]
 
 
@@ -52,13 +46,13 @@ def touched_lines(model: GroundModel, shown: Shown) -> Lines:
         place_text(place.x_mm, place.y_mm, model.settings.depth_m * 1000.0),
         *_level(model, shown),
         *_state(model),
-        *(_summary(model) if model.follows else ()),
+        *(_answer(model) if model.follows else ()),
     )
 
 
 def marker_lines(marker: Marker) -> Lines:
     return (
-        Message("Marker: {text}", text=marker.text or UNKNOWN),
+        Message("Marker: {text}", text=marker.text or verbatim("—")),
         place_text(marker.x_mm, marker.y_mm, marker.depth_mm),
         moment_text(f"{marker.time[:16]} UTC {marker.author}".strip()),
     )
@@ -88,11 +82,10 @@ def place_text(x_mm: float, y_mm: float, depth_mm: Optional[float]) -> Message:
     )
 
 
-def _summary(model: GroundModel) -> Lines:
-    """Return what is known of the survey while no place is chosen."""
-    verdict, image = model.survey.map.verdict, model.image
-    found = () if image is None or not image.found.total else (headline(image.found),)
-    return (*(() if verdict is None else (verdict,)), *found)
+def _answer(model: GroundModel) -> Lines:
+    """Return how many places there are to check; empty while that is not known."""
+    image = model.image
+    return () if image is None or not image.found.total else (headline(image.found),)
 
 
 def _level(model: GroundModel, shown: Shown) -> Lines:
@@ -111,10 +104,10 @@ def _state(model: GroundModel) -> Lines:
     """Return what a person should know of a stop; nothing of one that is done and shown."""
     survey, stop, number = model.survey, model.stop, model.settings.polarization
     ground, radar = survey.map, survey.radar
-    if ground.grid is None or stop is None:
+    if ground.grid is None or ground.stop_states is None or stop is None:
         return ()
-    state, trace = ground.state_at(stop), (number, *stop)
-    lines = [] if state in (None, StopState.DONE) else [STATE_NAMES[state]]
+    state, trace = StopState(int(ground.stop_states[stop])), (number, *stop)
+    lines = [] if state is StopState.DONE else [STATE_NAMES[state]]
     lines.extend(ground.reasons_at(stop))
     if survey.loading.waiting[trace]:
         lines.append(Message("this trace is being loaded"))
@@ -179,7 +172,7 @@ def nothing_in(model: GroundModel, picture: Picture, in_section: bool) -> Lines:
     if any(lies(model, one) for one in model.additions.candidates):
         return ()
     partial = (Message("A part is not measured."),) if model.is_partial else ()
-    return (NOTHING[not in_section, model.shows_focused], *partial, NO_CLEARANCE)
+    return (NO_ECHO if model.shows_focused else NO_SIGNAL, *partial, NO_CLEARANCE)
 
 
 def section_title(model: GroundModel) -> Tuple[str, Message]:

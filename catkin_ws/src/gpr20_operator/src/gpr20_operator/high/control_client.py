@@ -12,7 +12,6 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray
-from sensor_msgs.msg import Range
 from std_msgs.msg import Bool
 
 from gpr20_common.errors import Gpr20Error
@@ -35,7 +34,6 @@ from gpr20_operator.robot.events import (
     ControlState,
     CurrentPosition,
     MasterAnswered,
-    MeasuredHeight,
     Progress,
     Replay,
     Request,
@@ -57,8 +55,7 @@ from gpr20_survey.plan.survey_parameters import (
 from gpr20_survey.plan.survey_state import SurveyState
 
 WINDOW = "user_interface"
-SET_TIMEOUT_S = 10.0
-PAUSE_TIMEOUT_S = 10.0
+ANSWER_TIMEOUT_S = 10.0
 # An axis reports itself at 10 Hz at rest and at 50 Hz while it moves: fewer are enough for what
 # people see, and for a STOP, which is confirmed within 1 s.
 AXIS_PERIOD_S = 0.2
@@ -104,12 +101,11 @@ class ControlClient(RosEvents):
         self._subscribe("robot_configuration", msg.RobotConfiguration, robot_described)
 
     def _watched_topics(self) -> List[rospy.Subscriber]:
-        """Subscribe to motion, position, endstops, height and health of the robot."""
+        """Subscribe to motion, position, endstops and health of the robot."""
         topics: List[Any] = [
             ("control_current_coordinate", msg.Coordinates, partial(record_of, CurrentPosition), 1),
             ("control_target_coordinate", msg.Coordinates, _target, 1),
             ("survey_parameters", msg.SurveyParameters, parameters, None),
-            ("measured_height", Range, _height, 1),
         ]
         for axis in AxisId:
             topic = f"{axis.value}_axis/current_coord"
@@ -136,7 +132,7 @@ class ControlClient(RosEvents):
 
     def pause_survey(self) -> None:
         """See `SurveyControl`."""
-        self._ask(Request.PAUSE, lambda: self._pause.call(PAUSE_TIMEOUT_S))
+        self._ask(Request.PAUSE, lambda: self._pause.call(ANSWER_TIMEOUT_S))
 
     def resume_survey(
         self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
@@ -167,7 +163,7 @@ class ControlClient(RosEvents):
     def _ask_start(self, plan: StartPlan, withdrawals: int) -> Any:
         """Return the answer; None if the request was withdrawn."""
         fields = plan_fields(plan)
-        accepted = self._set_parameters.call(SET_TIMEOUT_S, parameters=fields.pop("parameters"))
+        accepted = self._set_parameters.call(ANSWER_TIMEOUT_S, parameters=fields.pop("parameters"))
         if not accepted.success:
             return accepted
         if withdrawals != self._withdrawals:
@@ -219,12 +215,6 @@ def _activity(message: msg.ServiceStatus) -> ServiceActivity:
 
 def _endstop(axis: AxisId, message: Bool) -> Endstop:
     return Endstop(axis, message.data)
-
-
-def _height(message: Range) -> MeasuredHeight:
-    # A value outside the sensor's range is none (REP 117).
-    within = message.min_range <= message.range <= message.max_range
-    return MeasuredHeight(float(message.range) if within else math.nan)
 
 
 def _target(message: msg.Coordinates) -> Optional[TargetPosition]:

@@ -12,7 +12,6 @@ from gpr20_common.errors import Gpr20Error
 from gpr20_common.faults import ASKED_FOR, PART_SILENT
 from gpr20_common.high.answers import message_from
 from gpr20_common.high.raw_message import connection_header
-from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
 from gpr20_common.low.clock import Clock
 from gpr20_common.low.links import answers
 from gpr20_common.low.thread_fault import faults_logged
@@ -33,18 +32,6 @@ class RequestError(Exception):
     def __init__(self, message: Message) -> None:
         super().__init__(str(message))
         self.message = message
-
-
-def call(client: ServiceClient, silent: Message, timeout_s: float, **fields: Any) -> Any:
-    """Call a service; return its response, whatever it says.
-
-    Raises:
-        RequestError: There is none; what people read of that is `silent`.
-    """
-    try:
-        return client.call(timeout_s, **fields)
-    except ServiceUnavailableError as error:
-        raise RequestError(no_answer(silent, error)) from error
 
 
 def accepted(response: Any) -> Any:

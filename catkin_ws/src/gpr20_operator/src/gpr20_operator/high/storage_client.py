@@ -18,7 +18,7 @@ from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableEr
 from gpr20_common.message import Message
 from gpr20_doctor.high.graph import analyzer_test_of
 from gpr20_doctor.mid.findings import examine
-from gpr20_doctor.mid.machine import Machine, MachineReport
+from gpr20_doctor.mid.machine import Machine
 from gpr20_msgs import srv
 from gpr20_msgs.msg import Fault, ImagingProgress, SurveyCoverage
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -29,8 +29,8 @@ from gpr20_operator.high.ros_events import (
     RequestError,
     RosEvents,
     accepted,
-    call,
     in_background,
+    no_answer,
 )
 from gpr20_operator.jobs.job import Delivery, Service, Ticket
 from gpr20_operator.jobs.pictures import (
@@ -43,7 +43,6 @@ from gpr20_operator.jobs.pictures import (
 from gpr20_operator.robot.events import Senders
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.errors import TraceRefusedError
-from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.answers import SurveySummary, Volume, image_from
 from gpr20_survey.results.hiding_map import hiding_from
@@ -112,10 +111,15 @@ OFFERS: Dict[Service, _Offer] = {
     ),
     Service.LIST: _Offer(
         *(srv.ListSurveys, SHORT_TIMEOUT_S, STORAGE_SILENT),
-        lambda one: surveys_listed(accepted(one)),
+        lambda one: SurveysListed(
+            tuple(record_of(SurveySummary, each) for each in accepted(one).surveys), one.more
+        ),
     ),
     Service.TRACES: _Offer(
-        *(srv.ReadTraces, SHORT_TIMEOUT_S, STORAGE_SILENT), lambda one: traces_read(accepted(one))
+        *(srv.ReadTraces, SHORT_TIMEOUT_S, STORAGE_SILENT),
+        lambda one: TracesRead(
+            block_from(accepted(one)), _reasons(one.unreadable, one.unreadable_faults)
+        ),
     ),
     Service.FACT: _Offer(srv.AddFact, FACT_TIMEOUT_S, STORAGE_SILENT, _said),
     Service.MOVE: _Offer(srv.ServiceMove, MOVE_TIMEOUT_S, CONTROL_SILENT, _said),
@@ -176,22 +180,21 @@ class StorageClient(RosEvents):
             Gpr20Error: The answer is not as it should be.
         """
         if service is Service.FACT:
-            fields = fact_fields(**fields)
+            values_json = json.dumps(fields.pop("values"), allow_nan=False)
+            fields = {**fields, "kind": fields["kind"].value, "values_json": values_json}
         offer = OFFERS[service]
-        found = call(self._clients[service], offer.silent, offer.timeout_s, **fields)
+        try:
+            found = self._clients[service].call(offer.timeout_s, **fields)
+        except ServiceUnavailableError as error:
+            raise RequestError(no_answer(offer.silent, error)) from error
         return offer.convert(found)
 
-    def examine(
-        self,
-        ticket: Ticket[MachineReport],
-        nodes: Mapping[str, NodeDescription],
-        thorough: bool,
-    ) -> None:
-        """Look at this computer in the background."""
+    def examine(self, nodes: Mapping[str, NodeDescription], thorough: bool) -> None:
+        """Look at this computer in the background; its MachineReport is an event."""
 
         def look() -> None:
             machine = Machine.here(os.environ, nodes=nodes, thorough=thorough)
-            self._emit(Delivery(partial(ticket.done, examine(machine))))
+            self._emit(examine(machine))
 
         in_background(look)
 
@@ -214,18 +217,6 @@ class StorageClient(RosEvents):
         return Delivery(partial(ticket.progress, message_from(message)))
 
 
-def fact_fields(survey: str, kind: Kind, values: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return what `add_fact` is sent of a fact."""
-    values_json = json.dumps(values, allow_nan=False)
-    return {"survey": survey, "kind": kind.value, "values_json": values_json}
-
-
-def surveys_listed(response: Any) -> SurveysListed:
-    """Convert the answer of `list_surveys`."""
-    surveys = tuple(record_of(SurveySummary, one) for one in response.surveys)
-    return SurveysListed(surveys, response.more)
-
-
 def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
     """Convert `survey_coverage`."""
     return record_of(
@@ -235,16 +226,6 @@ def coverage_runs(message: SurveyCoverage) -> CoverageRuns:
         states=tuple(bytearray(message.run_states)),
         failures=_reasons(message.failures, message.failure_faults),
     )
-
-
-def traces_read(response: Any) -> TracesRead:
-    """Convert the answer of `read_traces`.
-
-    Raises:
-        TraceRefusedError: A trace is not as it should be.
-    """
-    unreadable = _reasons(response.unreadable, response.unreadable_faults)
-    return TracesRead(block_from(response), unreadable)
 
 
 def _reasons(texts: Sequence[str], faults_of: Sequence[Fault]) -> Dict[int, Message]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import enum
 import uuid
 from dataclasses import dataclass
-from functools import partial
 from typing import Any, Callable, Generic, Optional, Protocol, TypeVar
 
 from gpr20_common.message import Message
@@ -83,12 +82,22 @@ class Ticket(Generic[Result]):
         self._job.take(self, JobState.FAILED, problem=problem)
 
 
+class Requests(Protocol):
+    """Asks without waiting; tickets take the answers."""
+
+    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
+        """Call a service."""
+
+    def cancel(self, request_id: str) -> None:
+        """Ask to end a request of a ticket."""
+
+
 class Job(Generic[Result]):
     """One request at a time. Belongs to one thread.
 
     Args:
-        send: Sends a request without waiting; its ticket takes the answer.
-        cancel: Asks to end a request, by its id.
+        requests: Takes a request without waiting; its ticket takes the answer.
+        service: What is asked for.
         now_s: A clock that never goes back [s].
         done: Called with each result.
         failed: Called with the reason why there is none.
@@ -102,13 +111,13 @@ class Job(Generic[Result]):
 
     def __init__(
         self,
-        send: Callable[..., None],
-        cancel: Callable[[str], None],
+        requests: Requests,
+        service: Service,
         now_s: Callable[[], float],
         done: Callable[[Result], None] = lambda _result: None,
         failed: Callable[[Message], None] = lambda _problem: None,
     ) -> None:
-        self._send, self._cancel = send, cancel
+        self._requests, self._service = requests, service
         self._now_s, self._done, self._failed = now_s, done, failed
         self._ticket: Optional[Ticket[Result]] = None
         self.revision = 0
@@ -129,20 +138,24 @@ class Job(Generic[Result]):
         self.end()
         self._ticket = Ticket(self)
         self._set(JobState.RUNNING)
-        self._send(self._ticket, **wanted)
+        self._requests.ask(self._service, self._ticket, **wanted)
 
     def end(self, reason: Optional[Message] = None) -> None:
         """End a request that runs, and forget the result; people read the reason."""
         ticket, self._ticket = self._ticket, None
         if ticket is not None:
-            self._cancel(ticket.request_id)
+            self._cancel(ticket)
         self._set(JobState.READY, problem=reason)
 
     def cancel(self, stage: Message) -> None:
         """Ask to end the request that runs; people read the stage until its answer comes."""
         if self._ticket is not None:
-            self._cancel(self._ticket.request_id)
+            self._cancel(self._ticket)
             self._set(JobState.RUNNING, stage=stage)
+
+    def _cancel(self, ticket: Ticket[Result]) -> None:
+        if self._service.can_be_cancelled:
+            self._requests.cancel(ticket.request_id)
 
     def refuse(self, problem: Message) -> None:
         """Say why the result cannot be used, as if there were none."""
@@ -170,25 +183,3 @@ class Job(Generic[Result]):
         self.state, self.stage, self.problem, self.result = state, stage, problem, result
         self.changed_s = self._now_s()
         self.revision += 1
-
-
-class Requests(Protocol):
-    """Asks without waiting; tickets take the answers."""
-
-    def ask(self, service: Service, ticket: Ticket[Any], **fields: Any) -> None:
-        """Call a service."""
-
-    def cancel(self, request_id: str) -> None:
-        """Ask to end a request of a ticket."""
-
-
-def job_of(
-    requests: Requests,
-    service: Service,
-    now_s: Callable[[], float],
-    done: Callable[[Any], None] = lambda _result: None,
-    failed: Callable[[Message], None] = lambda _problem: None,
-) -> Job[Any]:
-    """Return a job of a service."""
-    cancel = requests.cancel if service.can_be_cancelled else lambda _request_id: None
-    return Job(partial(requests.ask, service), cancel, now_s, done, failed)

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Tuple
 
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Job, JobState, Requests, Service, job_of
+from gpr20_operator.jobs.job import Job, JobState, Requests, Service
 from gpr20_survey.results.answers import FocusedImage, SurveySummary, Volume
 from gpr20_survey.results.hiding_map import HidingMap
 from gpr20_survey.trace.trace import TraceBlock
 
-NOT_KNOWN = 0.0
-"""What is sent as the permittivity to use that of the stored survey."""
 # An image takes a second of a core at the lowest priority.
 PERIOD_S = 10.0
 # The imaging node refuses an image of fewer lines than three.
@@ -97,14 +95,6 @@ class Pictures:
             self.revision += 1
 
 
-class Wanted(NamedTuple):
-    """What an image depends on."""
-
-    survey_id: str
-    traces: int
-    permittivity: Optional[float]
-
-
 class Imaging:
     """Asks for images while somebody looks at them. Belongs to one thread.
 
@@ -126,7 +116,7 @@ class Imaging:
         self._requests, self._now_s = requests, now_s
         self.pictures = pictures or Pictures()
         self._shown = self.job(Service.FOCUS, self.pictures.add_image)
-        self._asked = Wanted("", 0, None)
+        self._asked: Tuple[str, Optional[float], int] = "", None, 0
 
     def job(
         self,
@@ -135,23 +125,24 @@ class Imaging:
         failed: Callable[[Message], None] = lambda _problem: None,
     ) -> Job[Any]:
         """Return a job of a service."""
-        return job_of(self._requests, service, self._now_s, done, failed)
+        return Job(self._requests, service, self._now_s, done, failed)
 
     @property
     def problem(self) -> Optional[Message]:
         """Why there is no newer image of the survey that is shown; None: nothing went wrong."""
         return self._shown.problem
 
-    def keep(self, wanted: Wanted) -> None:
+    def keep(self, survey_id: str, permittivity: Optional[float], traces: int) -> None:
         """Ask for an image if it would differ from the last one and that is long enough ago."""
-        if not wanted.survey_id or wanted.traces < FEWEST_TRACES or self._shown.running:
+        if not survey_id or traces < FEWEST_TRACES or self._shown.running:
             return
-        is_new = wanted._replace(traces=self._asked.traces) != self._asked
+        wanted = survey_id, permittivity, traces
+        is_new = wanted[:2] != self._asked[:2]
         is_due = wanted != self._asked or self._shown.state is JobState.FAILED
         if is_new or (is_due and self._shown.age_s >= PERIOD_S):
             self._asked = wanted
-            # The one that is stored.
-            self._shown.ask(survey=wanted.survey_id, permittivity=NOT_KNOWN)
+            # With the permittivity that is stored, as without any in the request.
+            self._shown.ask(survey=survey_id)
 
     def end(self) -> None:
         """End what is awaited."""

@@ -13,12 +13,11 @@ from gpr20_common.message import Message
 from gpr20_operator.errors import SurveyNotReadableError
 from gpr20_operator.ground.grid import SurveyGrid, grid_from_description
 from gpr20_operator.jobs.job import Job, JobState, Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Exported, Imaging, Sticks, StoredSurvey
+from gpr20_operator.jobs.pictures import Exported, Imaging, Sticks, StoredSurvey
 from gpr20_survey.folder.log_record import Kind, log_values, soil_values
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
-from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND_FORMAT
-from gpr20_survey.plan.markers import Found, What, found_of, present
+from gpr20_survey.plan.markers import FOUND_FORMAT, Found, What, found_of, present
 from gpr20_survey.results.answers import ExportPart, FocusedImage, Volume
 from gpr20_survey.results.candidates import Candidate, CandidateList, json_text
 from gpr20_survey.results.hiding_map import HidingMap, Targets
@@ -123,11 +122,6 @@ class StickExport:
         """Changes with everything that a view shows of this."""
         return self.job.revision, self.listing.problem, self.sticks
 
-    @property
-    def offered(self) -> Tuple[Volume, ...]:
-        """The sticks, those that can be written first."""
-        return tuple(sorted(self.sticks.volumes, key=lambda one: not one.writable))
-
     def begin(self) -> None:
         """Look for sticks again: a listed one may have been removed."""
         if not self.job.running:
@@ -148,8 +142,7 @@ class StickExport:
         if not self.job.running:
             self.survey = survey
             kinds = [one.value for one in parts]
-            options = {"permittivity": NOT_KNOWN, "language": language, "volume": volume.path}
-            self.job.ask(survey=survey, kinds=kinds, **options)
+            self.job.ask(survey=survey, kinds=kinds, language=language, volume=volume.path)
 
     def _take_sticks(self, sticks: Sticks) -> None:
         self.sticks = sticks
@@ -273,7 +266,7 @@ class SurveyResult:
             return
         self._wanted = False
         known = {"only_known": True} if self.survey_runs else {}
-        self.search.ask(survey=survey, permittivity=NOT_KNOWN, **known)
+        self.search.ask(survey=survey, **known)
 
     def cancel(self) -> None:
         """End the search."""
@@ -292,9 +285,7 @@ class SurveyResult:
         if self.record is None or self.survey_runs:
             return
         self.target = target.value
-        self.hiding.ask(
-            survey=self.record.survey_id, permittivity=NOT_KNOWN, target=target.value.name
-        )
+        self.hiding.ask(survey=self.record.survey_id, target=target.value.name)
 
     def turn_page(self) -> None:
         """Show the next five places; after them the weaker echoes, and the first ones again."""

@@ -378,8 +378,6 @@ PARAMETERS = tuple(one for one in PLAN if one.name in SurveyParameters.__datacla
 TILE_FIELDS: Mapping[Tile, Tuple[str, ...]] = {
     tile: tuple(one.name for one in SPECS.values() if one.tile is tile) for tile in Tile
 }
-# Those whose sheet has keys for all fields at once.
-VALUE_TILES = tuple(tile for tile in Tile if tile is not Tile.NAME)
 
 
 def default_parameters() -> SurveyParameters:

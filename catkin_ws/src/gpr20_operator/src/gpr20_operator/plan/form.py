@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
 from dataclasses import dataclass, replace
 from itertools import takewhile
-from typing import Any, Callable, Dict, Mapping, Optional, Tuple
+from typing import Any, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message, verbatim
@@ -20,10 +19,8 @@ from gpr20_operator.plan.fields import (
     default_parameters,
     texts_of,
 )
-from gpr20_operator.robot.events import Configured
-from gpr20_operator.settings_file import Newest
 from gpr20_operator.words import number_from_text
-from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
+from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import (
     MIN_GRID_POINTS,
     Relation,
@@ -31,12 +28,11 @@ from gpr20_survey.plan.survey_parameters import (
     SurveyParameters,
     find_problems,
 )
-from gpr20_survey.plan.survey_points import SurveyCost, survey_cost
+from gpr20_survey.plan.survey_points import SurveyCost
 from gpr20_survey.radar import one_way_path_m
 
 # Of a text in a sheet, which has no room for more.
 LONGEST_SHOWN = 30
-_NUMBER_AT_END = re.compile(r"([0-9]{1,9})$", re.ASCII)
 # Of a spacing; a derived spacing is shown with six digits.
 ROUNDING = 1.0e-5
 # Of an axis; the checks limit the size of the whole survey.
@@ -56,29 +52,6 @@ class PlanCheck:
     def problem_of(self, name: str) -> Message:
         """Return what a wrong field is called, and what it allows."""
         return Message("{field}: {allowed}", field=SPECS[name].title, allowed=self.problems[name])
-
-
-def check_plan(texts: Mapping[str, str], travel: RobotTravel) -> PlanCheck:
-    """Check the texts of all fields."""
-    values: Dict[str, Any] = {}
-    problems: Dict[str, Message] = {}
-    for spec in PLAN:
-        try:
-            values[spec.name] = spec.kind.read(texts[spec.name])
-        except InvalidValueError:
-            problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
-    unreadable = [one.name for one in PARAMETERS if one.name not in values]
-    known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
-    candidate = replace(default_parameters(), **known)
-    # What cannot be read has its default, which must not be judged, nor what follows from it.
-    for found in find_problems(candidate, travel):
-        if found.of not in unreadable and not (unreadable and isinstance(found.of, Relation)):
-            for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
-                shown = SPACINGS.get(name, name)
-                own = found.of is Relation.FREQUENCY_ORDER or not isinstance(found.of, Relation)
-                problems.setdefault(shown, SPECS[name].allowed(travel) if own else found.message)
-    in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
-    return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
 
 def _unreadable(spec: FieldSpec, text: str, travel: RobotTravel) -> Message:
@@ -126,18 +99,30 @@ class PlanForm:
             spacing = "" if length_mm is None or points < 2 else f"{length_mm / (points - 1):.6g}"
             self._texts[f"{axis}_spacing_mm"] = spacing
 
-    def normalize(self) -> None:
-        """Write every text that can be read as it is read: 12,50 becomes 12.5."""
-        for spec in PLAN:
-            try:
-                value = spec.kind.read(self._texts[spec.name])
-            except InvalidValueError:
-                continue
-            self._texts[spec.name] = spec.kind.write(value)
-
     def check(self) -> PlanCheck:
         """Check all fields."""
-        return check_plan(self._texts, self.travel)
+        texts, travel = self._texts, self.travel
+        values: Dict[str, Any] = {}
+        problems: Dict[str, Message] = {}
+        for spec in PLAN:
+            try:
+                values[spec.name] = spec.kind.read(texts[spec.name])
+            except InvalidValueError:
+                problems[spec.name] = _unreadable(spec, texts[spec.name], travel)
+        unreadable = [one.name for one in PARAMETERS if one.name not in values]
+        known = {one.name: values[one.name] for one in PARAMETERS if one.name in values}
+        candidate = replace(default_parameters(), **known)
+        # What cannot be read has its default, which must not be judged, nor what follows from it.
+        for found in find_problems(candidate, travel):
+            related = isinstance(found.of, Relation)
+            if found.of in unreadable or (unreadable and related):
+                continue
+            own = not related or found.of is Relation.FREQUENCY_ORDER
+            for name in found.of.value if isinstance(found.of, Relation) else (found.of,):
+                said = SPECS[name].allowed(travel) if own else found.message
+                problems.setdefault(SPACINGS.get(name, name), said)
+        in_order = {one.name: problems[one.name] for one in PLAN if one.name in problems}
+        return PlanCheck(None if in_order else candidate, values.get("permittivity"), in_order)
 
     def _length_mm(self, axis: str) -> Optional[float]:
         ends = (self._texts[f"{axis}_{end}_mm"] for end in ("start", "stop"))
@@ -215,23 +200,6 @@ class CostEstimated:
     cost: SurveyCost
 
 
-class CostEstimator(Newest[Tuple[SurveyParameters, Configured]]):
-    """Estimates beside the window's thread: a large survey takes seconds. The newest counts."""
-
-    def __init__(self, listener: Callable[[CostEstimated], None]) -> None:
-        super().__init__(self._estimate)
-        self._listener = listener
-
-    def ask(self, parameters: SurveyParameters, robot: Configured) -> None:
-        """Estimate; the listener gets the result."""
-        self.put((parameters, robot))
-
-    def _estimate(self, asked: Tuple[SurveyParameters, Configured]) -> None:
-        parameters, robot = asked
-        cost = survey_cost(parameters, robot.config, robot.settings)
-        self._listener(CostEstimated(parameters, cost))
-
-
 def annotation_texts(annotation: Annotation) -> Dict[str, str]:
     """Return the text of each field."""
     return {one.name: one.kind.write(getattr(annotation, one.name)) for one in PEOPLE}
@@ -263,35 +231,3 @@ def shortened(text: str) -> str:
     """Return as much of a text as a sheet has room for, as one line; a dash if it is empty."""
     line = " ".join(text.split()) or "—"
     return line if len(line) <= LONGEST_SHOWN else line[: LONGEST_SHOWN - 1] + "…"
-
-
-def next_name(name: str) -> str:
-    """Return the name of the survey after one: "El Carmen 3" follows "El Carmen 2".
-
-    The number keeps its leading zeros. A name without a number gets a 2; no name stays none.
-    """
-    if not name:
-        return ""
-    found = _NUMBER_AT_END.search(name)
-    digits = "" if found is None else found.group(1)
-    number = str(int(digits) + 1).zfill(len(digits)) if digits else " 2"
-    return name[: len(name) - len(digits)][: MAX_NAME_CHARACTERS - len(number)] + number
-
-
-class NextAnnotation:
-    """Operator and site stay for the surveys that follow, and their names are numbered.
-
-    Notes and position are for one survey.
-    """
-
-    def __init__(self) -> None:
-        self.value = EMPTY
-
-    def take_defaults(self, defaults: Annotation) -> None:
-        """Fill the empty fields with those of the robot."""
-        self.value = self.value.with_defaults(defaults)
-
-    def note_started(self) -> None:
-        """Note that a survey has started with this annotation."""
-        named = next_name(self.value.name)
-        self.value = replace(self.value, name=named, notes="", position=None)

@@ -126,7 +126,7 @@ def urgent(snapshot: Snapshot) -> Optional[Condition]:
     if snapshot.replay:
         message = Message("Waiting for a recording.")
         if snapshot.state is not None:
-            state = snapshot.state.title
+            state = snapshot.state.shown.label
             message = Message("A recorded survey, and no robot: {state}", state=state)
         return Condition(JobLevel.REPLAY, snapshot.replay.title, message)
     return _motion(snapshot) or lost(snapshot)
@@ -254,7 +254,9 @@ def _doubts(snapshot: Snapshot) -> Iterator[Message]:
 def left_of(snapshot: Snapshot) -> Optional[Message]:
     """Return how long the survey still takes; None while something holds it up."""
     progress, state = progress_of(snapshot), snapshot.state
-    if progress is None or progress.is_complete or state is None or urgent(snapshot) is not None:
+    if progress is None or state is None or urgent(snapshot) is not None:
+        return None
+    if progress.visited_points >= progress.total_points:
         return None
     if not _usual(snapshot).movers or state.code is SurveyState.STOPPING:
         return None

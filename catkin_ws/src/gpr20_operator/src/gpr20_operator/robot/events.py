@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
-from typing import Iterator, Mapping, Optional, Sequence
+from typing import Iterator, Mapping, Optional, Protocol, Sequence
 
 from gpr20_common.message import Message, Severity, in_a_row
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, OPTIONAL_NODES
@@ -47,11 +47,6 @@ class ControlState:
         return self.end if self.code is SurveyState.CONFIGURED and self.end in ENDED else self.code
 
     @property
-    def title(self) -> Message:
-        """What is shown, in a word."""
-        return self.shown.label
-
-    @property
     def reason(self) -> Message:
         """What it says without the words around it that name the state, unless that may move."""
         failed = tuple(_failed(self.message)) or (self.message,)
@@ -89,11 +84,6 @@ class Progress:
     visited_points: int
     remaining_s: float
 
-    @property
-    def is_complete(self) -> bool:
-        """Whether every trace is taken."""
-        return self.visited_points >= self.total_points > 0
-
 
 @dataclass(frozen=True)
 class Position:
@@ -113,13 +103,6 @@ class TargetPosition(Position):
 
 
 @dataclass(frozen=True)
-class MeasuredHeight:
-    """Height of the antennas over the ground [m]; not finite if it was out of range."""
-
-    height_m: float
-
-
-@dataclass(frozen=True)
 class Configured:
     """What is known of a robot whose nodes have all described themselves.
 
@@ -133,11 +116,6 @@ class Configured:
     settings: SurveySettings
     site: Site
     vna_address: str
-
-    @property
-    def travel(self) -> RobotTravel:
-        """The limits of the axes."""
-        return self.config.travel
 
 
 @dataclass(frozen=True)
@@ -219,6 +197,30 @@ class AxisStopAnswer:
 
     axis: AxisId
     answered: bool
+
+
+class SurveyControl(Protocol):
+    """Requests to the main control, without waiting; the answers come as events."""
+
+    def start_survey(self, plan: StartPlan) -> None:
+        """Ask to accept the parameters and to start."""
+
+    def stop(self) -> None:
+        """Ask whatever moves to stop, whoever moves it."""
+
+    def withdraw_start(self) -> None:
+        """Keep a survey from starting whose parameters have not been accepted yet."""
+
+    def pause_survey(self) -> None:
+        """Ask to pause the survey."""
+
+    def resume_survey(
+        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
+    ) -> None:
+        """Ask to resume the paused survey, or one by its id or the name of its folder."""
+
+    def check_master(self) -> None:
+        """Check that the master answers; the answer is an event."""
 
 
 REPLAY = Message("REPLAY")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -12,11 +12,12 @@ from gpr20_doctor.mid.finding import Finding
 from gpr20_doctor.mid.findings import findings
 from gpr20_doctor.mid.machine import MachineReport
 from gpr20_doctor.mid.robot_facts import AxisReport, Endstop, RobotFacts
-from gpr20_operator.jobs.job import Job, Requests, Service, job_of
+from gpr20_operator.jobs.job import Job, Requests, Service
 from gpr20_operator.robot.events import Request, RobotDescribed
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.plan.robot_description import NodeDescription
 from gpr20_survey.results.answers import AnalyzerTest, Part
 
 # Service ends by itself when nothing was touched for this long [s].
@@ -26,6 +27,7 @@ ENDSTOP_LIMIT_S = 1.0
 # A touch of the switch in a homing lasts milliseconds; its lamp shines for this long [s].
 LAMP_S = 0.5
 STEPS = (1, 10, 100)
+Examine = Callable[[Mapping[str, NodeDescription], bool], None]
 # A test of the VNA is listed for so long [s]; then it may no longer be true.
 TEST_AGE_S = 120.0
 
@@ -63,7 +65,7 @@ class ServiceModel:
 
     Args:
         requests: Calls the services of the robot.
-        examine: Finds out about the window's computer, in the background, for a ticket.
+        examine: Finds out about this computer in the background; its report is an event.
         clock: Measures ages, and how long nothing was touched.
 
     Attributes:
@@ -71,19 +73,19 @@ class ServiceModel:
         daily: A step of the daily check; the result is the verdict.
     """
 
-    def __init__(self, requests: Requests, examine: Callable[..., None], clock: Clock) -> None:
+    def __init__(self, requests: Requests, examine: Examine, clock: Clock) -> None:
         self._now_s = now_s = clock.now_s
         self._begun_s = now_s()
         self._snapshot: Optional[Snapshot] = None
         self.entered = False
         self._touched_s = 0.0
-        self.moving: Job[Message] = job_of(requests, Service.MOVE, now_s)
-        self.height: Job[HeightTested] = job_of(requests, Service.HEIGHT, now_s)
-        self.analyzer: Job[AnalyzerTest] = job_of(requests, Service.ANALYZER, now_s)
-        self.daily: Job[Message] = job_of(requests, Service.DAILY, now_s, self._take_step)
-        self._examining: Job[MachineReport] = Job(
-            examine, lambda _request_id: None, now_s, self._take_machine
-        )
+        self.moving: Job[Message] = Job(requests, Service.MOVE, now_s)
+        self.height: Job[HeightTested] = Job(requests, Service.HEIGHT, now_s)
+        self.analyzer: Job[AnalyzerTest] = Job(requests, Service.ANALYZER, now_s)
+        self.daily: Job[Message] = Job(requests, Service.DAILY, now_s, self._take_step)
+        self._examine = examine
+        # Whether a report of the computer is awaited.
+        self._examining = False
         # Whether everything is being checked.
         self._checking = False
         # What is to be measured next.
@@ -99,6 +101,8 @@ class ServiceModel:
             self._endstops[event.axis] = event.after(former, self._now_s())
         elif isinstance(event, RobotDescribed):
             self._described = event
+        elif isinstance(event, MachineReport):
+            self._machine, self._examining = event, False
 
     def refresh(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now; end the service if it must end."""
@@ -128,8 +132,8 @@ class ServiceModel:
     @property
     def examining(self) -> bool:
         """Whether everything is being checked."""
-        parts = (self._examining, self.height, self.analyzer)
-        return self._checking and any(one.running for one in parts)
+        awaited = self._examining or self.height.running or self.analyzer.running
+        return self._checking and awaited
 
     @property
     def failed(self) -> bool:
@@ -199,7 +203,7 @@ class ServiceModel:
             return
         can_test = self.obstacle is None and not self.busy
         self._checking = True
-        self._examine(thorough=True)
+        self._look(thorough=True)
         if can_test:
             self.height.ask()
             self.analyzer.ask()
@@ -209,7 +213,7 @@ class ServiceModel:
         self._endstops.clear()
         if watched:
             self._begun_s = self._now_s()
-            self._examine(thorough=False)
+            self._look(thorough=False)
             return
         self.leave()
         self._checking = False
@@ -231,26 +235,18 @@ class ServiceModel:
 
     def move(self, axis: AxisId, action: AxisAction, distance: float = 0.0) -> None:
         """Ask to home or to jog an axis [mm or deg], or to set its zero."""
-        self._ask(self.moving, axis=axis.value, action=int(action), distance=distance)
-
-    def measure_height(self) -> None:
-        """Ask for one height."""
-        self._ask(self.height)
-
-    def test_analyzer(self) -> None:
-        """Ask for a test of the VNA."""
-        self._ask(self.analyzer)
+        self.ask(self.moving, axis=axis.value, action=int(action), distance=distance)
 
     def check_daily(self) -> None:
         """Begin the daily check; once it has begun, measure its next part."""
         if self.part is not None:
-            self._ask(self.daily, step=PARTS.index(self.part))
+            self.ask(self.daily, step=PARTS.index(self.part))
         elif not self.daily.running:
             self.touch()
             self._part = PARTS[0]
             self.daily.end()
 
-    def _ask(self, job: Job[Any], **fields: Any) -> None:
+    def ask(self, job: Job[Any], **fields: Any) -> None:
         """Send a request, if the operator may; one at a time."""
         if self.entered and not self.busy:
             self.touch()
@@ -265,11 +261,9 @@ class ServiceModel:
         # Only the last part has a verdict.
         self.daily.end()
 
-    def _examine(self, thorough: bool) -> None:
-        self._examining.ask(nodes=self._described.nodes, thorough=thorough)
-
-    def _take_machine(self, machine: MachineReport) -> None:
-        self._machine = machine
+    def _look(self, thorough: bool) -> None:
+        self._examining = True
+        self._examine(self._described.nodes, thorough)
 
     @property
     def _activity(self) -> Optional[Message]:

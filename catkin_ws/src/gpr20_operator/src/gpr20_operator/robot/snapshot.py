@@ -17,7 +17,6 @@ from gpr20_operator.robot.events import (
     ControlState,
     CurrentPosition,
     MasterAnswered,
-    MeasuredHeight,
     Progress,
     Replay,
     Request,
@@ -25,14 +24,14 @@ from gpr20_operator.robot.events import (
     ServiceActivity,
     TargetPosition,
 )
-from gpr20_operator.words import size_text, time_left
+from gpr20_operator.words import size_text
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
 # The main control publishes at 2 Hz; over a link that loses packets, it may be late by seconds.
 CONTROL_SILENCE_S = 5.0
-# A coordinate or height that is older than this [s] is not shown.
+# A coordinate that is older than this [s] is not shown.
 STALE_S = 3.0
 
 
@@ -46,7 +45,6 @@ class Snapshot:
     progress: Optional[Progress] = None
     current: Optional[CurrentPosition] = None
     target: Optional[TargetPosition] = None
-    height_m: Optional[float] = None
     pending: FrozenSet[Request] = frozenset()
     robot: Optional[Configured] = None
     # The parameters of the survey that runs or ran last, whoever started it.
@@ -75,11 +73,6 @@ class Snapshot:
     def running(self) -> bool:
         """Whether, by the last status, a survey exists that has not ended."""
         return self.code is not None and self.code.running
-
-    @property
-    def survey_parameters(self) -> Optional[SurveyParameters]:
-        """The parameters of the survey that runs."""
-        return self.job_parameters if self.running else None
 
     @property
     def running_survey(self) -> str:
@@ -161,14 +154,6 @@ def area_of(parameters: SurveyParameters) -> Message:
     return size_text(abs(p.x_stop_mm - p.x_start_mm), abs(p.y_stop_mm - p.y_start_mm))
 
 
-def remaining(progress: Progress) -> Message:
-    """Return the time that is left and its basis: the plan, or the points taken so far."""
-    left = time_left(progress.remaining_s)
-    if progress.visited_points == 0:
-        return Message("{left} (by the plan)", left=left)
-    return Message("{left} (measured)", left=left)
-
-
 def survey_name(description: str) -> Tuple[str, str]:
     """Return id, and name or site, of a survey.json; empty what it does not have."""
     try:
@@ -184,7 +169,7 @@ def survey_name(description: str) -> Tuple[str, str]:
 Event = TypeVar("Event")
 # Events of which the last one is known.
 _KEPT = (
-    *(ControlState, Progress, CurrentPosition, TargetPosition, MeasuredHeight),
+    *(ControlState, Progress, CurrentPosition, TargetPosition),
     *(MasterAnswered, RobotDescribed, SurveyParameters, ServiceActivity),
 )
 
@@ -269,7 +254,7 @@ class SurveyModel:
         silent_s = None if self._received_s is None else now_s - self._received_s
         state, parameters = self._last(ControlState), self._last(SurveyParameters)
         master, described = self._last(MasterAnswered), self._last(RobotDescribed)
-        service, height = self._last(ServiceActivity), self._last(MeasuredHeight, STALE_S)
+        service = self._last(ServiceActivity)
         return Snapshot(
             control_alive=silent_s is not None and silent_s <= CONTROL_SILENCE_S,
             control_silent_s=silent_s,
@@ -277,7 +262,6 @@ class SurveyModel:
             progress=self._last(Progress),
             current=self._last(CurrentPosition, STALE_S),
             target=self._last(TargetPosition, STALE_S),
-            height_m=height.height_m if height and math.isfinite(height.height_m) else None,
             pending=frozenset(self._pending | self._beginning(state)),
             robot=described.robot if described else None,
             job_parameters=parameters if state and state.code in RUNNING | ENDED else None,

@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from pathlib import Path
-from typing import Any, Callable, NoReturn, Optional
+from typing import Any, Callable, NoReturn, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -38,16 +38,18 @@ from gpr20_operator.high.control_client import ControlClient, WebPageClient
 from gpr20_operator.high.ros_events import join_graph
 from gpr20_operator.high.storage_client import StorageClient
 from gpr20_operator.jobs.pictures import Imaging
-from gpr20_operator.plan.form import CostEstimator
-from gpr20_operator.robot.events import Senders
+from gpr20_operator.plan.form import CostEstimated
+from gpr20_operator.robot.events import Configured, Senders
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import SurveyModel
-from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.settings_file import PlanMemory, SettingsFile
+from gpr20_survey.plan.survey_parameters import SurveyParameters
+from gpr20_survey.plan.survey_points import survey_cost
 from gpr20_user_interface.look.translation import Languages
 from gpr20_user_interface.low.process import StopSignals, check_display, leave_now, wait_for_display
+from gpr20_user_interface.low.settings_file import Newest, PlanMemory, SettingsFile
 from gpr20_user_interface.pages.settings import WindowMemory
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
@@ -109,9 +111,10 @@ class UserInterface:
         self.web = WebPageClient(self.signal.emit_event, senders.namespace)
         self._clients = (self.control, self.storage, self.web)
         imaging = Imaging(self.storage, time.monotonic)
+        estimates = Newest(self._estimate)
         self.window = MainWindow(
             Presenters(
-                WindowPresenter(model, self.control, CostEstimator(self.signal.emit_event)),
+                WindowPresenter(model, self.control, lambda *asked: estimates.put(asked)),
                 TracePresenter(imaging, lambda reason: rospy.logwarn("not shown: %s", reason)),
                 imaging,
                 ServiceModel(self.storage, self.storage.examine, Clock()),
@@ -129,6 +132,12 @@ class UserInterface:
             self.window.top_bar.show_robot(senders.namespace.strip("/"))
         self._full_screen = full_screen
         _connect_queued(self.signal.event_came, self.window.on_event)
+
+    def _estimate(self, asked: Tuple[Configured, SurveyParameters]) -> None:
+        """Say what a survey costs; of a large one that takes seconds."""
+        robot, parameters = asked
+        cost = survey_cost(parameters, robot.config, robot.settings)
+        self.signal.emit_event(CostEstimated(parameters, cost))
 
     def begin(self) -> None:
         """Show the window and listen to the graph."""

@@ -22,9 +22,9 @@ from gpr20_operator.robot.notices import (
     refusal_notice,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import sentence_text, shown_text
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.bars import TopBar
 from gpr20_user_interface.widgets.widgets import (

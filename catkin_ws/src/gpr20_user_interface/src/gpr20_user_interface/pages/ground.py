@@ -26,12 +26,12 @@ from gpr20_operator.plan.texts import remove_marker_question
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.plan.annotation import check_text
 from gpr20_survey.plan.markers import MAX_TEXT_CHARACTERS, TEXT, Marker
 from gpr20_user_interface.look.look import GAP_PX, look_of
 from gpr20_user_interface.look.translation import shown_text
 from gpr20_user_interface.pages.ground_view import GroundView
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.keys import Pad
 from gpr20_user_interface.widgets.plot import image_of

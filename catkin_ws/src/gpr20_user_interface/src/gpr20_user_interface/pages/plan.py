@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Dict, Optional
 
@@ -11,7 +12,7 @@ from PyQt5.QtWidgets import QWidget
 from gpr20_operator.ground.traces import TracePresenter
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.plan.fields import Tile
-from gpr20_operator.plan.form import NextAnnotation, PlanCheck, PlanForm, SurveyPreview
+from gpr20_operator.plan.form import PlanCheck, PlanForm, SurveyPreview
 from gpr20_operator.plan.texts import (
     resumable,
     resume_lines,
@@ -23,14 +24,14 @@ from gpr20_operator.plan.texts import (
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, Request, StartPlan
 from gpr20_operator.robot.notices import Refused
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
-from gpr20_survey.plan.annotation import Annotation
+from gpr20_survey.plan.annotation import EMPTY, MAX_NAME_CHARACTERS, Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters, coordinate_limits_mm
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import shown_number, shown_text
+from gpr20_user_interface.low.settings_file import PlanMemory, PlanMemoryFailed, RememberedPlan
 from gpr20_user_interface.pages.plan_sheets import AnnotationSheet, ValueSheet
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.widgets.ground_picture import AreaPicture
 from gpr20_user_interface.widgets.tile import TileButton
 from gpr20_user_interface.widgets.widgets import Page, grid
@@ -38,6 +39,39 @@ from gpr20_user_interface.widgets.widgets import Page, grid
 COLUMNS, ROWS = 3, 4
 # How long to wait for the list of surveys, in refreshes, before it is requested again.
 RETRY_REFRESHES = 40
+_NUMBER_AT_END = re.compile(r"([0-9]{1,9})$", re.ASCII)
+
+
+def next_name(name: str) -> str:
+    """Return the name of the survey after one: "El Carmen 3" follows "El Carmen 2".
+
+    The number keeps its leading zeros. A name without a number gets a 2; no name stays none.
+    """
+    if not name:
+        return ""
+    found = _NUMBER_AT_END.search(name)
+    digits = "" if found is None else found.group(1)
+    number = str(int(digits) + 1).zfill(len(digits)) if digits else " 2"
+    return name[: len(name) - len(digits)][: MAX_NAME_CHARACTERS - len(number)] + number
+
+
+class NextAnnotation:
+    """Operator and site stay for the surveys that follow, and their names are numbered.
+
+    Notes and position are for one survey.
+    """
+
+    def __init__(self) -> None:
+        self.value = EMPTY
+
+    def take_defaults(self, defaults: Annotation) -> None:
+        """Fill the empty fields with those of the robot."""
+        self.value = self.value.with_defaults(defaults)
+
+    def note_started(self) -> None:
+        """Note that a survey has started with this annotation."""
+        named = next_name(self.value.name)
+        self.value = replace(self.value, name=named, notes="", position=None)
 
 
 class PlanPage(QWidget, Page):
@@ -67,6 +101,8 @@ class PlanPage(QWidget, Page):
         self._snapshot: Optional[Snapshot] = None
         self._offer: Optional[SurveySummary] = None
         self._waiting = 0
+        # What the survey that runs measures.
+        self._measured: Optional[SurveyParameters] = None
         self._previewed: Optional[SurveyPreview] = None
         self.form = PlanForm(DOCUMENTED_TRAVEL)
         self._check: PlanCheck = self.form.check()
@@ -126,16 +162,17 @@ class PlanPage(QWidget, Page):
             changed = not snapshot.replay
             if changed:
                 self.next_annotation.take_defaults(robot.site.annotation)
-        travel = DOCUMENTED_TRAVEL if robot is None else robot.travel
+        travel = DOCUMENTED_TRAVEL if robot is None else robot.config.travel
         if travel != self.form.travel:
             self.form.travel, changed = travel, True
         if changed:
             self.show_plan()
         elif self._survey.preview is not self._previewed:
             self._show_tiles()
-        shown = None if before is None else before.survey_parameters
-        if snapshot.survey_parameters not in (None, shown):
-            self.show_parameters(snapshot.survey_parameters)
+        measured = snapshot.job_parameters if snapshot.running else None
+        if measured not in (None, self._measured):
+            self.show_parameters(measured)
+        self._measured = measured
         locked = snapshot.fields_locked
         for tile, button in self.tiles.items():
             named = tile is Tile.NAME

@@ -16,7 +16,6 @@ from gpr20_operator.plan.fields import (
     PEOPLE,
     SPECS,
     TILE_FIELDS,
-    VALUE_TILES,
     FieldSpec,
     Preset,
     Tile,
@@ -51,6 +50,8 @@ from gpr20_user_interface.widgets.widgets import (
     tiled,
 )
 
+# Those whose sheet has keys for all fields at once.
+VALUE_TILES = tuple(tile for tile in Tile if tile is not Tile.NAME)
 MOST_FIELDS = max(len(TILE_FIELDS[tile]) for tile in VALUE_TILES)
 PRESET_COLUMNS, PRESET_ROWS = 2, 4
 # More characters than any parameter needs, an address of any form included.
@@ -97,8 +98,7 @@ class ValueSheet(Overlay):
         self.setFocus()
 
     def finish(self) -> None:
-        """Close; what was understood is what is shown from now on."""
-        self._form.normalize()
+        """Close."""
         self.hide()
         self.changed.emit()
 

@@ -154,7 +154,7 @@ class ResultPage(QWidget, Page):
         say(self.doubts, Message("Doubts: {count}", count=doubts))
         can_ask = record is not None and not result.survey_runs
         self.stick.setEnabled(can_ask)
-        plugged = any(one.writable for one in result.export.offered)
+        plugged = any(one.writable for one in result.export.sticks.volumes)
         say(
             self.stick,
             Message("Report\nto stick") if plugged else Message("Report: plug\na stick in"),

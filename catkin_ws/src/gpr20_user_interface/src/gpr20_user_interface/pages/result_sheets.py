@@ -201,11 +201,11 @@ class StickSheet(ResultSheet):
         self.show_choice(self.all_data, self.tr("All data"), self._parts is ALL_DATA)
         for key in (self.report, self.all_data):
             key.setVisible(not running)
-        for key, volume in zip(self.sticks, export.offered):
+        for key, volume in zip(self.sticks, export.sticks.volumes):
             key.setText(f"{volume.name[:LONGEST_NAME]}\n{self._room(volume)}")
             key.setEnabled(volume.writable)
         for number, key in enumerate(self.sticks):
-            key.setVisible(not running and number < len(export.offered))
+            key.setVisible(not running and number < len(export.sticks.volumes))
         title, text = self._sentences()
         record = self.result.record
         if record is not None and export.survey not in ("", record.survey_id):
@@ -231,7 +231,7 @@ class StickSheet(ResultSheet):
             return self.tr("Nothing was written."), with_remedy(problem)
         if not export.sticks.computer:
             return self.tr("Looking for USB sticks."), ""
-        if not any(one.writable for one in export.offered):
+        if not any(one.writable for one in export.sticks.volumes):
             text = self.tr("Plug a USB stick into the computer {computer}.")
             return text.format(computer=export.sticks.computer), ""
         return self.tr("Touch the stick that it is written to."), ""
@@ -251,8 +251,8 @@ class StickSheet(ResultSheet):
     def _stick(self, number: int) -> QPushButton:
         def act() -> None:
             record, export = self.result.record, self.result.export
-            if record is not None and number < len(export.offered):
-                volume = export.offered[number]
+            if record is not None and number < len(export.sticks.volumes):
+                volume = export.sticks.volumes[number]
                 export.write(volume, record.survey_id, self._parts, self._language())
 
         key = new_button(act)

@@ -178,8 +178,8 @@ class RobotPage(QStackedWidget, Page):
         service.move_requested.connect(
             lambda axis, action, distance: self._after(lambda: model.move(axis, action, distance))
         )
-        service.measure.clicked.connect(lambda: self._after(model.measure_height))
-        service.analyzer.clicked.connect(lambda: self._after(model.test_analyzer))
+        service.measure.clicked.connect(lambda: self._after(lambda: model.ask(model.height)))
+        service.analyzer.clicked.connect(lambda: self._after(lambda: model.ask(model.analyzer)))
         service.daily.clicked.connect(lambda: self._after(model.check_daily))
 
     @property

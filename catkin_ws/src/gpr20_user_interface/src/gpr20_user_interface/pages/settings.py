@@ -19,9 +19,9 @@ from gpr20_operator.plan.texts import HoldQuestion, remote_question
 from gpr20_operator.robot.events import StartPlan
 from gpr20_operator.robot.remote_control import Arming, remote_obstacle
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.settings_file import SettingsFile, settings_writer
 from gpr20_user_interface.look.look import GAP_PX
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.low.settings_file import SettingsFile, settings_writer
 from gpr20_user_interface.widgets.hold_sheet import HoldSheet
 from gpr20_user_interface.widgets.widgets import (
     Overlay,

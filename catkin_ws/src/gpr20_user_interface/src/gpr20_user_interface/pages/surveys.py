@@ -13,10 +13,11 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.coverage import Cell
 from gpr20_operator.ground.past_surveys import Ending, PastSurveys
 from gpr20_operator.jobs.job import Job, Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN, Imaging
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.jobs.result_texts import headline, survey_lines
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.robot.snapshot import Snapshot
+from gpr20_operator.words import local_time
 from gpr20_survey.results.answers import FocusedImage, SurveySummary
 from gpr20_user_interface.look.look import GAP_PX, Look, Mark, TextColours, icon, look_of
 from gpr20_user_interface.look.translation import sentence_text, shown_text
@@ -98,7 +99,7 @@ class SurveysModel(QAbstractListModel):
 
     def _text(self, survey: SurveySummary) -> str:
         ending = SIGNS.get(self._past.ending_of(survey), "") + shown_text(self._past.ending(survey))
-        when = shown_text(self._past.time_of(survey)) if survey.name.strip() else ""
+        when = shown_text(local_time(survey.started, survey.folder)) if survey.name.strip() else ""
         simulated = survey.simulated and survey.problem is None
         lines = (
             (shown_text(self._past.title_of(survey)), when),
@@ -215,7 +216,7 @@ class SurveysPage(QWidget, Page):
         self.list.viewport().update()
         self._answer.end()
         if survey is not None and self._surveys.can_open(survey):
-            self._answer.ask(survey=survey.folder, permittivity=NOT_KNOWN, only_known=True)
+            self._answer.ask(survey=survey.folder, only_known=True)
         self._show_choice()
 
     def search_for(self, text: str) -> None:
@@ -329,7 +330,7 @@ class SurveysPage(QWidget, Page):
         answer = self._answer.problem
         if self._answer.result is not None:
             answer = headline(self._answer.result.found)
-        when = self._surveys.time_of(survey) if survey.name.strip() else None
+        when = local_time(survey.started, survey.folder) if survey.name.strip() else None
         lines = (answer, when, *survey_lines(self._surveys, survey))
         return [sentence_text(one) for one in lines if one is not None]
 

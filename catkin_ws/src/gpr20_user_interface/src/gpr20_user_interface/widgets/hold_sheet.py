@@ -18,11 +18,11 @@ from gpr20_operator.plan.texts import (
     resume_question,
 )
 from gpr20_operator.robot.snapshot import Snapshot
-from gpr20_operator.robot.survey_control import WindowPresenter
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.touch.hold import HoldButton
 from gpr20_user_interface.widgets.widgets import (
     Overlay,

@@ -18,8 +18,6 @@ from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.robot.events import Answer
 from gpr20_operator.robot.remote_control import Arming
 from gpr20_operator.robot.service_model import ServiceModel
-from gpr20_operator.robot.survey_control import WindowPresenter
-from gpr20_operator.settings_file import PlanMemory
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 from gpr20_user_interface.look.look import (
     DESIGN_HEIGHT_PX,
@@ -30,6 +28,7 @@ from gpr20_user_interface.look.look import (
     style_sheet,
 )
 from gpr20_user_interface.look.translation import Languages
+from gpr20_user_interface.low.settings_file import PlanMemory
 from gpr20_user_interface.pages.alerts import Alerts
 from gpr20_user_interface.pages.ground import GroundPage
 from gpr20_user_interface.pages.plan import PlanPage
@@ -38,6 +37,7 @@ from gpr20_user_interface.pages.robot import RobotPage
 from gpr20_user_interface.pages.settings import RemotePage, SettingsPage, WindowMemory
 from gpr20_user_interface.pages.survey import JobPage, SurveyTab
 from gpr20_user_interface.pages.surveys import SurveysPage
+from gpr20_user_interface.presenter import WindowPresenter
 from gpr20_user_interface.touch.scrolling import scroll_everything
 from gpr20_user_interface.widgets.bars import Rail, TabName, TopBar
 from gpr20_user_interface.widgets.hold_sheet import StartSheet

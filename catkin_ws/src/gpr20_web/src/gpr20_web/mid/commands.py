@@ -13,11 +13,10 @@ from gpr20_common.message import Message
 from gpr20_operator.ground.traces import SurveyDescribed
 from gpr20_operator.plan.form import preview
 from gpr20_operator.plan.texts import HANDS_CLEAR, plan_rows, spacing_warning
-from gpr20_operator.robot.events import Answer, Request, StartPlan
+from gpr20_operator.robot.events import Answer, Request, StartPlan, SurveyControl
 from gpr20_operator.robot.notices import MOTORS_OFF, StopConfirmation
 from gpr20_operator.robot.remote_control import RemoteAllowance
 from gpr20_operator.robot.snapshot import Snapshot, SurveyModel, survey_name
-from gpr20_operator.robot.survey_control import SurveyControl
 from gpr20_web.calls import Call, Role, Route, Text, WebPage, sentence
 from gpr20_web.faults import NOT_ARMED, BadRequestError, NotAllowedError, NotNowError
 from gpr20_web.mid.presses import Lease, Presses, log_entry, press_of

@@ -11,7 +11,7 @@ from typing import Any, Callable, Deque, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
-from gpr20_operator.jobs.job import Requests, Service, job_of
+from gpr20_operator.jobs.job import Job, Requests, Service
 from gpr20_operator.robot.condition import first_step
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
@@ -263,7 +263,7 @@ class AuditNotes:
         self._now_s, self._report = now_s, report
         self.waiting: Deque[Tuple[float, Mapping[str, Any]]] = deque()
         self._next_s = now_s()
-        self._job = job_of(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
+        self._job = Job(requests, Service.FACT, now_s, self._on_taken, self._on_failed)
         self.problem: Optional[Message] = None
         self.last_tries: Optional[int] = None
         self._ended: Callable[[], None] = lambda: None

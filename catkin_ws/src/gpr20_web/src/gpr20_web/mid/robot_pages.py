@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Mapping, Optional, Tuple
+from typing import Any, Mapping, Optional, Tuple
 
 from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
@@ -13,7 +13,7 @@ from gpr20_operator.jobs.job import Service, Ticket
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.notices import fault_notice
-from gpr20_operator.robot.service_model import ServiceModel
+from gpr20_operator.robot.service_model import Examine, ServiceModel
 from gpr20_operator.robot.snapshot import (
     Snapshot,
     area_of,
@@ -47,7 +47,6 @@ class NowPage(WebPage):
         "area": Message("Area"),
         "line": Message("Line"),
         "position": Message("Antennas at"),
-        "height": Message("Height over the ground"),
         "result": Message("Result"),
         "details": Message("Details"),
         "simulated": Message("SIMULATED"),
@@ -119,7 +118,6 @@ class NowPage(WebPage):
             "line": sentence(text, line_of(snapshot)),
             "area": "" if parameters is None else text(area_of(parameters)),
             "place": None if place is None else text(_at(place)),
-            "height_mm": None if snapshot.height_m is None else round(snapshot.height_m * 1000.0),
         }
 
 
@@ -147,7 +145,7 @@ class ServicePage(WebPage):
         "all": Message("All checks"),
     }
 
-    def __init__(self, examine: Callable[..., None], clock: Clock) -> None:
+    def __init__(self, examine: Examine, clock: Clock) -> None:
         self._model = ServiceModel(NoRequests(), examine, clock)
         self._now_s = clock.now_s
         # When somebody asked last; None: nobody looks.

@@ -13,6 +13,7 @@ from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
 from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.fields import PEOPLE
 from gpr20_operator.plan.form import annotation_texts
+from gpr20_operator.words import local_time
 from gpr20_survey.folder.survey_metadata import MAX_FILE_BYTES, parse_object
 from gpr20_survey.plan.annotation import annotation_of
 from gpr20_survey.results.answers import SurveySummary
@@ -66,7 +67,7 @@ def row_of(past: PastSurveys, survey: SurveySummary, text: Text) -> Dict[str, An
     return {
         "folder": survey.folder,
         "title": text(past.title_of(survey)),
-        "time": text(past.time_of(survey)),
+        "time": text(local_time(survey.started, survey.folder)),
         "ending": sentence(text, past.ending(survey)),
         "state": ending.value,
         "simulated": survey.simulated and ending is not Ending.UNREADABLE,

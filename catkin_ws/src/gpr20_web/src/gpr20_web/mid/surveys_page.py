@@ -18,7 +18,7 @@ from gpr20_common.mid.codec import record_from
 from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
-from gpr20_operator.jobs.pictures import NOT_KNOWN, SURVEYS_PER_PAGE
+from gpr20_operator.jobs.pictures import SURVEYS_PER_PAGE
 from gpr20_operator.jobs.result import list_sum
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.errors import storing
@@ -235,7 +235,7 @@ class SurveysPage(WebPage):
     def _made(self, call: Call) -> Body:
         """Return a file that the imaging node makes."""
         folder = self._analysed(call).folder
-        options = {"permittivity": NOT_KNOWN, "language": call.language.value, "volume": ""}
+        options = {"language": call.language.value, "volume": ""}
         wanted = {"request_id": self._work_id, "kinds": [call.parts["kind"]], **options}
         with self._at_work():
             made = self._ask(Service.EXPORT, survey=folder, **wanted)

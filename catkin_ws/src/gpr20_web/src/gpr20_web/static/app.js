@@ -31,7 +31,6 @@ const nowPage = {
       line: job.line,
       area: job.area,
       position: job.place ?? "",
-      height: job.height_mm === null ? "" : `${job.height_mm} mm`,
     };
     for (const [name, text] of Object.entries(texts)) {
       page[name].parentElement.hidden = !text;

@@ -65,9 +65,6 @@ class SettingsFile:
             SettingsError: The file cannot be read, or is damaged.
         """
         try:
-            # Reading a pipe would block the window.
-            if self._path.exists() and not self._path.is_file():
-                raise self._unreadable(Message("it is not a file"))
             values = read_yaml(self._path, MAX_BYTES)
         except FileNotFoundError:
             return {}

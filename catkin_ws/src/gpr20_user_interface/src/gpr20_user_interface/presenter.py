@@ -3,47 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Optional, Protocol
+from typing import Callable, Optional
 
 from gpr20_operator.ground.grid import FinerPlan
 from gpr20_operator.plan.form import (
     CostEstimated,
-    CostEstimator,
     SurveyPreview,
     preview,
 )
-from gpr20_operator.robot.events import Answer, Request, StartPlan
+from gpr20_operator.robot.events import Answer, Configured, Request, StartPlan, SurveyControl
 from gpr20_operator.robot.snapshot import Snapshot, SurveyModel
 from gpr20_survey.plan.annotation import Annotation
 from gpr20_survey.plan.survey_parameters import SurveyParameters
 
 
-class SurveyControl(Protocol):
-    """Requests to the main control, without waiting; the answers come as events."""
-
-    def start_survey(self, plan: StartPlan) -> None:
-        """Ask to accept the parameters and to start."""
-
-    def stop(self) -> None:
-        """Ask whatever moves to stop, whoever moves it."""
-
-    def withdraw_start(self) -> None:
-        """Keep a survey from starting whose parameters have not been accepted yet."""
-
-    def pause_survey(self) -> None:
-        """Ask to pause the survey."""
-
-    def resume_survey(
-        self, survey_id: str = "", accept_analyzer: str = "", accept_zeros: bool = False
-    ) -> None:
-        """Ask to resume the paused survey, or one by its id or the name of its folder."""
-
-    def check_master(self) -> None:
-        """Check that the master answers; the answer is an event."""
-
-
 class WindowPresenter:
     """Carries events to the model and requests to the main control. Belongs to one thread.
+
+    Args:
+        estimate: Makes a CostEstimated beside this thread, which comes as an event.
 
     Attributes:
         snapshot: What the window shows now.
@@ -55,11 +33,11 @@ class WindowPresenter:
         self,
         model: SurveyModel,
         control: SurveyControl,
-        estimator: CostEstimator,
+        estimate: Callable[[Configured, SurveyParameters], None],
     ) -> None:
         self._model = model
         self._control = control
-        self._estimator = estimator
+        self._estimate = estimate
         self._parameters: Optional[SurveyParameters] = None
         self._permittivity = 1.0
         self._resumed = ""
@@ -87,7 +65,7 @@ class WindowPresenter:
         self._parameters, self._permittivity = parameters, permittivity
         self.preview = None if parameters is None else preview(parameters, permittivity)
         if parameters is not None and self.snapshot.robot is not None:
-            self._estimator.ask(parameters, self.snapshot.robot)
+            self._estimate(self.snapshot.robot, parameters)
 
     def preview_of(self, parameters: SurveyParameters) -> SurveyPreview:
         """Return the preview of parameters; with their cost if they are those of the plan."""

@@ -2,18 +2,26 @@
 
 import os
 import random
+import threading
 
 import pytest
 from fault_kit import raises_fault
 from run_seed import draws
+from topics_kit import LIMIT_S
 
 from gpr20_common.faults import DISK_REFUSES
 from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.errors import SettingsError
-from gpr20_operator.plan.form import NextAnnotation, next_name
-from gpr20_operator.settings_file import MAX_BYTES, PlanMemory, RememberedPlan, SettingsFile
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
+from gpr20_user_interface.low.settings_file import (
+    MAX_BYTES,
+    Newest,
+    PlanMemory,
+    RememberedPlan,
+    SettingsFile,
+)
+from gpr20_user_interface.pages.plan import NextAnnotation, next_name
 
 
 @pytest.fixture
@@ -37,13 +45,12 @@ def test_a_damaged_file_is_refused_with_its_name(path):
         path.write_text(text)
         with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
             SettingsFile(path).read()
-    for make in (os.mkdir, os.mkfifo):
-        path.rmdir() if path.is_dir() else path.unlink()
-        make(str(path))
-        with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
-            SettingsFile(path).read()
-    # Nor does random damage raise anything else.
     path.unlink()
+    path.mkdir()
+    with raises_fault(faults.SETTINGS_LOST.as_warning(), "window.yaml"):
+        SettingsFile(path).read()
+    # Nor does random damage raise anything else.
+    path.rmdir()
     draw = random.Random(7)
     SettingsFile(path).write({"vna_address": "10.0.0.2", "list": [1, 2.5], "deep": {"a": "ñ"}})
     whole = path.read_bytes()
@@ -105,3 +112,22 @@ def test_the_name_is_counted_up_and_notes_and_position_are_for_one_survey():
     following.take_defaults(Annotation("Eva", "El Carmen"))
     following.note_started()
     assert following.value == Annotation("Ana", "El Carmen", name="lane 8")
+
+
+def test_the_newest_value_is_taken_next_even_after_one_that_failed(fault_log):
+    taken, begun, go_on = [], threading.Event(), threading.Event()
+
+    def act(value):
+        taken.append(value)
+        begun.set()
+        assert go_on.wait(LIMIT_S)
+        raise ZeroDivisionError("a fault of our own")
+
+    newest = Newest(act)
+    newest.put(1)
+    assert begun.wait(LIMIT_S)
+    for value in (2, 3):
+        newest.put(value)
+    go_on.set()
+    assert newest.wait(LIMIT_S)
+    assert (taken, len(fault_log)) == ([1, 3], 2)
