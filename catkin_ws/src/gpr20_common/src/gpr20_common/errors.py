@@ -55,7 +55,7 @@ _REASONS = {
     errno.EDQUOT: Message("the disk quota is used up").with_fault(faults.DISK_FULL),
     errno.EROFS: Message("the disk is read-only").with_fault(faults.DISK_REFUSES),
     errno.EIO: Message("the disk or device has an input/output error"),
-    errno.EEXIST: Message("the file exists already").with_fault(faults.NOT_ALLOWED),
+    errno.EEXIST: Message("the file exists already"),
     errno.ENOENT: Message("there is no such file or folder"),
     errno.ENOTDIR: Message("this is a file, not a folder"),
     errno.ECONNREFUSED: Message("connection refused"),

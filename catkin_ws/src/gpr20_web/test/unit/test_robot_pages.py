@@ -23,7 +23,7 @@ from gpr20_web.mid.robot_pages import INTEREST_S, NoRequests, NowPage, ServicePa
 def test_now_shows_the_survey_its_progress_and_a_fault_with_the_first_step() -> None:
     page = NowPage("north")
     page.on_event(SurveyDescribed(description(annotation={"name": "Lane-4"})))
-    known = {"axes": RESTING, "current": CurrentPosition(120.0, 60.5, 90.0), "height_m": 0.0314}
+    known = {"axes": RESTING, "current": CurrentPosition(120.0, 60.5, 90.0)}
     progress = Progress(SURVEY, 25.0, 40, 10, 60.0)
     runs = state_of(SurveyState.SURVEYING, SURVEY)
     page.refresh(snapshot(state=runs, progress=progress, **known))
@@ -32,7 +32,7 @@ def test_now_shows_the_survey_its_progress_and_a_fault_with_the_first_step() -> 
     assert (shown["band"]["level"], shown["fault"]) == ("working", None)
     job = shown["job"]
     assert (job["name"], job["percent"], job["stored"], job["planned"]) == ("Lane-4", 25, 10, 40)
-    assert (job["place"], job["height_mm"]) == ("X 120.0 mm, Y 60.5 mm, 90 deg", 31)
+    assert job["place"] == "X 120.0 mm, Y 60.5 mm, 90 deg"
     page.refresh(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
     shown = page.live(str)
     assert (shown["job"]["name"], shown["job"]["percent"]) == ("", None)
