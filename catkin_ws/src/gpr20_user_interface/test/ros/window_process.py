@@ -34,7 +34,7 @@ def shown(window: Any) -> Dict[str, Any]:
     snapshot, bar, live = window.survey.snapshot, window.top_bar, window.traces.live
     progress, counts, state = snapshot.progress, live.map.counts(), snapshot.state
     return {
-        "title": "—" if state is None else str(state.title),
+        "title": "—" if state is None else str(state.shown.label),
         "codes": [] if state is None else [one.code for one in state.message.faults],
         "survey_id": "" if state is None else state.survey_id,
         "condition": condition_of(snapshot).message.fault_code,

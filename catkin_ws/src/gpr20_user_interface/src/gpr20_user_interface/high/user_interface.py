@@ -234,9 +234,9 @@ def _on_display_lost(leave: Callable[[], None]) -> None:
     """
 
     def handle(kind: QtMsgType, _context: QMessageLogContext, text: Optional[str]) -> None:
+        say(text or "", file=sys.stderr, flush=True)
         if kind == QtMsgType.QtFatalMsg or LOST in (text or ""):
             leave()
-        say(text or "", file=sys.stderr, flush=True)
 
     qInstallMessageHandler(handle)
 
