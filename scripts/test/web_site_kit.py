@@ -64,7 +64,7 @@ class Touchscreen:
 
     def note(self) -> None:
         """Take what is known now, as the window does five times a second."""
-        self.arming.note(self.model.snapshot(), StartPlan(PLAN, EMPTY, "", 4.0))
+        self.arming.note(self.model.state(), StartPlan(PLAN, EMPTY, "", 4.0))
 
     def close(self) -> None:
         """Leave the graph."""

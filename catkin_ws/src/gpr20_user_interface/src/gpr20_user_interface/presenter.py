@@ -43,7 +43,7 @@ class WindowPresenter:
         self._resumed = ""
         self.preview: Optional[SurveyPreview] = None
         self.finer: Optional[FinerPlan] = None
-        self.snapshot = model.snapshot()
+        self.snapshot = model.state()
 
     def on_event(self, event: object) -> Optional[Answer]:
         """Take an event; return what the operator must see at once."""
@@ -53,9 +53,9 @@ class WindowPresenter:
             return None
         return self._model.handle(event)
 
-    def refresh(self) -> Snapshot:
+    def state(self) -> Snapshot:
         """Return what is known now."""
-        robot, self.snapshot = self.snapshot.robot, self._model.snapshot()
+        robot, self.snapshot = self.snapshot.robot, self._model.state()
         if self.snapshot.robot != robot:
             self.set_plan(self._parameters, self._permittivity)
         return self.snapshot

@@ -256,7 +256,7 @@ class SurveyFollower:
             self._note_begun(event)
         elif isinstance(event, Progress) and self._asked and event.survey_id == self._id:
             self._display.show(event)
-        snapshot, now_s = self._model.snapshot(), self._now_s()
+        snapshot, now_s = self._model.state(), self._now_s()
         # A client that was suspended itself has heard nothing: that is no silence.
         step_s, self._looked_s = min(now_s - self._looked_s, TICK_S), now_s
         self._silent_s = 0.0 if snapshot.control_alive else self._silent_s + step_s

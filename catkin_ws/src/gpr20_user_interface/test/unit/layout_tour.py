@@ -209,14 +209,14 @@ def ground(window):
     live.take_traces([trace_at(grid, index) for index in range(10)])
     window.refresh()
     window.node.ticket("read").done(marked(MARKER))
-    window.draw()
+    window.refresh()
 
 
 def on_ground(name):
     def stop(window):
         ground(window)
         getattr(window.ground.view, name).click()
-        window.draw()
+        window.refresh()
 
     return stop
 

@@ -61,7 +61,6 @@ def fill(window, stored=40, **changes):
     live.take_traces([trace_at(grid, index, **changes) for index in range(stored)])
     window.show_tab(TabName.GROUND)
     window.refresh()
-    window.draw()
 
 
 @pytest.fixture
@@ -74,7 +73,7 @@ def filled(window):
     fill(window)
     window.node.ticket("read").done(marked(MARKER))
     window.additions.pictures.add_image(focused())
-    window.draw()
+    window.refresh()
     return window
 
 
@@ -93,7 +92,7 @@ def test_a_place_that_is_touched_or_shown_from_another_page_is_on_every_picture(
     assert view.above.crosshair == (150.0, 90.0)
     assert view.section.labels == ("X mm", "Depth mm, at Y 90 mm")
     filled.ground.show_place(150.0, 70.0, 120.0)
-    filled.draw()
+    filled.refresh()
     assert view.above.crosshair == (150.0, 70.0)
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
 
@@ -170,7 +169,7 @@ def test_the_safety_notice_is_whole_beside_any_picture_and_band(filled, view):
 
 def test_what_is_missing_is_said(window, view):
     window.show_tab(TabName.GROUND)
-    window.draw()
+    window.refresh()
     # Without a survey there is one thing to do, and no key that does nothing.
     assert view.empty.isVisible() and not view.next.isVisible()
     show(window, snapshot(SurveyState.CHECKING))
@@ -263,7 +262,7 @@ def test_an_imported_survey_opens_without_a_fault_and_is_not_resumed(
     text = (folder / "survey.json").read_text("ascii")
     storage.answer(StoredSurvey(text, tuple(range(count))))
     for _ in range(2):
-        window.draw()
+        window.refresh()
     shown = window.traces.shown
     traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
     storage.answer(TracesRead(TraceBlock.of(shown.map.grid.survey_id, traces), {}))

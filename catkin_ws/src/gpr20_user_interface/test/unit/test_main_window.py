@@ -132,12 +132,10 @@ def test_the_small_map_shows_nothing_of_the_survey_before(window, monkeypatch):
     for survey in ("id", "next"):
         begun = state_of(SurveyState.CHECKING, survey_id=survey)
         show(window, job(SurveyState.CHECKING, state=begun))
-        window.draw()
         assert "Field 4" not in window.job.area.text() and drawn.pop() is None
         text = description(survey_id=survey, annotation={"name": "Field 4"})
         window.on_event(SurveyDescribed(text))
         show(window, job(SurveyState.SURVEYING, state=begun))
-        window.draw()
         assert drawn.pop().survey_id == survey and "Field 4" in window.job.area.text()
 
 

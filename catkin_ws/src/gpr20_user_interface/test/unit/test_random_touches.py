@@ -89,7 +89,6 @@ class Field:
             lambda: (window.traces.open_survey(FOLDER), window.traces.opening._done(read)),
             lambda: (self.clear(), window.remote.open()),
             lambda: window.annotation.show_annotation(FOLDER, Annotation("Ana", name="field 3")),
-            window.draw,
         )
 
     def clear(self):

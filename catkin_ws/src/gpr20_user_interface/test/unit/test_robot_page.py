@@ -158,7 +158,6 @@ def test_a_touch_checks_everything_and_the_findings_are_listed(service):
     lost = Message("no connection to the VNA")
     service.tools.done(Service.ANALYZER, AnalyzerTest("10.0.0.1", failure=lost))
     service.refresh()
-    service.draw()
     assert len(service.tools.asked) == 3
     assert service.robot.overview.check_button.isEnabled()
     texts = "\n".join(listed(service))
@@ -170,7 +169,7 @@ def test_what_is_not_known_is_listed_and_what_is_good_is_not(service):
     overview = service.robot.overview
     nodes = tuple(NodeHealth(name, HealthLevel.OK, verbatim("fine"), {}) for name in EXPECTED_NODES)
     show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
-    service.draw()
+    service.refresh()
     unknown = listed(service)
     assert unknown and all(text.startswith("UNKNOWN") for text in unknown)
     assert overview.headline.text() == f"UNKNOWN: {len(unknown)}"
@@ -181,7 +180,7 @@ def test_what_is_not_known_is_listed_and_what_is_good_is_not(service):
     stuck = NodeHealth("height_sensor", HealthLevel.ERROR, verbatim("stuck"), {})
     for reports in ((stuck,), ()):
         show(service, snapshot(SurveyState.SURVEYING, health=HealthReport(reports)))
-        service.draw()
+        service.refresh()
         said = listed(service)[0].startswith("FAULT: Height sensor: stuck")
         assert said is bool(reports)
 

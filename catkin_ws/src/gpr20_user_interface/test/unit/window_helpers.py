@@ -43,7 +43,7 @@ class Survey:
 
     on_event = check_master = end = nothing
 
-    def refresh(self):
+    def state(self):
         return self.snapshot
 
     def is_shown(self, event):

@@ -188,7 +188,7 @@ class WebPage:
     def on_event(self, event: object) -> None:
         """Take an event of the robot; most are about something else."""
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
 
     def live(self, text: Text) -> Mapping[str, Any]:

@@ -89,7 +89,7 @@ class Desk:
 
     def be(self, code: SurveyState, message: Optional[Message] = None) -> None:
         self.model.handle(ControlState(code, message or Message("so it is"), SURVEY, True))
-        self.commands.refresh(self.model.snapshot())
+        self.commands.show_state(self.model.state())
 
     def rest(self) -> None:
         """Every axis answers STOP, and reports later that it rests."""
@@ -98,7 +98,7 @@ class Desk:
         self.time.time_s += 1.0
         for axis in AxisId:
             self.model.handle(AxisReport(axis, 0.0, True, False))
-        self.commands.refresh(self.model.snapshot())
+        self.commands.show_state(self.model.state())
 
     def allow(self, plan: Optional[StartPlan] = PLAN) -> None:
         self.commands.on_event(RemoteArmed(True, 600.0, plan))

@@ -26,14 +26,14 @@ def test_now_shows_the_survey_its_progress_and_a_fault_with_the_first_step() -> 
     known = {"axes": RESTING, "current": CurrentPosition(120.0, 60.5, 90.0)}
     progress = Progress(SURVEY, 25.0, 40, 10, 60.0)
     runs = state_of(SurveyState.SURVEYING, SURVEY)
-    page.refresh(snapshot(state=runs, progress=progress, **known))
+    page.show_state(snapshot(state=runs, progress=progress, **known))
     shown: Any = page.live(str)
     assert (shown["robot"]["name"], shown["robot"]["simulated"]) == ("north", True)
     assert (shown["band"]["level"], shown["fault"]) == ("working", None)
     job = shown["job"]
     assert (job["name"], job["percent"], job["stored"], job["planned"]) == ("Lane-4", 25, 10, 40)
     assert job["place"] == "X 120.0 mm, Y 60.5 mm, 90 deg"
-    page.refresh(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
+    page.show_state(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
     shown = page.live(str)
     assert (shown["job"]["name"], shown["job"]["percent"]) == ("", None)
     assert "disk is full" in shown["fault"]["text"] and shown["fault"]["first"]
@@ -47,7 +47,7 @@ def test_the_worst_is_the_first_and_this_computer_is_looked_at_while_somebody_lo
     clock = ManualClock()
     asked: List[Any] = []
     page = ServicePage(lambda *wanted: asked.append(wanted), clock)
-    page.refresh(snapshot(state=state_of(SurveyState.IDLE), health=HealthReport((SENSOR,))))
+    page.show_state(snapshot(state=state_of(SurveyState.IDLE), health=HealthReport((SENSOR,))))
     (route,) = page.routes
     answer: Any = route.answer(CALL)
     levels = ["fault", "warning", "unknown", "note", "ok"]
@@ -61,7 +61,7 @@ def test_the_worst_is_the_first_and_this_computer_is_looked_at_while_somebody_lo
     after: Any = route.answer(CALL)
     assert len(after["findings"]) > len(answer["findings"])
     clock.time_s += INTEREST_S + 1.0
-    page.refresh(snapshot(SurveyState.IDLE))
+    page.show_state(snapshot(SurveyState.IDLE))
     # And again when somebody comes back.
     route.answer(CALL)
     assert len(asked) == 2

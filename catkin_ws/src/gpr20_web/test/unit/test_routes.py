@@ -114,7 +114,7 @@ class WholePage:
             self.desk.be(code)
             if armed:
                 self.desk.allow()
-            self.shell.refresh(self.desk.model.snapshot())
+            self.shell.show_state(self.desk.model.state())
 
         self.site.call(take())
 

@@ -103,7 +103,7 @@ def test_while_nobody_watches_no_traces_are_read(server):
     server.page.on_event(CoverageRuns(SURVEY, 40, (0, 4), (1, 0)))
     for _second in range(5):
         server.now_s += PERIOD_S
-        server.page.refresh(server.snapshot)
+        server.page.show_state(server.snapshot)
     assert not server.node.asked
     server.tick()
     server.tick()

@@ -141,7 +141,7 @@ def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(su
     assert said == ("C01", "X 15 ±4  Y 14 ±4 mm", "60 ±6 mm deep")
     assert second["doubtful"] and not first["doubtful"] and first["why"]
     # What is known is shown while another survey runs, too.
-    surveys.page.refresh(RUNS)
+    surveys.page.show_state(RUNS)
     assert surveys.get(surveys.whole)["candidates"] == shown
     assert surveys.services.searched == [SURVEY]
     next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
@@ -172,18 +172,18 @@ def test_the_imaging_node_works_for_one_at_a_time_and_not_while_a_survey_runs(su
             with pytest.raises(BusyError):
                 other(surveys, surveys.part)
         for _ in range(3):
-            surveys.page.refresh(RUNS)
+            surveys.page.show_state(RUNS)
         raise NotNowError(verbatim("cancelled"))
 
     services.focus = services.export = work
-    surveys.page.refresh(ENDED)
+    surveys.page.show_state(ENDED)
     for reason in ("cancelled", "survey is running"):
         with pytest.raises(NotNowError, match=reason):
             WORK[kind](surveys, surveys.whole)
     assert len(begun) == 1 and services.cancelled == begun
     assert not surveys.get(surveys.whole)["can_search"]
     services.focus, services.export = usual
-    surveys.page.refresh(ENDED)
+    surveys.page.show_state(ENDED)
     assert WORK[kind](surveys, surveys.part)
 
 

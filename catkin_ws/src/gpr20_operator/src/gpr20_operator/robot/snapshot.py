@@ -248,7 +248,7 @@ class SurveyModel:
             # No survey leads back to IDLE: the main control was restarted and has none.
             self._interrupted = True
 
-    def snapshot(self) -> Snapshot:
+    def state(self) -> Snapshot:
         """Return what is known now."""
         now_s = self._clock.now_s()
         silent_s = None if self._received_s is None else now_s - self._received_s

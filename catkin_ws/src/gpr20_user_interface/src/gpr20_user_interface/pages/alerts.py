@@ -151,7 +151,7 @@ class Alerts(Page):
         """Follow what is known of a STOP."""
         self._stop.on_event(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         card = self._cards.note(snapshot)
         if card is not None:
@@ -176,7 +176,7 @@ class Alerts(Page):
             self.show_refusal(Refused[refusal.request.name], refusal.message)
             return
         # The status of the survey opens a card with the same reason.
-        self._cards.note(self._survey.refresh())
+        self._cards.note(self._survey.state())
         self.notice.hide()
         self._ask_resume_with(refusal.other_analyzer, refusal.message)
 

@@ -204,27 +204,24 @@ class GroundPage(QObject, Page):
         if isinstance(event, Answer) and event.request is Request.START and event.success:
             self._survey.finer = None
 
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Follow the survey that is shown, and whether one runs."""
+    def show_state(self, snapshot: Snapshot) -> None:
+        """Follow the survey that is shown; request the missing traces and draw what is new."""
         self._traces.note_state(snapshot)
         self._follow()
         self._additions.follow(self._traces.shown.map.grid)
         self._additions.refresh()
-        self.view.is_running = snapshot.running
+        self._traces.refresh()
+        view, imaging = self.view, self._imaging
+        if view.isVisible():
+            self.model.keep_image(imaging)
+        view.is_running, view.problem = snapshot.running, imaging.problem
+        view.carriage_mm = self._traces.carriage_mm
+        view.refresh()
 
     def show_again(self) -> None:
         """Show the same in another language, theme or size."""
         self.view.show_again()
         self.layers.show_again()
-
-    def draw(self) -> None:
-        """Request the missing traces and draw what is new."""
-        self._traces.refresh()
-        if self.view.isVisible():
-            self.model.keep_image(self._imaging)
-        self.view.problem = self._imaging.problem
-        self.view.carriage_mm = self._traces.carriage_mm
-        self.view.refresh()
 
     def _show_live(self) -> None:
         self._traces.show_live()

@@ -184,9 +184,9 @@ class GroundView(QWidget):
         has_survey = model.survey.map.grid is not None
         self._stack.setCurrentIndex(int(has_survey))
         if not has_survey and self.is_running:
-            self.empty.show_state("ground", shown_text(texts.BEGINS))
+            self.empty.explain("ground", shown_text(texts.BEGINS))
         elif not has_survey:
-            self.empty.show_state(
+            self.empty.explain(
                 *("ground", shown_text(texts.NO_SURVEY), self.tr("Stored surveys")),
                 self.surveys_wanted.emit,
             )

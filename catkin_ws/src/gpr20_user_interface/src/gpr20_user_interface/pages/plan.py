@@ -154,7 +154,7 @@ class PlanPage(QWidget, Page):
         elif isinstance(event, PlanMemoryFailed):
             self.refused.emit(Refused.PLAN, event.reason)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         before, self._snapshot = self._snapshot, snapshot
         changed, robot = False, snapshot.robot

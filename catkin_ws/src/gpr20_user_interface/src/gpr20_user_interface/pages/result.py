@@ -114,7 +114,7 @@ class ResultPage(QWidget, Page):
         self._lay_out()
         self._show()
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Search while the page is seen; during a survey only what is known is shown."""
         self.result.note_running(snapshot.running)
         self.result.latest_id = "" if snapshot.state is None else snapshot.state.survey_id
@@ -195,15 +195,15 @@ class ResultPage(QWidget, Page):
         self.title.setText(named if part is None else shown_text(part))
         self.progress.setVisible(running)
         if result.waits:
-            self.card.show_state("pause", shown_text(SURVEY_RUNS))
+            self.card.explain("pause", shown_text(SURVEY_RUNS))
         elif running:
             text = shown_text(texts.SEARCHING if search.running else texts.READING)
-            self.card.show_state("search", text, self.tr("CANCEL"), result.cancel)
+            self.card.explain("search", text, self.tr("CANCEL"), result.cancel)
         elif failed is not None:
             again = self.tr("SEARCH") if failed == CANCELLED else self.tr("TRY AGAIN")
-            self.card.show_state("warning", with_remedy(failed), again, result.try_again)
+            self.card.explain("warning", with_remedy(failed), again, result.try_again)
         else:
-            self.card.show_state("search", shown_text(texts.READING))
+            self.card.explain("search", shown_text(texts.READING))
 
     def _show_image(self, image: FocusedImage) -> None:
         result = self.result

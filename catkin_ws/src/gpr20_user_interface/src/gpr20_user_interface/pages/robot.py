@@ -191,7 +191,7 @@ class RobotPage(QStackedWidget, Page):
         """Take an event about the robot."""
         self._model.on_event(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show what is known now; end the service when another page is in front."""
         changed = self.isVisible() != self._watched
         if changed:
@@ -201,9 +201,6 @@ class RobotPage(QStackedWidget, Page):
         self._report = snapshot.health
         if self._watched or changed:
             self._show()
-
-    def draw(self) -> None:
-        """Judge the robot again."""
         if self._watched:
             self.overview.show_findings(self._model.findings())
 

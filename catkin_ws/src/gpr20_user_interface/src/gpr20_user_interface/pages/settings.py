@@ -253,7 +253,7 @@ class RemotePage(HoldSheet, Page):
         """Follow what the web page says."""
         self._arming.take(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show how long it is still allowed; end it if something forbids it."""
         before, self._snapshot = self._snapshot, snapshot
         self._arming.note(snapshot, self._plan())

@@ -52,7 +52,7 @@ class JobPage(QWidget, Page):
         if isinstance(event, SurveyDescribed):
             self._named = survey_name(event.text)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show what is known now."""
         percent = percent_of(snapshot)
         self.percent.setText("—" if percent is None else f"{percent} %")
@@ -73,8 +73,9 @@ class JobPage(QWidget, Page):
         area = "" if parameters is None else shown_text(area_of(parameters))
         self.area.setText(", ".join(text for text in (name if known else "", area) if text))
         self.notes.setVisible(snapshot.running and not snapshot.replay)
+        self._draw()
 
-    def draw(self) -> None:
+    def _draw(self) -> None:
         """Draw the map, if it is seen and something has changed."""
         model = self._traces.running.map
         state = model, model.revision, model.current
@@ -108,7 +109,7 @@ class SurveyTab(QStackedWidget, Page):
         for screen in (plan, job, result):
             self.addWidget(screen)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show the screen that is needed now."""
         if snapshot.running:
             self._opened = self._left = ""

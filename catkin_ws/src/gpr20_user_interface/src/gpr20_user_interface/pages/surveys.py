@@ -198,7 +198,7 @@ class SurveysPage(QWidget, Page):
         """Show what the storage reports."""
         self._show()
 
-    def refresh(self, _snapshot: Snapshot) -> None:
+    def show_state(self, _snapshot: Snapshot) -> None:
         """Show what is known now."""
         self._show()
 
@@ -289,17 +289,15 @@ class SurveysPage(QWidget, Page):
             return
         if surveys.problem is not None:
             text = sentence_text(surveys.problem)
-            self.empty.show_state("warning", text, self.tr("Read again"), self._ask_again)
+            self.empty.explain("warning", text, self.tr("Read again"), self._ask_again)
         elif not surveys.read or surveys.more:
-            self.empty.show_state("surveys", self.tr("The surveys are being read."))
+            self.empty.explain("surveys", self.tr("The surveys are being read."))
         elif surveys.surveys:
             text, show_all = self.tr("No survey fits the search."), self.tr("Show all")
-            self.empty.show_state("search", text, show_all, lambda: self.search_for(""))
+            self.empty.explain("search", text, show_all, lambda: self.search_for(""))
         else:
             text = self.tr("No survey is stored yet.")
-            self.empty.show_state(
-                "surveys", text, self.tr("Plan a survey"), self.plan_requested.emit
-            )
+            self.empty.explain("surveys", text, self.tr("Plan a survey"), self.plan_requested.emit)
 
     def _show_choice(self) -> None:
         surveys, chosen, look = self._surveys, self.chosen, look_of(self)

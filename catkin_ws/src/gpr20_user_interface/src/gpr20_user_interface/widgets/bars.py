@@ -147,7 +147,7 @@ class TopBar(QWidget):
         # The end of names differs most often.
         self._name = name if len(name) <= LONGEST_NAME else f"…{name[1 - LONGEST_NAME :]}"
 
-    def refresh(self, snapshot: Snapshot, ready: bool, figures: bool) -> None:
+    def show_state(self, snapshot: Snapshot, ready: bool, figures: bool) -> None:
         """Show what is known now.
 
         Args:

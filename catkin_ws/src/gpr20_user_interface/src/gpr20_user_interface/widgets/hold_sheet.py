@@ -186,7 +186,7 @@ class StartSheet(HoldSheet, Page):
             lambda: self._survey.resume_with(identity),
         )
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Show what is known now; close if it is too late."""
         if not self.isVisible():
             return

@@ -211,7 +211,7 @@ class EmptyState(QWidget):
         layout.addStretch()
         self.setLayout(layout)
 
-    def show_state(
+    def explain(
         self, name: str, sentence: str, button: str = "", act: Optional[Callable[[], None]] = None
     ) -> None:
         """Show what is missing.
@@ -236,11 +236,8 @@ class Page:
     def on_event(self, event: object) -> None:
         """Take an event."""
 
-    def refresh(self, snapshot: Snapshot) -> None:
-        """Show what is known now; 5 times a second."""
-
-    def draw(self) -> None:
-        """Draw what is new; 5 times a second."""
+    def show_state(self, snapshot: Snapshot) -> None:
+        """Show what is known now; 5 times a second, and after each request."""
 
     def show_again(self) -> None:
         """Show the same in another language, theme or size, where it was not written by `say`."""

@@ -154,7 +154,7 @@ class TouchBinding:
         self.touches.watch_pages()
         self.touches.too_small.connect(self._on_too_small)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Dim the screen when it is time, not while there is something to see."""
         waits = snapshot.state is not None and snapshot.state.code in AWAKE
         seen = any(notice.isVisible() for notice in self._notices)

@@ -46,7 +46,7 @@ from gpr20_user_interface.window.lock import TouchBinding
 
 # Topics come at up to 50 Hz; figures that change more often than these cannot be read. 99 of 100
 # traces are on the screen within 250 ms; drawing more often costs processor time.
-REFRESH_MS = DRAW_MS = 200
+REFRESH_MS = 200
 # A robot may be started, or restarted with other limits, after the window; this also shows
 # whether the master answers.
 MASTER_CHECK_MS = 2000
@@ -109,7 +109,6 @@ class MainWindow(QWidget):
         )
         self._timers = [
             self._timer(REFRESH_MS, self.refresh),
-            self._timer(DRAW_MS, self.draw),
             self._timer(MASTER_CHECK_MS, self.survey.check_master),
         ]
         self._lay_out()
@@ -177,18 +176,13 @@ class MainWindow(QWidget):
 
     def refresh(self) -> None:
         """Show what is known of the robot and the survey now."""
-        snapshot = self.survey.refresh()
+        snapshot = self.survey.state()
         for binding in self._bindings:
-            binding.refresh(snapshot)
-        self.touch_binding.refresh(snapshot)
+            binding.show_state(snapshot)
+        self.touch_binding.show_state(snapshot)
         # What START and the figures of the job say, the band does not say once more.
         ready = snapshot.can_start and self.control.plan_to_start is not None
-        self.top_bar.refresh(snapshot, ready, self.job.isVisible())
-
-    def draw(self) -> None:
-        """Draw what is new."""
-        for binding in self._bindings:
-            binding.draw()
+        self.top_bar.show_state(snapshot, ready, self.job.isVisible())
 
     def show_tab(self, name: TabName) -> None:
         """Bring a tab to the front."""

@@ -185,8 +185,8 @@ class WebNode:
         self._model.set_followed(is_watched)
         for client in (self._control, self._storage):
             client.set_watched(is_watched)
-        snapshot = self._model.snapshot()
-        self._shell.refresh(snapshot)
+        snapshot = self._model.state()
+        self._shell.show_state(snapshot)
         self._notes.refresh()
         self._server.streams.beat()
         status = WebStatusReported(

@@ -115,7 +115,7 @@ class Commands(WebPage):
         if starter is not None:
             self._log(starter, Request.START, "begun", self._described)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
         self._snapshot = snapshot
         self._allowance.note(snapshot)

@@ -85,7 +85,7 @@ class GroundPage(WebPage):
         for ground in (self._live, *self._past.values()):
             ground.on_event(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Follow the running survey."""
         self._snapshot, now_s = snapshot, self._now_s()
         if now_s - self._refreshed_s < PERIOD_S:

@@ -62,7 +62,7 @@ class NowPage(WebPage):
         if isinstance(event, SurveyDescribed):
             self._named = survey_name(event.text)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
         self._snapshot = snapshot
 
@@ -156,7 +156,7 @@ class ServicePage(WebPage):
         """Follow endstops, clocks and limits."""
         self._model.on_event(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Take what is known of the robot now."""
         self._model.refresh(snapshot)
         if self._asked_s is not None and self._now_s() - self._asked_s > INTEREST_S:

@@ -80,11 +80,11 @@ class Shell:
         for page in self.pages.values():
             page.on_event(event)
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Pass on what is known now."""
         self._documents.clear()
         for page in self.pages.values():
-            page.refresh(snapshot)
+            page.show_state(snapshot)
 
     def all_routes(self) -> Sequence[Route]:
         """Return the whole table."""

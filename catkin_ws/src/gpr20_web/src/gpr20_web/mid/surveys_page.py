@@ -113,7 +113,7 @@ class SurveysPage(WebPage):
             )
         )
 
-    def refresh(self, snapshot: Snapshot) -> None:
+    def show_state(self, snapshot: Snapshot) -> None:
         """Follow which survey runs: nothing is searched meanwhile."""
         if snapshot.running_survey and not self._running and self._working.locked():
             self._cancel(self._work_id)
