@@ -130,7 +130,8 @@ class App {
     this.me = undefined;
     this.page = null;
     document.documentElement.lang = this.language;
-    document.documentElement.dataset.theme = this.memory.getItem("theme") ?? "sun";
+    const own = window.matchMedia("(prefers-color-scheme: dark)").matches ? "night" : "sun";
+    document.documentElement.dataset.theme = this.memory.getItem("theme") ?? own;
     window.addEventListener("hashchange", () => this.show());
   }
 

@@ -68,7 +68,7 @@ const surveysPage = {
     const open = button("", () => this.open(folder, title), { "data-folder": folder });
     open.append(
       element("strong", {}, title), " ",
-      title === time ? "" : element("span", {}, time), " ",
+      title.startsWith(time) ? "" : element("span", {}, time), " ",
       ...this.chips(survey), element("br"), element("small", {}, people),
     );
     return element("li", {}, open);
