@@ -10,9 +10,9 @@ from typing import Callable, Dict, List
 from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 
-from gpr20_common.message import Message, in_a_row
+from gpr20_common.message import Message, in_a_row, verbatim
 from gpr20_operator.ground.sources import FocusedSource
-from gpr20_operator.ground.texts import HATCHED, GroundMark
+from gpr20_operator.ground.texts import GroundMark
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
 from gpr20_operator.robot.snapshot import Snapshot
@@ -224,8 +224,12 @@ class ResultPage(QWidget, Page):
             ]
         )
         self.picture.set_notice("\n".join(shown_text(one) for one in texts.notices(result)))
-        hatched = result.hiding.result is not None
-        self.picture.labels = "X", shown_text(HATCHED if hatched else texts.FROM_MARK)
+        above, hidden = texts.FROM_MARK, result.hiding.result
+        if hidden is not None:
+            named = {one.value.name: text for one, text in texts.TARGETS.items()}
+            name = named.get(hidden.target.name, verbatim(hidden.target.name))
+            above = Message("Hatched: {target} could hide", target=name)
+        self.picture.labels = "X", shown_text(above)
 
     def _row(self, number: int) -> TileButton:
         tile = TileButton(lines=1)

@@ -11,6 +11,7 @@ from PyQt5.QtWidgets import QPushButton, QWidget
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import Message
 from gpr20_operator.jobs import result_texts as texts
+from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result import SurveyResult
 from gpr20_operator.plan.fields import Keys
 from gpr20_operator.words import entered_number, number_from_text
@@ -48,6 +49,8 @@ class PlaceSheet(ResultSheet):
         self._operator = operator
         self._what: Optional[What] = None
         self._depth, self._who = "", ""
+        # What was last sent to be stored.
+        self._sent: object = None
         self.pad = Pad(window)
         self.whats: Dict[What, QPushButton] = {
             one: self.choice(partial(self._choose, one)) for one in What
@@ -90,6 +93,9 @@ class PlaceSheet(ResultSheet):
         offer(self.finer, Message("Measure\nfiner"), no_plan)
         self.title.setText(f"{place.number}   {shown_text(texts.whole_place(place))}")
         found, hidden = self.result.find_at(place), self.result.hiding.result
+        entered = self._what, self._depth, self._who
+        is_kept = self._what is None or (noting.state is JobState.DONE and entered == self._sent)
+        say(self.close_button, Message("CLOSE") if is_kept else Message("Leave\nunsaved"))
         lines = [*([] if found is None else [texts.found_line(found)]), *texts.why_lines(place)]
         if hidden is not None:
             lines.append(hidden.at(place.x_m, place.y_m))
@@ -126,6 +132,7 @@ class PlaceSheet(ResultSheet):
             depth_mm = number_from_text(self._depth) if self._depth else None
             try:
                 self.result.note_found(place, what, depth_mm, self._who)
+                self._sent = what, self._depth, self._who
             except InvalidValueError as error:
                 self.result.noting.refuse(error.message)
             self.show_now()

@@ -124,8 +124,9 @@ class ServiceScreen(QWidget):
         for line, axis in enumerate(AxisId):
             words = [self.places[axis], *([self.lamps[axis]] if axis in self.lamps else [])]
             layout.addLayout(column(*words, gap=0), line, 0)
+            unit = "°" if axis is AxisId.Z else ""
             for place, distance in enumerate(DISTANCES, 1):
-                jog = self._move(axis, AxisAction.JOG, verbatim(f"{distance:+d}"), distance)
+                jog = self._move(axis, AxisAction.JOG, verbatim(f"{distance:+d}{unit}"), distance)
                 layout.addWidget(jog, line, place)
             home = self._move(axis, AxisAction.HOME, Message("HOME"))
             layout.addWidget(home, line, len(DISTANCES) + 1)

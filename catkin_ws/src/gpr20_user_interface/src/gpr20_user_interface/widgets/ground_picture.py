@@ -12,7 +12,7 @@ from gpr20_operator.ground.coverage import MapModel
 from gpr20_operator.ground.grid import Area, Place, SurveyGrid
 from gpr20_operator.ground.sources import Picture
 from gpr20_operator.palette import Cell, hiding_cells, pattern, pattern_colours
-from gpr20_survey.results.hiding_map import HidingMap
+from gpr20_survey.results.hiding_map import MM_PER_M, HidingMap
 from gpr20_user_interface.look.look import Look, Mark, Theme
 from gpr20_user_interface.widgets.ink import rimmed, stroke
 from gpr20_user_interface.widgets.plot import Plot, extent_of, image_of
@@ -107,6 +107,10 @@ class GroundPicture(Plot):
         if found is not self._hiding:
             self._hiding = found
             cells, area = (None, Area(0, 0, 0, 0)) if found is None else hiding_cells(found)
+            if found is not None and cells is not None:
+                # The image reaches half a stop further: its rim is like the place beside it.
+                cells = np.pad(cells, 1, mode="edge")
+                area = area.grown(*(MM_PER_M * one for one in found.cell_m))
             self._hatched.show_cells(cells, _rect(area))
             self.update()
 
@@ -142,7 +146,10 @@ class GroundPicture(Plot):
         painter.drawRect(self._frame)
 
     def _paint_above(self, painter: QPainter, look: Look) -> None:
+        painter.save()
+        painter.setClipRect(self._frame)
         self._hatched.paint(painter, look, self)
+        painter.restore()
         painter.setBrush(Qt.BrushStyle.NoBrush)
         radius = look.px(FAILED_RING_PX)
         for pen in rimmed(look, Mark.STOP_FAILED, 3):

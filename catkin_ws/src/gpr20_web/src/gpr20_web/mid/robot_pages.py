@@ -48,6 +48,7 @@ class NowPage(WebPage):
         "line": Message("Line"),
         "position": Message("Antennas at"),
         "result": Message("Result"),
+        "raw": Message("Echoes, not judged. No echo does not mean no mine."),
         "details": Message("Details"),
         "simulated": Message("SIMULATED"),
     }

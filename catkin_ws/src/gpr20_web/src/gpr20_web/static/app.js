@@ -51,6 +51,7 @@ const nowPage = {
     if (!ground || key === this.mapKey) return;
     this.mapKey = key;
     this.page.map.hidden = !ground.survey;
+    this.page.raw.hidden = !ground.survey || ground.layer !== "echoes";
     const { theme } = document.documentElement.dataset;
     const choice = JSON.stringify({ layer: ground.layer, theme });
     const picture = new URLSearchParams({ choice, revision: ground.revision });
