@@ -47,20 +47,3 @@ def test_the_window_of_the_real_robot_covers_its_screen_and_comes_back(robot, is
     assert ("--wait-for-display" in window.args) is is_real
     assert "_language:=es" in window.args
     assert nodes_of("survey.launch", f"robot:={robot}", "ui:=false").keys() == nodes.keys()
-
-
-@each_case("file", ["survey.launch", "server.launch"])
-def test_the_web_page_runs_where_the_surveys_are_only_if_it_is_asked_for(file):
-    assert "web" not in nodes_of(file)
-    page = nodes_of(file, "web:=true")["web"]
-    assert (page.package, page.type, page.respawn, page.required) == (
-        *("gpr20_web", "web", True, False),
-    )
-    # As the watchdog finds it, and with the section of its own launch.
-    assert page.args.startswith("configuration:=/launch")
-
-
-@each_case("file", ["survey.launch", "robot.launch", "server.launch"])
-def test_every_node_of_a_robot_is_in_its_namespace(file):
-    nodes = all_nodes(file, "ns:=robot7")
-    assert {node.namespace.split("/")[1] for node in nodes} == {"robot7"}
