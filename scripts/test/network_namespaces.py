@@ -68,7 +68,8 @@ class Machine:
 
     def lose(self, percent):
         """Lose so many of the packets that arrive from now on, at random."""
-        rule = f"iif != lo numgen random mod 100 <= {percent - 1} drop"
+        # The VNA has a cable of its own.
+        rule = f"ct status dnat accept; iif != lo numgen random mod 100 <= {percent - 1} drop"
         chain = f"chain arriving {{ type filter hook input priority raw; {rule}; }}"
         again = "add table inet link; delete table inet link;"
         self.run("nft", f"{again} table inet link {{ {chain}; }}" if percent else again)
@@ -121,7 +122,7 @@ def share_loopback_port(server, robot, port):
     """Let a port of the loopback of the robot be reached on that of the server."""
     rule = f"tcp dport {port} dnat to"
     out = f"type nat hook output priority -100; ip daddr 127.0.0.1 {rule} {ROBOT}:{port}"
-    back = "type nat hook postrouting priority 100; ip saddr 127.0.0.1 masquerade"
+    back = "type nat hook postrouting priority 100; oifname server ip saddr 127.0.0.1 masquerade"
     into = f"type nat hook prerouting priority -100; iifname robot {rule} 127.0.0.1:{port}"
     for machine, chains in ((server, {"out": out, "back": back}), (robot, {"into": into})):
         machine.run("sysctl", "-qw", "net.ipv4.conf.all.route_localnet=1")

@@ -26,8 +26,10 @@ from wait_kit import wait_until
 from gpr20_analysis.read.verdict import COMPLETE
 from gpr20_analysis.read.verification import verify_survey
 
-pytestmark = [pytest.mark.release, pytest.mark.needs("network namespaces", "firewall")]
-
+pytestmark = [
+    *(pytest.mark.release, pytest.mark.timeout(1200)),
+    pytest.mark.needs("network namespaces", "firewall"),
+]
 # Longer than a client waits: 35 s of silence, which it notices after 5 s.
 CUT_S, LOSS_PERCENT = 45.0, 5
 TRACES = 3 * 3 * 2
