@@ -72,10 +72,10 @@ remedy() {
 
 # How long another installation is waited for [s], and how often apt is tried [s].
 APT_WAIT_S="${GPR20_APT_WAIT_S:-900}"
-APT_RETRY_S="${GPR20_APT_RETRY_S:-2}"
+APT_RETRY_S=2
 # Where ROS Noetic is on Ubuntu 20.04.
 ROS_PREFIX="${GPR20_ROS_PREFIX:-/opt/ros/noetic}"
-OS_RELEASE="${GPR20_OS_RELEASE:-/etc/os-release}"
+OS_RELEASE=/etc/os-release
 
 # The setup file of the system's ROS; empty where ROS is Debian's packages, which need none.
 ros_setup_file() {

@@ -100,13 +100,3 @@ def test_a_copy_runs_a_whole_survey_that_the_installed_command_verifies(installe
         assert word not in log, log
     software = json.loads((stored / "survey.json").read_text())["software_revision"]
     assert software.endswith(f" (git {revision})")
-
-
-def test_every_program_of_it_runs_in_the_python_of_its_own_environment(installed):
-    folder, _revision = installed
-    programs = [*folder.glob("bin/*"), *folder.glob("lib/gpr20*/*"), *folder.glob("lib/rosout/*")]
-    assert len(programs) > 15
-    for program in programs:
-        assert program.read_text().startswith("#!/usr/bin/env python3\n"), program
-    found = run(sourced(folder, "command -v python3 gpr20"), user_environment(folder))
-    assert found.split() == [str(folder / "venv/bin/python3"), str(folder / "bin/gpr20")]

@@ -10,7 +10,7 @@ from case_kit import each_case
 from roslaunch.config import ROSLaunchConfig
 from roslaunch.xmlloader import XmlLoader
 
-LAUNCH = Path(__file__).resolve().parents[2] / "launch"
+LAUNCH = Path(__file__).resolve().parents[2] / "launch/survey.launch"
 
 
 @pytest.fixture(autouse=True)
@@ -21,46 +21,28 @@ def no_check(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
 
 
-def all_nodes(file: str, *arguments: str):
+def nodes_of(*arguments: str):
     config = ROSLaunchConfig()
-    XmlLoader(resolve_anon=True).load(str(LAUNCH / file), config, argv=list(arguments))
-    return config.nodes
-
-
-def nodes_of(file: str, *arguments: str):
-    return {node.name: node for node in all_nodes(file, *arguments)}
+    XmlLoader(resolve_anon=True).load(str(LAUNCH), config, argv=list(arguments))
+    return {node.name: node for node in config.nodes}
 
 
 @each_case("robot, is_real", [("gpr20", True), ("simulated", False)])
 def test_the_window_of_the_real_robot_covers_its_screen_and_comes_back(robot, is_real):
-    nodes = nodes_of("survey.launch", f"robot:={robot}")
+    nodes = nodes_of(f"robot:={robot}", "web:=true")
     window = nodes.pop("user_interface")
     assert window.respawn is is_real
     assert f"_full_screen:={is_real}" in window.args
     assert ("--wait-for-display" in window.args) is is_real
     assert "_language:=auto" in window.args
-    # Every other node comes back too.
+    # Every other node comes back too, and the watchdog finds it by its arguments.
     assert {name for name, node in nodes.items() if not node.respawn} == set()
+    unwatched = {name for name, node in nodes.items() if "configuration:=/launch" not in node.args}
+    assert unwatched == {"watchdog", "visualization"}
     other = (f"full_screen:={str(not is_real).lower()}", "language:=es")
-    window = nodes_of("survey.launch", f"robot:={robot}", *other)["user_interface"]
+    window = nodes_of(f"robot:={robot}", *other)["user_interface"]
     assert f"_full_screen:={not is_real}" in window.args
     assert ("--wait-for-display" in window.args) is is_real
     assert "_language:=es" in window.args
-    assert nodes_of("survey.launch", f"robot:={robot}", "ui:=false").keys() == nodes.keys()
-
-
-@each_case("file", ["survey.launch", "server.launch"])
-def test_the_web_page_runs_where_the_surveys_are_only_if_it_is_asked_for(file):
-    assert "web" not in nodes_of(file)
-    page = nodes_of(file, "web:=true")["web"]
-    assert (page.package, page.type, page.respawn, page.required) == (
-        *("gpr20_web", "web", True, False),
-    )
-    # As the watchdog finds it, and with the section of its own launch.
-    assert page.args.startswith("configuration:=/launch")
-
-
-@each_case("file", ["survey.launch", "robot.launch", "server.launch"])
-def test_every_node_of_a_robot_is_in_its_namespace(file):
-    nodes = all_nodes(file, "ns:=robot7")
-    assert {node.namespace.split("/")[1] for node in nodes} == {"robot7"}
+    without = nodes_of(f"robot:={robot}", "ui:=false")
+    assert without.keys() == nodes.keys() - {"web"}

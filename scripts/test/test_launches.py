@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import signal
@@ -11,9 +10,7 @@ import subprocess
 import psutil
 import pytest
 from robot_kit import WATCHDOG, LaunchedRobot, free_port
-from user_shell import ROOT, printed_by
-
-from gpr20_survey.folder.data_folder import memory_file, read_marker
+from user_shell import printed_by
 
 LIMIT_S = 120.0
 OTHERS = signal.SIGHUP, signal.SIGTERM
@@ -40,20 +37,6 @@ def test_a_launch_ends_when_a_node_cannot_start(tmp_path):
     assert "restarting process" not in said
     # Python says that of a log that ROS has closed before the last message.
     assert "Traceback" not in said or "Logging error" in said
-
-
-def test_the_user_of_the_services_can_accept_another_data_folder(tmp_path):
-    settings = tmp_path / "environment"
-    settings.write_text(f"GPR20_LAUNCH_ARGUMENTS=ns:=robot1 data:={tmp_path}/data\n")
-    own = {
-        "GPR20_ENVIRONMENT": str(settings),
-        "GPR20_STATE": f"{tmp_path}/state",
-        "GPR20_PREFIX": str(ROOT / "catkin_ws/devel"),
-    }
-    printed_by(ROOT / "deploy/gpr20-run", "config", "accept_data", **own)
-    identity = read_marker(tmp_path / "data").identity
-    memory = memory_file(tmp_path / "state", tmp_path / "data")
-    assert json.loads(memory.read_text())["identity"] == identity
 
 
 def test_nodes_that_outlive_their_roslaunch_are_named_with_the_command_that_ends_them(robot):

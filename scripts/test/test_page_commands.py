@@ -21,7 +21,7 @@ ELSEWHERE = {
         "tests of their own in scripts/test, scripts/bare_debian.sh"
     ),
     r"^(sudo|gpr20-run|nft|rosdep|catkin|apt|GPR20_(ROBOT|SERVER|ADMIN)=)": (
-        "a robot's own computer: test_packages.py, test_firewall.py, scripts/package_trial.sh"
+        "a robot's own computer: test_packages.py, test_two_machines.py, scripts/package_trial.sh"
     ),
     r"^(roslaunch|rosrun|rosbag|rosservice|rosparam|rostopic|roscore|rosclean|python3 soil)": (
         "a running robot: test_launches.py, test_readme_commands.py, second_launch.test"

@@ -100,15 +100,6 @@ def test_systemd_starts_the_units_of_the_role(tmp_path, line, units):
     assert started == units.split()
 
 
-def test_the_web_page_runs_beside_the_surveys_if_a_network_may_reach_it(machine):
-    for role, addresses in (("both", {}), ("server", TWO), ("robot", TWO)):
-        for web in ("", "192.168.1.0/24"):
-            text = SHIPPED.replace("GPR20_WEB=", f"GPR20_WEB={web}")
-            done = machine(text, GPR20_ROLE=role, **addresses)
-            assert done.returncode == 0
-            assert ("<web:=true>" in done.stdout) == (web != "" and role != "robot"), done.stdout
-
-
 WRONG = [
     (f" {SIMULATED}", "is not NAME=value"),
     (f"export {SIMULATED}", "is not NAME=value"),
@@ -130,18 +121,6 @@ def test_a_line_that_is_not_understood_starts_nothing(machine, line, reason):
     done = machine(BOTH.replace(SIMULATED, line))
     assert done.returncode == 2 and done.stdout == "", done.stdout
     assert reason in done.stderr
-
-
-def test_what_is_no_file_starts_nothing_and_is_not_waited_for(machine, tmp_path):
-    os.mkfifo(str(tmp_path / "pipe"))
-    for name, reason in (
-        ("none", "none cannot be read"),
-        ("", "it must be a file"),
-        ("pipe", "it must be a file"),
-    ):
-        done = machine(SHIPPED, GPR20_ENVIRONMENT=str(tmp_path / name))
-        assert done.returncode == 2 and done.stdout == ""
-        assert reason in done.stderr
 
 
 LINES = st.sampled_from(

@@ -16,7 +16,8 @@ from dataclasses import dataclass
 
 import pytest
 from failing_disk import PowerCutDisk, PowerCutError, can_be_cut
-from update_world import World, run
+from update_world import World
+from user_shell import printed_by
 
 CUTS = int(os.environ.get("GPR20_UPDATE_CUTS", "30"))
 SEED = int(os.environ.get("GPR20_UPDATE_SEED", "31"))
@@ -41,11 +42,7 @@ class Computer(World):
     def run_and_cut(self, argument, after_s, written, begun=False):
         """Run gpr20-update and cut the power; return whether the cut came before its end.
 
-        Args:
-            argument: Of the program.
-            after_s: When to cut [s].
-            written: Whether the kernel writes everything back at some time before.
-            begun: Whether that time begins with the installation.
+        The kernel may write everything back before; the time may begin with the installation.
         """
         process = self.begin(argument)
         while begun and process.poll() is None and self.step() == BEFORE:
@@ -78,14 +75,14 @@ def computer(first, tmp_path):
     # Here what dpkg syncs counts.
     program.write_text(program.read_text().replace("--force-unsafe-io", ""))
     disk.unmount()
-    run("cp", "--sparse=always", tmp_path / "disk.img", tmp_path / "first.img")
+    printed_by("cp", "--sparse=always", tmp_path / "disk.img", tmp_path / "first.img")
     return Computer(made.root, made.sticks, made.gpg, disk)
 
 
 def renew(computer):
     """Let the disk, which is not mounted, be as it was at first; mount it."""
     image = computer.disk.folder.with_name("disk.img")
-    run("cp", "--sparse=always", image.with_name("first.img"), image)
+    printed_by("cp", "--sparse=always", image.with_name("first.img"), image)
     computer.disk.mount()
 
 

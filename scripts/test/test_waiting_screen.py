@@ -6,18 +6,7 @@ import subprocess
 import sys
 from xmlrpc.server import SimpleXMLRPCServer
 
-from user_shell import ROOT, imported
-
-from gpr20_common.catalogue import Language, read_catalogue
-
-waiting_screen = imported("waiting_screen")
-
-
-def test_it_says_in_spanish_too_what_is_waited_for():
-    said = waiting_screen.sentence({"GPR20_SERVER": "10.20.0.2"})
-    spanish = "Esperando al PC 10.20.0.2. Enciéndalo y revise el cable."
-    assert read_catalogue(Language.SPANISH).text(said) == spanish
-    assert "starting" in str(waiting_screen.sentence({}))
+from user_shell import ROOT
 
 
 def test_it_becomes_the_window_when_the_master_answers(monkeypatch):

@@ -86,15 +86,10 @@ window.EventSource = class extends EventSource {
 };
 dispatchEvent(new PageTransitionEvent("pageshow", { persisted: true }));
 """
-IS_OFFERED = "return Boolean(document.getElementById(arguments[0])?.offsetParent)"
 # How wide the alarm is, and how wide the page.
 ALARM_WIDTHS = """
 const { width } = document.querySelector("#stop-warning").getBoundingClientRect();
 return [width, document.documentElement.clientWidth];
-"""
-LOADED_BYTES = """
-const loaded = performance.getEntriesByType("resource");
-return loaded.reduce((sum, one) => sum + one.transferSize, 0);
 """
 # Whether everybody can use a page: WCAG 2.1 A and AA by axe-core, and the keyboard.
 RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
@@ -194,26 +189,6 @@ def test_a_doctor_beside_the_robot_finds_no_fault(site: Site) -> None:
     assert bad == {}
     assert {found[one]["level"] for one in ("calibration", "versions")} == {"OK"}
     assert found["x_axis/axis_driver"]["level"] == "NOTE"
-
-
-def test_a_page_that_hangs_is_restarted_beside_a_survey_that_ends_whole(site: Site) -> None:
-    client = _survey(site, 4)
-    first = site.robot.processes()[WEB]
-    # The watchdog ends what has answered before: it keeps the connection.
-    ports = {one.laddr.port for one in first.net_connections() if one.status == "LISTEN"}
-    watchdog = site.robot.processes()[WATCHDOG]
-
-    def is_watched() -> bool:
-        return any(one.raddr and one.raddr.port in ports for one in watchdog.net_connections())
-
-    wait = site.browser.wait
-    wait(is_watched, "the watchdog has asked the page", 60.0)
-    first.suspend()
-    wait(lambda: site.robot.processes().get(WEB) not in (None, first), "another page", 90.0)
-    assert client.wait(90.0) == 0
-    wait(site.opens, "the other page answers", 60.0)
-    log = (site.folder / "launch.log").read_text()
-    assert "PAUSED" not in log and "FAILED" not in log, log
 
 
 def test_survey_is_started_watched_paused_resumed_and_stopped_from_the_page(site: Site) -> None:
@@ -418,25 +393,6 @@ def test_who_is_in_control_and_a_stop_that_is_not_confirmed_are_in_sight(site: S
     browser.resize(800)
 
 
-def test_who_watches_may_pause_and_stop_and_is_offered_no_more(site: Site) -> None:
-    browser = site.browser
-    client = _survey(site, 30)
-    site.log_in("vera")
-    site.wait_for_state("SURVEYING")
-
-    def offered() -> Set[str]:
-        ids = ("start", "pause", "stop", "control")
-        return {one for one in ids if browser.run(IS_OFFERED, one)}
-
-    browser.wait(lambda: offered() == {"pause", "stop"}, "PAUSE and STOP are there")
-    browser.press("#pause")
-    site.wait_for_state("PAUSED")
-    browser.wait(lambda: offered() == {"stop"}, "RESUME is for others")
-    browser.press("#stop")
-    site.wait_for_state("STOPPED")
-    assert client.wait(60.0) != 0
-
-
 def test_stop_waits_for_no_connection_that_the_ground_holds(site: Site) -> None:
     browser = site.browser
     site.log_in("ada")
@@ -472,14 +428,3 @@ def test_login_says_why_it_is_asked_for_and_what_was_not_carried_out(site: Site)
     browser.run("dispatchEvent(new PageTransitionEvent('pageshow', { persisted: true }))")
     browser.wait_for_text("You are no longer logged in: log in again.", "form")
     assert "STOP" not in browser.text("form")
-
-
-def test_a_page_is_small_and_one_that_was_left_gives_its_stream_back(site: Site) -> None:
-    browser = site.browser
-    site.log_in("vera")
-    # One login has three streams; the browser keeps pages that were left.
-    for _number in range(5):
-        browser.open("about:blank")
-        browser.run("location.href = arguments[0]", f"{site.address}/")
-        browser.wait(lambda: browser.text("#state") not in ("", "None"), "it is live")
-    assert 0 < browser.run(LOADED_BYTES) <= 200_000

@@ -12,7 +12,6 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Dict, Iterable, Mapping, Optional
 
 from user_shell import ROOT, printed_by
 
@@ -33,18 +32,7 @@ UPDATER = {
 }
 
 
-def run(*command: object, cwd: Optional[Path] = None, **more: str) -> str:
-    """Run a program that must succeed; return what it printed."""
-    words = list(map(str, command))
-    environment = {**os.environ, **more}
-    done = subprocess.run(
-        words, cwd=cwd, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def release_files(version: str) -> Dict[str, bytes]:
+def release_files(version):
     """Return the files of a release by their path in a slot, the program among them."""
     files = {"release": f"{version}\n".encode(), **UPDATER}
     for number in range(FILES_OF_RELEASE):
@@ -54,26 +42,8 @@ def release_files(version: str) -> Dict[str, bytes]:
     return files
 
 
-def make_deb(
-    folder: Path,
-    name: str,
-    version: str,
-    files: Mapping[str, bytes],
-    conffiles: Iterable[str] = (),
-    scripts: Iterable[Path] = (),
-    **fields: str,
-) -> Path:
-    """Make one package.
-
-    Args:
-        folder: Where to.
-        name: Its name.
-        version: Its version.
-        files: What it holds, by path without the first slash.
-        conffiles: Which of its files are configuration.
-        scripts: Its maintainer scripts, each with the ending that says which.
-        **fields: Further fields of its description.
-    """
+def make_deb(folder, name, version, files, conffiles=(), scripts=(), **fields):
+    """Make a package of files by path, and of maintainer scripts, whose endings say which."""
     tree = folder / f"tree_{name}"
     (tree / "DEBIAN").mkdir(parents=True)
     fields = {"Package": name, "Version": version, "Architecture": "all", **fields}
@@ -91,12 +61,11 @@ def make_deb(
         script.write_text(source.read_text("utf-8").replace("#DEBHELPER#", ""), encoding="utf-8")
         script.chmod(0o755)
     deb = folder / f"{name}_{version}_all.deb"
-    run("dpkg-deb", "--root-owner-group", "-Znone", "--build", tree, deb)
+    printed_by("dpkg-deb", "--root-owner-group", "-Znone", "--build", tree, deb)
     shutil.rmtree(tree)
-    return deb
 
 
-def release_key(place: Path) -> str:
+def release_key(place):
     """Make a key that signs releases; return the folder of gpg."""
     (place / "gpg").mkdir(mode=0o700, parents=True)
     home = str(place / "gpg")
@@ -104,35 +73,33 @@ def release_key(place: Path) -> str:
     return home
 
 
-def gpg(home: str, *words: object) -> str:
+def gpg(home, *words):
     """Run gpg in its folder, at a time that is not that of the robot."""
+    command = ("gpg", "--batch", "--yes", "--faked-system-time", SIGNED_AT, *words)
     try:
-        return run("gpg", "--batch", "--faked-system-time", SIGNED_AT, *words, GNUPGHOME=home)
+        printed_by(*command, GNUPGHOME=home)
     finally:
-        run("gpgconf", "--kill", "all", GNUPGHOME=home)
+        printed_by("gpgconf", "--kill", "all", GNUPGHOME=home)
 
 
-def sign(stick: Path, home: str) -> None:
+def sign(stick, home):
     """Write the index of a stick, and its signature, as scripts/stick.sh does."""
-    (stick / "InRelease").unlink(missing_ok=True)
-    index = run("dpkg-scanpackages", "--multiversion", ".", cwd=stick)
-    (stick / "Packages").write_text(index, encoding="utf-8")
-    digest = hashlib.sha256(index.encode()).hexdigest()
-    text = f"Date: Fri, 01 Jan 2038 00:00:00 UTC\nSHA256:\n {digest} {len(index)} Packages\n"
+    index = "dpkg-scanpackages --multiversion . 2>/dev/null >Packages"
+    printed_by("sh", "-ec", index, folder=stick)
+    data = (stick / "Packages").read_bytes()
+    digest = hashlib.sha256(data).hexdigest()
+    text = f"Date: Fri, 01 Jan 2038 00:00:00 UTC\nSHA256:\n {digest} {len(data)} Packages\n"
     (stick.parent / "Release").write_text(text, encoding="utf-8")
-    gpg(home, "--clearsign", "--output", stick / "InRelease", stick.parent / "Release")
-    (stick / "release_key.asc").write_text(gpg(home, "--armor", "--export"), encoding="utf-8")
-    shutil.copy(ROOT / "deploy/install.sh", stick / "install.sh")
+    gpg(home, "--output", stick / "InRelease", "--clearsign", stick.parent / "Release")
+    gpg(home, "--output", stick / "release_key.asc", "--armor", "--export")
 
 
-def make_stick(sticks: Path, version: str, home: str) -> Path:
-    """Make a stick with one version, signed with the key of a folder of gpg; return its folder."""
-    stick = sticks / version
+def make_stick(stick, version, home):
+    """Make a stick with one version, signed with the key of a folder of gpg."""
     stick.mkdir(parents=True)
-    release = release_files(version)
     program = ROOT / "deploy/root/usr/sbin/gpr20-update"
     files = {
-        **{f"opt/gpr20/unpacked/{name}": one for name, one in release.items()},
+        **{f"opt/gpr20/unpacked/{name}": one for name, one in release_files(version).items()},
         "etc/gpr20/robot.conf": f"# {version}\nGPR20_LAUNCH_ARGUMENTS=\n".encode(),
         "lib/systemd/system/gpr20.service": f"# {version}\n".encode(),
         "usr/sbin/gpr20-update": program.read_bytes(),
@@ -142,32 +109,6 @@ def make_stick(sticks: Path, version: str, home: str) -> Path:
     make_deb(stick, "gpr20", version, files, ["etc/gpr20/robot.conf"], scripts, **needs)
     make_deb(stick, "other-library", version, {"usr/lib/other": version.encode()})
     sign(stick, home)
-    return stick
-
-
-def data_of(root: Path) -> Dict[str, str]:
-    """Return the checksum of every file of the configuration and of the surveys."""
-    return {
-        str(one.relative_to(root)): hashlib.sha256(one.read_bytes()).hexdigest()
-        for folder in ("etc/gpr20", "var/lib/gpr20")
-        for one in sorted((root / folder).rglob("*"))
-        # What a new version would like to have; it is not used.
-        if one.is_file() and one.suffix != ".dpkg-dist"
-    }
-
-
-def slot_problems(root: Path) -> str:
-    """Return what is wrong with the release that `current` names; empty: it is whole."""
-    current = root / "opt/gpr20/current"
-    slot = root / "opt/gpr20" / (os.readlink(current) if current.is_symlink() else "missing")
-    try:
-        version = (slot / "release").read_text("utf-8").strip()
-    except OSError as error:
-        return f"no release: {error}"
-    found = {
-        str(one.relative_to(slot)): one.read_bytes() for one in slot.rglob("*") if one.is_file()
-    }
-    return "" if found == release_files(version) else f"{slot} is not {version}"
 
 
 PROGRAMS = {
@@ -236,13 +177,7 @@ FILES = {
 
 @dataclass(frozen=True)
 class World:
-    """The folder, and the sticks that it can be updated from.
-
-    Attributes:
-        root: What is / of a real computer.
-        sticks: Folder of the sticks.
-        gpg: Folder of the key that signed them.
-    """
+    """What is / of a real computer; the sticks for it; and the gpg of who has signed them."""
 
     root: Path
     sticks: Path
@@ -288,8 +223,12 @@ class World:
 
     def release(self):
         """Return the version of the release in use, which is whole."""
-        assert slot_problems(self.root) == ""
-        return (self.root / "opt/gpr20/current/release").read_text("utf-8").strip()
+        slot = self.root / "opt/gpr20" / os.readlink(self.root / "opt/gpr20/current")
+        version = (slot / "release").read_text("utf-8").strip()
+        files = [one for one in slot.rglob("*") if one.is_file()]
+        found = {str(one.relative_to(slot)): one.read_bytes() for one in files}
+        assert found == release_files(version), f"{slot} is not {version}"
+        return version
 
     def version(self):
         """Return the one version that everything has; fail if something is between two."""
@@ -300,7 +239,13 @@ class World:
 
     def data(self):
         """Return the checksum of every file of the configuration and of the surveys."""
-        return data_of(self.root)
+        return {
+            str(one.relative_to(self.root)): hashlib.sha256(one.read_bytes()).hexdigest()
+            for folder in ("etc/gpr20", "var/lib/gpr20")
+            for one in sorted((self.root / folder).rglob("*"))
+            # What a new version would like to have; it is not used.
+            if one.is_file() and one.suffix != ".dpkg-dist"
+        }
 
     def show_process(self, number):
         """Let the computer have a process of this one."""
@@ -328,10 +273,9 @@ class World:
 
 def make_world(place):
     """Return a computer on which version 1.0 was installed and is kept."""
-    gpg = release_key(place)
-    world = World(place / "first", place / "the sticks", gpg)
+    world = World(place / "first", place / "the sticks", release_key(place))
     for version in ("1.0", "2.0"):
-        make_stick(world.sticks, version, gpg)
+        make_stick(world.stick(version), version, world.gpg)
     for folder in ("var/lib/dpkg/updates", "var/lib/dpkg/info", "run/systemd/system"):
         (world.root / folder).mkdir(parents=True)
     for folder in ("var/lib/apt", "var/log/apt", "etc/apt/preferences.d", "var/cache/apt"):

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 import re
-import signal
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 
@@ -75,58 +72,3 @@ def unit_values(name, key):
 def has_bag(folder):
     """Return whether the bag of a survey that has ended is made, and named in its log."""
     return (folder / "survey.bag").exists() and writer_of(folder) is None
-
-
-def is_ready(log):
-    """Return whether every node has said in a log that it is; a busy machine takes its time."""
-    printed = log.read_text(errors="replace")
-    return all(f"/{node} is ready" in printed for node in NODES)
-
-
-class Terminal:
-    """Terminals on one machine, each of which has sourced the workspace.
-
-    Args:
-        log: File to which everything is printed.
-        environment: What was exported before sourcing.
-        prefix: Command that runs another one on that machine.
-    """
-
-    def __init__(self, log, environment, prefix=()):
-        self._log = log
-        self._environment = environment
-        self._prefix = prefix
-        self._started = []
-
-    def start(self, command):
-        """Start a command line in a new terminal."""
-        source = f"source {ROOT}/catkin_ws/devel/setup.bash"
-        process = subprocess.Popen(
-            [*self._prefix, "bash", "-c", f"{source} && exec {command}"],
-            env=self._environment,
-            stdout=self._log,
-            stderr=subprocess.STDOUT,
-            start_new_session=True,
-        )
-        self._started.append(process)
-        return process
-
-    def run(self, command):
-        """Run a command line to its end and return its status."""
-        return self.start(command).wait(LIMIT_S)
-
-    def close(self):
-        """Press Ctrl-C in all of them, the last first."""
-        for process in reversed(self._started):
-            if process.poll() is None:
-                os.killpg(process.pid, signal.SIGINT)
-                process.wait(LIMIT_S)
-
-
-def imported(name):
-    """Return a module of deploy/, which are run as programs, from their folder."""
-    sys.path.insert(0, str(ROOT / "deploy"))
-    try:
-        return importlib.import_module(name)
-    finally:
-        sys.path.remove(str(ROOT / "deploy"))

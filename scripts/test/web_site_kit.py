@@ -73,13 +73,7 @@ class Touchscreen:
 
 
 def write_config(config: Path, web: Path, port: int) -> None:
-    """Write the configuration of a robot with a page, and its accounts.
-
-    Args:
-        config: The folder of the configuration.
-        web: The folder of the page.
-        port: Where it listens.
-    """
+    """Write the configuration of a robot with a page on a port, and its accounts."""
     create = ["rosrun", "gpr20_launch", "robot_config", "create", str(config)]
     subprocess.run(create, check=True, capture_output=True)
     (config / "web.yaml").write_text(f"port: {port}\nfolder: {web}\n")
@@ -91,13 +85,7 @@ def write_config(config: Path, web: Path, port: int) -> None:
 
 
 class Site:
-    """The robot, its page, a browser and the window.
-
-    Args:
-        robot: It runs, with the page.
-        address: Of the page.
-        folder: That of the robot.
-    """
+    """The robot in its folder, its page at an address, a browser and the window."""
 
     def __init__(self, robot: LaunchedRobot, address: str, folder: Path) -> None:
         self.robot, self.address, self.folder = robot, address, folder

@@ -56,6 +56,8 @@ PARAMETERS = SurveyParameters(
 TARGET = Target("can", Shape.SPHERE, 120.0, 110.0, 0.06, 0.02, 0.0, 0.05, 0.05)
 SCENE = Scene(soil=Soil(4.0, 0.0), antennas=Antennas(), targets=(TARGET,), noise=Noise(-90.0))
 NOW = "2026-10-01T10:00:00.000000+00:00"
+# As it is documented: docs/imaging.md.
+WEAKER = {"clutter", "sidelobe"}
 TIME_US = 1_795_000_000_000_000
 
 
@@ -184,7 +186,10 @@ def of_command(folder, capsys, *options):
     """Return the list that gpr20 candidates prints."""
     capsys.readouterr()
     assert main(["candidates", str(folder), "--json", *options]) == 0
-    return list_from(capsys.readouterr().out)
+    text = capsys.readouterr().out
+    for one in json.loads(text)["candidates"]:
+        assert one["doubtful"] == bool(WEAKER & {*one["flags"]})
+    return list_from(text)
 
 
 def rows_of(page):

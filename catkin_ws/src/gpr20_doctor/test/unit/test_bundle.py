@@ -131,17 +131,6 @@ def test_a_secret_leaves_by_no_value_and_no_line(value, text, form):
         assert not any(SECRET in one.group() for one in pattern.finditer(f"{line}\n{SECRET}"))
 
 
-def test_logs_have_a_limit_and_the_newest_are_taken(tmp_path, machine):
-    for number in range(bundle.LOG_FILES + 5):
-        path = tmp_path / f"logs/node-{number}.log"
-        path.write_text(f"[a{number}][ERROR] 2026-11-30 12:11:50,361: x\n")
-        os.utime(str(path), (2e9 + number,) * 2)
-    parts = written(tmp_path, machine, report("web"))
-    logs = [text for name, text in parts.items() if name.startswith("log ")]
-    assert len(logs) == bundle.LOG_FILES
-    assert "[a104]" in logs[0][0] and not any("[a4]" in str(one) for one in logs)
-
-
 def test_a_bundle_that_cannot_be_written_leaves_nothing_and_replaces_nothing(tmp_path, machine):
     refuse = mock.Mock(side_effect=MemoryError)
     with mock.patch.object(bundle, "_versions", refuse), pytest.raises(MemoryError):

@@ -26,9 +26,8 @@ from gpr20_common.high.service_client import ServiceUnavailableError
 from gpr20_common.message import Message
 from gpr20_doctor.high import doctor, graph
 from gpr20_doctor.low import masters
-from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.machine import MachineReport
-from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel
+from gpr20_doctor.mid.node_health import EXPECTED_NODES
 from gpr20_msgs.msg import ControlStatus, NodeDescription, RobotConfiguration
 from gpr20_simulator.mid.analyzer.simulated_analyzer import StepTime
 from gpr20_survey.plan.survey_state import SurveyState
@@ -106,18 +105,6 @@ def test_the_advice_leads_to_the_namespace_of_the_robot(run, master):
     assert (status, found["master"]["fault_code"]) == (2, "robot.not_running")
     assert re.search(r"gpr20 doctor --ns field\.", found["master"]["remedy"])
     assert found["parts"]["level"] == "UNKNOWN"
-
-
-@each_case("wait_s, waited_for", [("4", False), ("6", True)])
-def test_a_master_that_starts_later_is_waited_for_if_that_was_asked_for(
-    run, master, monkeypatch, wait_s, waited_for
-):
-    states = [MasterState.NOT_THERE, MasterState.HANGS]
-    monkeypatch.setattr(doctor, "Clock", StepTime)
-    monkeypatch.setattr(doctor, "state_of", lambda _uri: (states or [MasterState.ANSWERS]).pop(0))
-    _status, found, _said = run(master.uri, "--ns", "other", "--wait", wait_s)
-    # The one that answers has a robot in another namespace.
-    assert ("--ns field" in found["master"]["remedy"]) is waited_for
 
 
 def test_a_bundle_over_a_file_a_wrong_option_and_a_folder_of_no_user_are_refused(
@@ -220,15 +207,6 @@ def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monke
     heard["/field/control_status"](ControlStatus(code=SurveyState.IDLE.value))
     own.wait(60.0)
     assert clock.now_s() == pytest.approx(3.0, abs=0.1)
-
-
-def test_a_level_that_nobody_knows_is_an_error_of_that_part_alone():
-    # Anybody can publish there.
-    given = (0, 7, 3, b"\x01", 255)
-    status = [DiagnosticStatus(name=f"/part_{one}", level=one) for one in given]
-    found = graph.node_healths(DiagnosticArray(status=status), "/")
-    ok, warn, error, stale = HealthLevel
-    assert [one.level for one in found] == [ok, error, stale, warn, error]
 
 
 def test_without_a_python_package_that_it_needs_it_says_how_to_install_it(tmp_path):

@@ -1,6 +1,5 @@
 """Each fault that the nodes report has a finding with a remedy, the worst first."""
 
-import json
 import threading
 from collections import ChainMap
 from dataclasses import replace
@@ -11,12 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gpr20_common import faults as common_faults
-from gpr20_common.catalogue import Catalogue
 from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, as_json, exit_status, findings, lines
+from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
@@ -177,26 +175,6 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot, mach
     if exit_status(found) == GOOD:
         assert robot.master_alive and robot.control_alive
         assert robot.configured and robot.configuration_problem is None
-
-
-def test_findings_are_printed_with_their_remedies():
-    switch = Message("switch it on")
-    found = (
-        Finding("spi", Level.FAULT, Message("no bus", details="ENOENT"), switch),
-        Finding("gpio", Level.OK, Message("pins")),
-    )
-    assert list(lines(found, Catalogue({"no bus": "sin bus"}))) == [
-        "FAULT       sin bus (ENOENT)",
-        "            -> switch it on",
-        "GOOD        pins",
-        "faults: 1, warnings: 0, unknown: 0, notes: 0, good: 1",
-    ]
-    record = json.loads(as_json(found, Catalogue()))
-    assert record["status"] == BAD
-    assert record["findings"][0] == {
-        **{"check": "spi", "fault_code": "", "level": "FAULT", "text": "no bus"},
-        **{"details": "ENOENT", "remedy": "switch it on"},
-    }
 
 
 def test_nodes_are_missed_if_they_are_expected_or_have_reported():

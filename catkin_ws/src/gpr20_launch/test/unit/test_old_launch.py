@@ -92,13 +92,6 @@ def test_includes_and_files_are_found_beside_the_launch_file(tmp_path):
         assert "does not set y" in axes["y"]["dir_pin"] and "does not set y" in robot.unread[0]
 
 
-def test_minus_one_or_nothing_means_no_endstop(tmp_path):
-    for pin in (-1, None):
-        text = yaml.safe_dump({"X_Axis": {**X, "sensor_pin": pin}, "z_axis": Z})
-        axes, _robot = imported(launch(tmp_path, f"<rosparam>{text}</rosparam>"))
-        assert axes["x"]["sensor_pin"] is None and axes["z"]["sensor_pin"] is None
-
-
 def test_what_another_robot_has_otherwise_passes_the_check(tmp_path):
     fast = WHOLE.replace('"min_step" value="0.0015"', '"min_step" value="0.0004"', 1)
     height = node(params({"channel": 3, "rate": 5}), name="gpr20_height_sensor")

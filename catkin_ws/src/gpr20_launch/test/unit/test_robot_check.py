@@ -262,17 +262,6 @@ def test_classes_and_types_must_be_installed_where_they_are_used(tmp_path):
         assert {one.key for one in found} == wrong, (part, real)
 
 
-def test_all_mistakes_are_found_at_once_the_gravest_first(tmp_path):
-    axes = "x: {dir_pin: 14, max_coord: 650 mm, step_size: 0,01}\ny: {sensor_pin: 11, q: 1}"
-    folder = tmp_path / "robot"
-    write(folder, {"axes": axes, "survey": "settle_s: -1", "site": "n: 1", "web": "port: 11311"})
-    found = checked(folder)
-    assert {one.key for one in found[:-1]} == {
-        *("x/step_size", "x/dir_pin", "x/max_coord", "y/q", "z/dir_pin", "settle_s", "n"),
-    }
-    assert [one.refuses for one in found] == [True] * 7 + [False]
-
-
 @each_case(
     "files",
     [
@@ -373,9 +362,3 @@ def test_a_profile_that_was_written_in_part_is_refused_as_the_whole_is(tmp_path,
             run("robot_config", "create", "--profile", "gpr20_pcb", folder)
         refusing = {one.value for one in checked(folder) if one.refuses}
         assert refusing >= OF_PROFILE - {*get_args(WithRobot)}, sorted(folder.iterdir())
-
-
-def test_a_folder_of_an_unset_variable_is_refused(run, capfd):
-    with pytest.raises(SystemExit, match="2"):
-        run("robot_config", "check", "")
-    assert "name a folder" in capfd.readouterr().err

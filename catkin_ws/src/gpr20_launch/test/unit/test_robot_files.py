@@ -18,6 +18,8 @@ from gpr20_survey.folder import manifest, signature
 from gpr20_survey.folder.data_folder import DataFolder, DataFolderUse
 from gpr20_survey.folder.log_record import Kind, LogRecord
 
+DOCS = Path(__file__).resolve().parents[5] / "docs"
+
 
 def read(folder, **texts):
     for name, text in texts.items():
@@ -33,6 +35,21 @@ def test_without_files_everything_has_its_default(tmp_path):
     for file in FILES.values():
         for section, kind in file.items():
             assert record_from(kind, sections[section], section) == kind()
+
+
+def test_the_first_page_and_its_picture_have_the_pins_of_the_default_configuration():
+    signals = {"direction": "dir_pin", "step": "step_pin", "endstop": "sensor_pin"}
+    pins = {
+        f"{axis.upper()} {signal}": values[key]
+        for axis, values in yaml.safe_load(AXES.read_text()).items()
+        for signal, key in signals.items()
+        if key in values
+    }
+    page = (DOCS / "first_real_survey.md").read_text()
+    rows = re.findall(r"^\| (\d+) \| ([XYZ] \w+) \|", page, re.MULTILINE)
+    assert {signal: int(pin) for pin, signal in rows} == pins
+    picture = (DOCS / "images/wiring.svg").read_text()
+    assert [one for one in pins.items() if ">{} {}<".format(*one) not in picture] == []
 
 
 def test_a_template_is_correct_and_shows_every_key_with_its_default(tmp_path):

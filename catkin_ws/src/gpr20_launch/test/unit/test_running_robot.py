@@ -18,26 +18,6 @@ from gpr20_launch.low import launched_nodes
 from gpr20_launch.low.launched_nodes import LaunchedNodes
 
 
-def test_nodes_that_run_are_ended_by_one_command(monkeypatch):
-    check_launch = pytest.importorskip("gpr20_launch.high.check_launch")
-    launch = Process(70, 1, ("/usr/bin/python3", "/usr/bin/roslaunch", "gpr20"))
-    monkeypatch.setattr(check_launch, "process_of", {70: launch, 1: Process(1, 0, ("init",))}.get)
-
-    def said(**parents):
-        nodes = {f"/{name}": number for number, name in enumerate(parents, 11)}
-        own = [Process(nodes[f"/{name}"], parent, ()) for name, parent in parents.items() if parent]
-        return check_launch.refusal("http://10.20.0.2:11311", nodes, own)
-
-    text = said(x=70, y=70)
-    assert "on http://10.20.0.2:11311: /x (process 11), /y (process 12)" in text
-    assert text.endswith("kill 70") and "ns:=robot2" in text
-    # The launch of some was killed.
-    assert said(x=1, y=69).endswith("kill 11 12")
-    assert said(x=1, y=70).endswith("kill 11 70")
-    text = said(x=None)
-    assert "end it there" in text and "kill" not in text
-
-
 def test_a_node_is_recognized_by_its_command_line():
     may_be = pytest.importorskip("gpr20_launch.high.check_launch").may_be
     launched = Process(8, 1, ("python3", "/lib/simulated_axis_driver", "__name:=axis"))

@@ -72,7 +72,7 @@ WORDS = st.text(st.characters(blacklist_categories=["Cs", "Cc"]), max_size=9)
 
 
 @st.composite
-def candidate_lists(draw, positions=ANYWHERE):
+def candidate_lists(draw):
     """Draw a list as the analysis makes it: numbered, those below the cut last."""
     found = sorted(draw(st.lists(CANDIDATES, max_size=25)), key=lambda one: one.is_doubtful)
     return CandidateList(
@@ -91,6 +91,6 @@ def candidate_lists(draw, positions=ANYWHERE):
             for number, one in enumerate(found, 1)
         ),
         notes=(NOTE,) * draw(st.integers(0, 3)),
-        position=draw(positions),
+        position=draw(ANYWHERE),
         permittivity_source=draw(WORDS),
     )
