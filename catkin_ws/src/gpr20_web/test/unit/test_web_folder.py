@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 from gpr20_web.faults import SetupError
-from gpr20_web.low import web_folder
 from gpr20_web.low.web_folder import Certificate, ensure_certificate, ssl_context
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not there")
@@ -66,18 +65,6 @@ def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Cer
     assert other.cookie_key not in (made.fingerprint.encode(), other.certificate.read_bytes())
 
 
-def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(tmp_path: Path) -> None:
-    (tmp_path / "web").write_text("")
-    for folder, reason in (
-        (tmp_path / "web", "this is a file, not a folder"),
-        (tmp_path / "web" / "inner", "this is a file, not a folder"),
-        (Path("/proc/gpr20"), "there is no such file or folder"),
-    ):
-        with pytest.raises(SetupError, match=f"cannot be used: {reason}; set folder") as refused:
-            ensure_certificate(folder, [])
-        assert str(folder) in str(refused.value)
-
-
 def test_one_without_the_other_another_key_and_damaged_files_are_refused_and_stay(
     folder: Path, tmp_path: Path
 ) -> None:
@@ -109,13 +96,3 @@ def test_a_certificate_that_is_over_is_not_renewed_and_a_passphrase_not_asked_fo
     key.write_bytes(subprocess.run(command, capture_output=True, check=True).stdout)
     with pytest.raises(SetupError):
         ensure_certificate(folder, [])
-
-
-def test_a_missing_or_failing_openssl_leaves_no_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for program, said in (("openssl-that-is-not-there", "installed"), ("false", "no certificate")):
-        monkeypatch.setattr(web_folder, "PROGRAM", program)
-        with pytest.raises(SetupError, match=said):
-            ensure_certificate(tmp_path / "web", [])
-        assert list(tmp_path.glob("web/*")) == []
