@@ -21,8 +21,8 @@ from case_kit import each_case
 from run_seed import SEED, draws
 from surveys_kit import Surveys
 from test_commands import PLAN, SURVEY, Desk
+from test_web_ground import Server
 from view_kit import FOLDER, PAST
-from web_ground_kit import Server
 from web_kit import COOKIE, PASSWORD, STATIC, Site, make_accounts, make_logins, route_of
 
 from gpr20_common.catalogue import Language
