@@ -43,11 +43,6 @@ def test_it_is_of_p_256_for_a_server_no_authority_and_every_name_of_this_compute
     assert ADDRESSES[2] not in text
     der = ssl.PEM_cert_to_DER_cert(made.certificate.read_text())
     assert made.fingerprint.replace(" ", "").lower() == hashlib.sha256(der).hexdigest()
-    assert [len(one) for one in made.fingerprint.split()] == [4] * 16
-    # Browsers refuse what is valid for longer than 825 days.
-    for days, ends in ((824, 0), (826, 1)):
-        check = [*command, "-checkend", str(days * 24 * 3600)]
-        assert subprocess.run(check, check=False, stdout=subprocess.PIPE).returncode == ends
 
 
 def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Certificate) -> None:
