@@ -74,16 +74,18 @@ class Server:
         self.tick()
         return self.node.of("focus")
 
-    def run(self, stored=PLANNED, **described):
+    def run(self, stored=PLANNED, survey=SURVEY, depth_m=0.1, **described):
         """Let a survey run of which the first traces are stored and here."""
-        text = description(**described)
+        text = description(survey_id=survey, **described)
         grid = grid_from_description(text)
         self.page.on_event(SurveyDescribed(text))
         runs = ((0, stored), (1, 0)) if stored < PLANNED else ((0,), (1,))
-        self.page.on_event(CoverageRuns(SURVEY, PLANNED, *runs))
+        self.page.on_event(CoverageRuns(survey, PLANNED, *runs))
         for index in range(stored):
-            self.page.on_event(trace_at(grid, index, s21=depth_echo(0.1)))
-        self.tick(state=view_kit.state_of(SurveyState.SURVEYING, survey_id=SURVEY))
+            # No row is like another one: nothing may be upside down.
+            s21 = depth_echo(depth_m, level=10.0 ** (-index / 40.0))
+            self.page.on_event(trace_at(grid, index, s21=s21))
+        self.tick(state=view_kit.state_of(SurveyState.SURVEYING, survey_id=survey))
         return grid
 
     def open_past(self, stored):
@@ -111,12 +113,7 @@ def radar_of(server):
 
 
 def test_the_pictures_are_those_of_the_window(server):
-    grid = server.run(permittivity=6.0)
-    # No row is like another one: nothing may be upside down.
-    for index in range(grid.planned):
-        level = 10.0 ** (-index / 40.0)
-        server.page.on_event(trace_at(grid, index, s21=depth_echo(0.1, level=level)))
-    server.tick()
+    server.run(permittivity=6.0)
     source, colours = EchoSource(radar_of(server)), shade_colours()
     shades = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0)).shades[::-1]
     found = server.pixels(layer="echoes", depth_mm=100)
@@ -164,6 +161,14 @@ def test_a_past_survey_is_never_shown_as_the_running_one(server):
     server.page.on_event(trace_at(grid, 4))
     server.tick()
     assert (shown.shown.radar.count, radar_of(server).count) == (12, 5)
+
+
+def test_no_picture_is_that_of_another_choice_or_of_the_survey_before(server):
+    pictures = []
+    for survey, depth_m in ((SURVEY, 0.1), (PAST, 0.2)):
+        server.run(survey=survey, depth_m=depth_m)
+        pictures += [server.pixels(layer="echoes", depth_mm=one).tobytes() for one in (100, 150)]
+    assert len(set(pictures)) == 4
 
 
 def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
