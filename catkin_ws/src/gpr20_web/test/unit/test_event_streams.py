@@ -17,8 +17,6 @@ from gpr20_web.faults import BusyError, NotLoggedInError
 from gpr20_web.low import event_streams
 from gpr20_web.low.event_streams import MAX_STREAMS, EventStreams
 
-LIMIT_S = 20.0
-
 
 def person(session: str = "one") -> Person:
     return Person("ana", Role.WATCH, session, "")
@@ -54,7 +52,7 @@ def in_loop(test: Callable[..., Any]) -> Callable[..., None]:
 
     @functools.wraps(test)
     def run(**fixtures: Any) -> None:
-        asyncio.run(asyncio.wait_for(test(**fixtures), LIMIT_S))
+        asyncio.run(test(**fixtures))
 
     return run
 

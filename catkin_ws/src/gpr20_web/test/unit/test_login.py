@@ -134,6 +134,15 @@ def test_owasp_the_session_is_in_a_cookie_alone_chosen_here_and_out_of_reach_of_
     assert site.reported == []
 
 
+def test_the_memory_of_failures_is_bounded_and_keeps_the_last(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("gpr20_web.low.logins.MOST_KNOWN", 3)
+    for number in range(9 * FREE_FAILURES):
+        assert desk.tries(False, f"user{number // FREE_FAILURES}", ADDRESS) is False
+    assert len(desk.logins._failures) == 3 and desk.tries(False, "user8", ADDRESS) is None
+
+
 def test_random_logins_wait_as_long_as_a_simple_model_says_before_any_hash(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -108,13 +108,9 @@ def server():
     return Server()
 
 
-def radar_of(server):
-    return server.page._live.traces.live.radar
-
-
 def test_the_pictures_are_those_of_the_window(server):
     server.run(permittivity=6.0)
-    source, colours = EchoSource(radar_of(server)), shade_colours()
+    source, colours = EchoSource(server.page._live.traces.live.radar), shade_colours()
     shades = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0)).shades[::-1]
     found = server.pixels(layer="echoes", depth_mm=100)
     assert (found == colours[shade_numbers(shades)]).all()
@@ -157,10 +153,10 @@ def test_a_past_survey_is_never_shown_as_the_running_one(server):
     assert past["ground"]["counts"] != live["ground"]["counts"]
     assert (server.pixels(layer="echoes", survey=FOLDER) != echoes).any()
     assert server.page.live(str)["ground"]["survey"] == SURVEY
-    shown = server.page._past[FOLDER].traces
     server.page.on_event(trace_at(grid, 4))
     server.tick()
-    assert (shown.shown.radar.count, radar_of(server).count) == (12, 5)
+    grounds = (server.page._past[FOLDER], server.page._live)
+    assert [one.shown.radar.count for one in grounds] == [12, 5]
 
 
 def test_no_picture_is_that_of_another_choice_or_of_the_survey_before(server):
