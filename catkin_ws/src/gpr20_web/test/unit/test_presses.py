@@ -28,7 +28,7 @@ STEPS = st.one_of(
 )
 
 
-@given(st.lists(STEPS, max_size=40))
+@given(st.lists(STEPS, min_size=20, max_size=40))
 def test_control_passes_to_another_only_by_leaving_or_when_it_was_not_allowed(
     steps: List[Tuple[str, Any]],
 ) -> None:
