@@ -1,18 +1,8 @@
 import sys
 from pathlib import Path
 
-import pytest
 from translation_kit import shown_is_translated  # noqa: F401
 
 # The examples of the operator and of the surveys.
 for package in ("gpr20_operator", "gpr20_survey"):
     sys.path.append(str(Path(__file__).resolve().parents[3] / package / "test" / "unit"))
-
-
-@pytest.fixture
-def surveys(tmp_path):
-    from surveys_kit import Surveys
-
-    surveys = Surveys(tmp_path / "data")
-    yield surveys
-    surveys.close()

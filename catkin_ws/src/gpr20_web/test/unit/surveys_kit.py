@@ -42,6 +42,8 @@ class Services:
         self.focus = lambda survey: focused(PLACES, survey)
         self.export = lambda survey, _fields: Exported((f"{survey}_report.pdf",), b"%PDF")
         self.failure = None
+        # What happens between the reading of a survey and what is made of it.
+        self.after_read = lambda: None
 
     def ask(self, service, survey="", **fields):
         self.asked.append((service, survey, dict(fields)))
@@ -52,6 +54,8 @@ class Services:
             return SurveysListed(tuple(found), more)
         if service is Service.READ:
             found = self._archive.survey(survey)
+            then, self.after_read = self.after_read, lambda: None
+            then()
             return StoredSurvey(json.dumps(found.description), tuple(found.stored_indices))
         if service is Service.FACT:
             values_json = json.dumps(fields["values"])

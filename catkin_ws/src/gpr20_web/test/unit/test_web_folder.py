@@ -13,12 +13,10 @@ from pathlib import Path
 import pytest
 
 from gpr20_web.faults import SetupError
-from gpr20_web.low import web_folder
 from gpr20_web.low.web_folder import Certificate, ensure_certificate, ssl_context
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is not there")
-# The last is none: it stands for all networks.
-ADDRESSES = ["192.168.1.10", "fd00::7", "0.0.0.0"]
+ADDRESSES = ["192.168.1.10", "fd00::7"]
 
 
 @pytest.fixture(scope="module")
@@ -41,14 +39,8 @@ def test_it_is_of_p_256_for_a_server_no_authority_and_every_name_of_this_compute
     names = (f"DNS:{socket.gethostname()}", "DNS:localhost", "127.0.0.1", ADDRESSES[0])
     for part in ("prime256v1", "CA:FALSE", "TLS Web Server Authentication", *names):
         assert part in text
-    assert ADDRESSES[2] not in text
     der = ssl.PEM_cert_to_DER_cert(made.certificate.read_text())
     assert made.fingerprint.replace(" ", "").lower() == hashlib.sha256(der).hexdigest()
-    assert [len(one) for one in made.fingerprint.split()] == [4] * 16
-    # Browsers refuse what is valid for longer than 825 days.
-    for days, ends in ((824, 0), (826, 1)):
-        check = [*command, "-checkend", str(days * 24 * 3600)]
-        assert subprocess.run(check, check=False, stdout=subprocess.PIPE).returncode == ends
 
 
 def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Certificate) -> None:
@@ -63,19 +55,6 @@ def test_what_is_there_stays_and_only_its_owner_reads_it(folder: Path, made: Cer
     shutil.rmtree(str(folder))
     other = ensure_certificate(folder, [])
     assert other.cookie_key != made.cookie_key and len(other.cookie_key) == 32
-    assert other.cookie_key not in (made.fingerprint.encode(), other.certificate.read_bytes())
-
-
-def test_a_folder_that_cannot_be_used_is_named_with_what_to_set(tmp_path: Path) -> None:
-    (tmp_path / "web").write_text("")
-    for folder, reason in (
-        (tmp_path / "web", "this is a file, not a folder"),
-        (tmp_path / "web" / "inner", "this is a file, not a folder"),
-        (Path("/proc/gpr20"), "there is no such file or folder"),
-    ):
-        with pytest.raises(SetupError, match=f"cannot be used: {reason}; set folder") as refused:
-            ensure_certificate(folder, [])
-        assert str(folder) in str(refused.value)
 
 
 def test_one_without_the_other_another_key_and_damaged_files_are_refused_and_stay(
@@ -89,18 +68,21 @@ def test_one_without_the_other_another_key_and_damaged_files_are_refused_and_sta
             one.write_bytes(good)
         damaged.unlink() if content is None else damaged.write_bytes(content)
         before = {one: one.read_bytes() for one in folder.iterdir()}
-        with pytest.raises(SetupError, match="move both away") as refused:
+        with pytest.raises(SetupError, match="move both away"):
             ensure_certificate(folder, [])
-        assert refused.value.message.remedy is not None
         assert {one: one.read_bytes() for one in folder.iterdir()} == before
 
 
 def test_a_certificate_that_is_over_is_not_renewed_and_a_passphrase_not_asked_for(
-    folder: Path,
+    folder: Path, made: Certificate
 ) -> None:
     certificate, key = folder / "certificate.pem", folder / "key.pem"
-    command = ["openssl", "x509", "-in", str(certificate), "-days", "0", "-signkey", str(key)]
-    signed = subprocess.run(command, capture_output=True, check=True).stdout
+    command = ["openssl", "x509", "-in", str(certificate), "-signkey", str(key), "-days"]
+    signed = subprocess.run([*command, "9"], capture_output=True, check=True).stdout
+    certificate.write_bytes(signed)
+    # Cookies are signed with what nobody else has: the certificate is public.
+    assert ensure_certificate(folder, []).cookie_key == made.cookie_key
+    signed = subprocess.run([*command, "0"], capture_output=True, check=True).stdout
     certificate.write_bytes(signed)
     with pytest.raises(SetupError, match="no longer valid; move both away"):
         ensure_certificate(folder, [])
@@ -109,13 +91,3 @@ def test_a_certificate_that_is_over_is_not_renewed_and_a_passphrase_not_asked_fo
     key.write_bytes(subprocess.run(command, capture_output=True, check=True).stdout)
     with pytest.raises(SetupError):
         ensure_certificate(folder, [])
-
-
-def test_a_missing_or_failing_openssl_leaves_no_files(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    for program, said in (("openssl-that-is-not-there", "installed"), ("false", "no certificate")):
-        monkeypatch.setattr(web_folder, "PROGRAM", program)
-        with pytest.raises(SetupError, match=said):
-            ensure_certificate(tmp_path / "web", [])
-        assert list(tmp_path.glob("web/*")) == []

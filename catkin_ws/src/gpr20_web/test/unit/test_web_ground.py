@@ -1,30 +1,106 @@
 """GROUND for browsers: the pictures are those of the window, and none shows a wrong one."""
 
+import io
+import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
+import view_kit
 from case_kit import each_case
-from map_kit import MARKER, focused, marked
-from result_kit import TIME_US, noted, stored
-from view_kit import depth_echo, description, past_survey, state_of, trace_at
-from web_ground_kit import FOLDER, PERIOD_S, SURVEY, Server
+from map_kit import focused
+from PIL import Image
+from result_kit import TIME_US, Requests, noted, stored
+from view_kit import FOLDER, PAST, SURVEY, depth_echo, description, past_survey, snapshot, trace_at
+from web_kit import route_of
 
 from gpr20_common.errors import Gpr20Error
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns
-from gpr20_operator.ground.grid import Place
+from gpr20_operator.ground.grid import Place, grid_from_description
 from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
-from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed
-from gpr20_operator.jobs.pictures import SurveysListed
+from gpr20_operator.ground.traces import SurveyDescribed
+from gpr20_operator.jobs.pictures import StoredSurvey, SurveysListed, TracesRead
 from gpr20_operator.palette import Theme, pattern, pattern_colours, shade_colours, shade_numbers
-from gpr20_operator.robot.events import Progress
 from gpr20_survey.folder.log_record import soil_values
 from gpr20_survey.plan.survey_state import SurveyState
-from gpr20_web.faults import BusyError, NotFoundError
-from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, ROOM_S
+from gpr20_survey.trace.trace import TraceBlock
+from gpr20_web.calls import Body, Call, Person, Role
+from gpr20_web.faults import BusyError
+from gpr20_web.low.event_streams import json_text
+from gpr20_web.mid.ground_page import FORGOTTEN_S, MOST_PAST, PERIOD_S, ROOM_S, GroundPage
 from gpr20_web.mid.shown_ground import AGAIN_S, PATTERN_PX
 
-TARGETED = Place(150.0, 90.0)
+PLANNED = 40
+ANA = Person("Ana", Role.WATCH, "secret", "10.0.0.7")
+
+
+class Server:
+    """A page with what its node does for it."""
+
+    def __init__(self):
+        self.now_s = 1000.0
+        self.node = Requests()
+        self.page = GroundPage(self.node, lambda: self.now_s, lambda _problem: None)
+        self.snapshot = snapshot()
+
+    def tick(self, seconds=PERIOD_S, **state):
+        """Let time pass while somebody watches; say what the robot does."""
+        self.page.live(str)
+        if state:
+            self.snapshot = snapshot(**state)
+        self.now_s += seconds
+        self.page.refresh(self.snapshot)
+
+    def ask(self, path="/api/ground", **values):
+        route, parts = route_of(self.page.routes, "GET", path)
+        asked = {one: values.pop(one) for one in ("survey", "known") if one in values}
+        asked["choice"] = json.dumps(values)
+        answer = route.answer(Call(ANA, ANA.address, asked, parts))
+        if not isinstance(answer, Body):
+            # As it is sent: nothing in it is infinite or unknown to JSON.
+            assert json.loads(json_text(answer)) == answer
+        return answer
+
+    def pixels(self, kind="map", **values):
+        """Return red, green, blue and alpha of a picture."""
+        body = self.ask(f"/api/ground/{kind}.png", **values)
+        assert body.kind == "image/png"
+        return np.array(Image.open(io.BytesIO(body.content)).convert("RGBA"))
+
+    def look(self):
+        """Look at the map until an image is asked for."""
+        self.ask()
+        self.tick()
+        return self.node.of("focus")
+
+    def run(self, stored=PLANNED, survey=SURVEY, depth_m=0.1, **described):
+        """Let a survey run of which the first traces are stored and here."""
+        text = description(survey_id=survey, **described)
+        grid = grid_from_description(text)
+        self.page.on_event(SurveyDescribed(text))
+        runs = ((0, stored), (1, 0)) if stored < PLANNED else ((0,), (1,))
+        self.page.on_event(CoverageRuns(survey, PLANNED, *runs))
+        for index in range(stored):
+            # No row is like another one: nothing may be upside down.
+            s21 = depth_echo(depth_m, level=10.0 ** (-index / 40.0))
+            self.page.on_event(trace_at(grid, index, s21=s21))
+        self.tick(state=view_kit.state_of(SurveyState.SURVEYING, survey_id=survey))
+        return grid
+
+    def open_past(self, stored):
+        """Ask for a past survey, and let the storage answer."""
+        self.ask(survey=FOLDER)
+        self.node.ticket("list").done(SurveysListed((past_survey(),), False))
+        text = description(survey_id=PAST)
+        self.node.ticket("read").done(StoredSurvey(text, tuple(range(stored))))
+        # The first time they may still be on their way.
+        self.tick()
+        self.tick()
+        grid = grid_from_description(text)
+        traces = [trace_at(grid, index, s21=depth_echo(0.2)) for index in range(stored)]
+        self.node.ticket("traces").done(TracesRead(TraceBlock.of(PAST, traces), {}))
+        self.tick()
 
 
 @pytest.fixture
@@ -32,31 +108,17 @@ def server():
     return Server()
 
 
-def radar_of(server):
-    return server.page._live.traces.live.radar
-
-
-@pytest.mark.parametrize("along", ["x", "y"])
-def test_map_and_section_have_the_colours_of_the_window(server, along):
-    grid = server.run(permittivity=6.0)
-    # No row is like another one: nothing may be upside down.
-    for index in range(grid.planned):
-        level = 10.0 ** (-index / 40.0)
-        server.page.on_event(trace_at(grid, index, s21=depth_echo(0.1, level=level)))
-    server.tick()
-    source, colours = EchoSource(radar_of(server)), shade_colours()
-    picture = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0))
-    expected = colours[shade_numbers(picture.shades[::-1])]
-    assert (server.pixels(layer="echoes", depth_mm=100) == expected).all()
-    settings = RadarSettings(polarization=1, permittivity=6.0, along=Axis(along))
-    picture = source.section(TARGETED, settings)
-    place = {"x_mm": 150, "y_mm": 90, "along": along, "polarization": 1}
-    found = server.pixels("section", **place)
-    assert (found == colours[shade_numbers(picture.shades)]).all()
-
-
-def test_the_coverage_has_the_signs_of_the_window(server):
-    server.run(stored=4)
+def test_the_pictures_are_those_of_the_window(server):
+    server.run(permittivity=6.0)
+    source, colours = EchoSource(server.page._live.traces.live.radar), shade_colours()
+    shades = source.slice(RadarSettings(depth_m=0.1, permittivity=6.0)).shades[::-1]
+    found = server.pixels(layer="echoes", depth_mm=100)
+    assert (found == colours[shade_numbers(shades)]).all()
+    for along in ("x", "y"):
+        settings = RadarSettings(polarization=1, permittivity=6.0, along=Axis(along))
+        shades = source.section(Place(150.0, 90.0), settings).shades
+        found = server.pixels("section", x_mm=150, y_mm=90, along=along, polarization=1)
+        assert (found == colours[shade_numbers(shades)]).all()
     found = server.pixels(layer="coverage", theme=Theme.NIGHT.value)
     states = server.page._live.shown.map.stop_states
     assert (found == pattern_colours(Theme.NIGHT)[pattern(states, PATTERN_PX)]).all()
@@ -81,69 +143,28 @@ def test_no_choice_of_a_browser_changes_what_others_see(server):
 def test_a_past_survey_is_never_shown_as_the_running_one(server):
     grid = server.run(stored=4)
     live = server.ask()
+    echoes = server.pixels(layer="echoes")
     server.open_past(stored=12)
     past = server.ask(survey=FOLDER)
     assert past["title"].startswith("PAST SURVEY: 2026-11-21 ")
-    assert past["past"]
-    assert past["age_s"] is None
-    assert past["carriage"] is None
-    assert not live["past"]
-    assert live["title"] == "The survey that runs"
+    assert (past["past"], past["age_s"], past["carriage"]) == (True, None, None)
+    assert (live["past"], live["title"]) == (False, "The survey that runs")
     assert server.ask()["ground"]["counts"] == live["ground"]["counts"]
     assert past["ground"]["counts"] != live["ground"]["counts"]
+    assert (server.pixels(layer="echoes", survey=FOLDER) != echoes).any()
     assert server.page.live(str)["ground"]["survey"] == SURVEY
-    shown = server.page._past[FOLDER].traces
     server.page.on_event(trace_at(grid, 4))
     server.tick()
-    assert (shown.shown.radar.count, radar_of(server).count) == (12, 5)
+    grounds = (server.page._past[FOLDER], server.page._live)
+    assert [one.shown.radar.count for one in grounds] == [12, 5]
 
 
-def test_while_nobody_watches_no_traces_are_read(server):
-    server.page.on_event(SurveyDescribed(description()))
-    server.page.on_event(CoverageRuns(SURVEY, 40, (0, 4), (1, 0)))
-    for _second in range(5):
-        server.now_s += PERIOD_S
-        server.page.show_state(server.snapshot)
-    assert not server.node.asked
-    server.tick()
-    server.tick()
-    assert server.node.of("traces") == [(SURVEY, (0, 1, 2, 3))]
-
-
-def test_a_survey_that_is_not_here_is_loading_and_then_says_why(server):
-    server.run()
-    assert server.ask(survey=FOLDER)["title"] == "Loading…"
-    assert server.node.of("read")[-1] == (FOLDER,)
-    server.ask(survey=FOLDER)
-    assert server.node.of("read").count((FOLDER,)) == 1
-    server.node.ticket("read").fail(verbatim("the disk is gone"))
-    assert server.ask(survey=FOLDER)["title"] == "the disk is gone"
-    server.tick(RETRY_S - 0.5)
-    assert server.node.of("read").count((FOLDER,)) == 1
-    server.tick()
-    assert server.node.of("read").count((FOLDER,)) == 2
-    assert server.problems == []
-
-
-def test_pictures_are_made_once_for_all_browsers_and_only_after_a_change(server, monkeypatch):
-    grid = server.run(stored=20)
-    made = []
-    model = server.page._live.model
-    pictures = model.pictures
-    monkeypatch.setattr(model, "pictures", lambda: made.append(1) or pictures())
-    for browser in range(5):
-        server.page.on_event(trace_at(grid, 20, s21=depth_echo(0.1 + browser / 1000)))
-        server.tick(0.0)
-        server.ask(layer="echoes")
-        server.pixels(layer="echoes")
-        server.pixels("section", layer="echoes")
-    assert len(made) == 1
-    server.tick(PERIOD_S)
-    revision = server.ask(layer="echoes")["revision"]
-    assert len(made) == 2
-    assert "ground" not in server.ask(layer="echoes", known=revision)
-    server.node.ticket("read").done(marked(MARKER))
-    assert "ground" in server.ask(layer="echoes", known=revision)
+def test_no_picture_is_that_of_another_choice_or_of_the_survey_before(server):
+    pictures = []
+    for survey, depth_m in ((SURVEY, 0.1), (PAST, 0.2)):
+        server.run(survey=survey, depth_m=depth_m)
+        pictures += [server.pixels(layer="echoes", depth_mm=one).tobytes() for one in (100, 150)]
+    assert len(set(pictures)) == 4
 
 
 def test_few_past_surveys_are_kept_and_they_are_forgotten(server):
@@ -171,6 +192,7 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
     marks = [one for one in ground["marks"] if one["candidate"]]
     assert {one["number"] for one in marks} == {"1", "2"}
     assert marks[-1]["lines"][:2] == ["Candidate 1", "X 125, Y 90, depth 85 mm"]
+    assert marks[-1]["place"] == pytest.approx([125.0, 90.0, 85.0])
     assert "2 places to check" in server.ask()["ground"]["lines"]
     assert server.pixels(layer="focused").shape[:2] == (2, 3)
     # Another screen has entered what the ground is.
@@ -189,19 +211,6 @@ def test_the_answer_of_the_survey_is_asked_for_and_shown_with_its_candidates(ser
     assert {len(one) for one in server.node.of("focus")} == {1}, "with what is stored"
 
 
-def test_the_picture_of_survey_is_what_is_measured_until_all_is_and_its_traces_are_here(server):
-    whole = {"state": state_of(SurveyState.FINISHED, survey_id=SURVEY)}
-    whole["progress"] = Progress(SURVEY, 100.0, 40, 40, 0.0)
-    server.run(stored=4)
-    assert server.page.live(str)["ground"]["layer"] == "coverage"
-    server.tick(**whole)
-    assert server.page.live(str)["ground"]["layer"] == "echoes"
-    assert server.pixels(layer="echoes").size
-    server.page = type(server)().page
-    server.tick(**whole)
-    assert server.page.live(str)["ground"]["layer"] == "coverage"
-
-
 def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     server.run()
     server.tick()
@@ -216,45 +225,20 @@ def test_the_result_is_for_every_page_when_the_survey_has_ended(server):
     server.node.ticket("focus").done(focused())
     server.node.ticket("list").done(SurveysListed((past_survey(survey_id=SURVEY),), False))
     assert server.page.live(str)["result"] == {"folder": FOLDER, "text": "2 places to check"}
-    server.tick(state=state_of(SurveyState.SURVEYING, survey_id=SURVEY))
+    server.tick(state=view_kit.state_of(SurveyState.SURVEYING, survey_id=SURVEY))
     assert server.page.live(str)["result"] is None
 
 
-def test_without_a_survey_nothing_is_shown(server):
-    server.tick()
-    answer = server.ask()
-    assert (answer["title"], answer["ground"]["area"]) == ("No survey yet.", None)
-    assert answer["ground"]["section"] is None
-    for kind, layer in (("map", "coverage"), ("map", "echoes"), ("section", "echoes")):
-        with pytest.raises(NotFoundError):
-            server.pixels(kind, layer=layer)
-
-
-@each_case(
-    "name, value",
-    [
-        *(("depth_mm", one) for one in (float("nan"), -1, 1e9, "x", True)),
-        *(("survey", one) for one in ("../etc", "20261121T051000_7c9e6679/..", "a" * 999)),
-        *(("x_mm", 1e300), ("layer", "hiding"), ("along", "z"), ("polarization", 65), ("no", 1)),
-    ],
+REFUSED = (
+    *(("depth_mm", one) for one in (float("nan"), -1, 1e9, "x", True)),
+    *(("survey", one) for one in ("../etc", "20261121T051000_7c9e6679/..", "a" * 999)),
+    *(("x_mm", 1e300), ("layer", "hiding"), ("along", "z"), ("polarization", 65), ("no", 1)),
 )
+
+
+@each_case("name, value", REFUSED)
 def test_what_no_page_sends_is_refused(name, value):
     server = Server()
     server.run()
     with pytest.raises(Gpr20Error):
         server.ask(**{name: value})
-
-
-def test_the_folder_of_the_running_survey_is_found_and_not_asked_for_all_the_time(server):
-    for _second in range(30):
-        server.tick()
-    assert server.node.asked == []
-    server.run(stored=4)
-    for _second in range(30):
-        server.tick()
-    assert len(server.node.of("list")) == 1
-    assert server.ask()["folder"] == ""
-    server.node.ticket("list").done(SurveysListed((past_survey(survey_id=SURVEY),), False))
-    assert server.ask()["folder"] == FOLDER
-    server.tick(code=SurveyState.FINISHED)
-    assert server.ask()["title"].startswith("Last survey: 2026-11-21 ")

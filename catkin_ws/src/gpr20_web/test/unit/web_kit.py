@@ -12,9 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 import gpr20_web
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Fault, Message, Severity
-from gpr20_operator.robot.events import ControlState
-from gpr20_survey.plan.survey_state import SurveyState
+from gpr20_common.message import Message
 from gpr20_web.calls import ROLES, File, Person, Route
 from gpr20_web.faults import NotLoggedInError
 from gpr20_web.low.accounts import Accounts, Cost
@@ -149,11 +147,3 @@ def make_logins(accounts: Accounts, clock: Clock) -> Logins:
 def make_accounts(folder: Path) -> Accounts:
     """Return the accounts of a folder, with hashes that cost nothing."""
     return Accounts(folder / "web", CHEAP)
-
-
-ASKED = Fault("survey.asked", severity=Severity.NOTE)
-
-
-def state_of(code: SurveyState, survey: str = "s1") -> ControlState:
-    """Return what the main control says when somebody has asked for that state."""
-    return ControlState(code, Message("it is as it is").with_fault(ASKED), survey, True)
