@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import pytest
 from candidate_examples import candidate, candidate_list
-from PyQt5.QtCore import Qt
 from PyQt5.QtTest import QTest
 from result_kit import BLUE, image_of, plug_in, stored
 from view_kit import FOLDER, SURVEY, configured, past_survey, snapshot, state_of
@@ -14,7 +13,6 @@ from window_helpers import (
     hold,
     hold_to_start,
     open_field,
-    press_keys,
     show,
     start,
     take_list,
@@ -29,7 +27,6 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.look.look import Mark
 from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.widgets.bars import TabName
-from gpr20_user_interface.widgets.keys import ERASE
 
 
 def lines(tile):
@@ -68,21 +65,6 @@ def test_the_tiles_show_the_plan_of_a_new_robot_and_start_carries_what_was_enter
     (asked,) = wishes(idle)
     assert asked == idle.control.parameters
     assert (asked.vna_address, asked.x_points, idle.survey.plan[1]) == ("10.0.7.23", 6, 20.0)
-
-
-def test_a_touch_fills_in_an_area_and_undo_brings_back_what_there_was(idle):
-    values = idle.values
-    click(idle.control.tiles[Tile.AREA])
-    click(values.presets[1])
-    click(values.done)
-    assert tile(idle, Tile.AREA) == ("X 175 - 475 mm", "Y 250 - 550 mm")
-    before = idle.control.parameters
-    open_field(idle, "x_start_mm")
-    press_keys(idle.values.keys, "999")
-    click(values.presets[0])
-    click(values.undo)
-    click(values.done)
-    assert idle.control.parameters == before
 
 
 def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle):
@@ -156,26 +138,6 @@ def test_the_area_is_drawn_within_the_reach_of_the_robot_with_y_upwards(idle):
             continue
         ends = [reach.to_screen(0.0, float(one)).y() for one in (y_stop, "50")]
         assert [inked[0], inked[-1]] == pytest.approx(ends, abs=2.0)
-
-
-def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idle):
-    field = open_field(idle, "x_stop_mm")
-    press_keys(idle.values.keys, ["6", "0", "0", ".", "1", "2", "3", "4", "5", ERASE])
-    assert lines(field) == ("600.1234|",)
-    click(idle.values.done)
-    assert tile(idle, Tile.AREA)[0] == "X 50 - 600.12 mm"
-    assert idle.control.parameters.x_stop_mm == 600.1234
-    open_field(idle, "x_spacing_mm")
-    press_keys(idle.values.keys, "20")
-    click(idle.values.done)
-    assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "29 x 11 points")
-    # A real keyboard.
-    open_field(idle, "x_stop_mm")
-    QTest.keyClicks(idle.values, "3005")
-    QTest.keyClick(idle.values, Qt.Key_Backspace)
-    QTest.keyClick(idle.values, Qt.Key_Return)
-    assert not idle.values.isVisible()
-    assert idle.control.parameters.x_stop_mm == 300.0
 
 
 def test_a_survey_that_ended_early_is_resumed_by_a_hold_and_start_comes_second(window):

@@ -6,18 +6,16 @@ from dataclasses import replace
 import pytest
 from annotation_examples import EXAMPLE
 from PyQt5.QtWidgets import QLabel, QPushButton
-from view_kit import FOLDER, SURVEY, configured, snapshot, state_of
+from view_kit import FOLDER, SURVEY, snapshot, state_of
 from window_helpers import click, hold, press_keys, show, start, wishes
 
 from gpr20_common.message import Message, verbatim
 from gpr20_operator.jobs.pictures import StoredSurvey
 from gpr20_operator.plan.fields import Tile, default_parameters
-from gpr20_operator.plan.form import SurveyPreview
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.faults import OTHER_ZEROS
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.plan.annotation import EMPTY, Annotation, Site, annotation_of
-from gpr20_survey.plan.survey_points import SurveyCost
+from gpr20_survey.plan.annotation import Annotation, annotation_of
 from gpr20_survey.plan.survey_state import SurveyState
 
 
@@ -85,30 +83,6 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey_and_who_and_wher
     start(window)
     after = Annotation(EXAMPLE.operator, EXAMPLE.site, name="El Carmen 4")
     assert window.survey.annotations == [EXAMPLE, after]
-
-
-def test_the_defaults_of_the_robot_fill_what_is_empty_once(window, following):
-    robot = configured(site=Site(site="elsewhere", operator="Ana"))
-    # An operator may empty a field.
-    for before, after in ((Annotation(site="here"), Annotation("Ana", "here")), (EMPTY, EMPTY)):
-        following.value = before
-        show(window, snapshot(SurveyState.IDLE, robot=robot))
-        assert following.value == after
-
-
-def test_what_is_wrong_cannot_be_accepted_and_says_why(window, sheet, following):
-    click(window.control.tiles[Tile.NAME])
-    for name, text, reason in (
-        ("position", "91,0", "latitude is 91 deg; it must lie between -90 and 90 deg"),
-        ("operator", "a" * 201, "operator has 201 characters; at most 200 are allowed"),
-    ):
-        click(sheet.tiles[name])
-        sheet.pad.edit.setPlainText(text)
-        assert not sheet.pad.accept_button.isEnabled()
-        assert sheet.pad.hint.text().startswith(reason)
-        click(sheet.pad.cancel)
-    click(sheet.close_button)
-    assert following.value == EMPTY
 
 
 @pytest.mark.parametrize("survey", [SURVEY, FOLDER])
@@ -196,15 +170,3 @@ def test_zeros_that_nothing_proves_are_accepted_only_by_holding_for_that(window)
     hold(window.start_sheet.hold)
     assert wishes(window)[1:] == ["resume"]
     assert not any(one.isVisible() for one in window.start_sheet.findChildren(QPushButton))
-
-
-def test_what_is_learned_while_the_sheet_is_open_is_shown_and_does_not_end_the_hold(window):
-    show(window, snapshot(SurveyState.IDLE))
-    click(window.control.start)
-    assert "not known yet" in texts(window.start_sheet)
-    figures = SurveyPreview(25, 50, 25.0, 25.0, 1.0, SurveyCost(1080.0, 10**6))
-    window.survey.preview = figures
-    show(window, snapshot(SurveyState.IDLE))
-    assert "about 18 min, 1 MB on the disk" in texts(window.start_sheet)
-    click(window.start_sheet.cancel)
-    assert not window.start_sheet.isVisible() and wishes(window) == []

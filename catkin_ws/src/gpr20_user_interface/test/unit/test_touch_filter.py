@@ -5,8 +5,7 @@ from case_kit import each_case
 from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
-from PyQt5.QtCore import QPoint, QRect, Qt
-from PyQt5.QtGui import QGuiApplication
+from PyQt5.QtCore import QPoint, Qt
 from PyQt5.QtTest import QSignalSpy, QTest
 from PyQt5.QtWidgets import QApplication, QFrame, QPushButton, QWidget
 from view_kit import snapshot
@@ -275,26 +274,6 @@ def test_in_any_order_nothing_counts_within_the_quiet_time_or_while_locked_but_s
                 began_s = None
         assert guard.taken is (began_s is not None and (on_stop or began_s > changed_s))
         assert guard.locked is locked
-
-
-def test_a_full_screen_has_no_frame_and_follows_the_screen(window):
-    window.show_on_screen(full_screen=True)
-    screen = QGuiApplication.primaryScreen()
-    assert window.isFullScreen() and window.windowFlags() & Qt.FramelessWindowHint
-    for change in (
-        lambda: screen.geometryChanged.emit(screen.geometry()),
-        lambda: QGuiApplication.instance().primaryScreenChanged.emit(screen),
-    ):
-        window.setGeometry(QRect(5, 5, 500, 400))
-        change()
-        assert window.geometry() == screen.geometry()
-
-
-def test_a_window_is_not_larger_than_the_screen(window):
-    free = QGuiApplication.primaryScreen().availableGeometry().size()
-    window.resize(10_000, 10_000)
-    window.show_on_screen(full_screen=False)
-    assert window.size() == free
 
 
 DIM_S = 120.0
