@@ -326,18 +326,6 @@ def test_a_touch_is_where_the_finger_is(application, columns, rows, zoom, data):
     assert picture.extent.left() - px_mm <= x_mm <= picture.extent.right() + px_mm
 
 
-def test_marks_that_lie_together_are_touched_one_after_the_other_and_then_the_place(picture):
-    chosen = [None]
-    picture.mark_touched.connect(chosen.append)
-    for expected in ([None, 1], [None, 1, 2], [None, 1, 2]):
-        last = chosen[-1]
-        marks = [GroundMark(125.0, 90.0, str(one), chosen=one == last, about=one) for one in (2, 1)]
-        picture.set_marks(marks)
-        touch(picture, 125.0, 90.0)
-        assert chosen == expected
-    assert np.round(picture.touched).tolist() == [[125, 90]]
-
-
 def test_the_carriage_the_stop_visited_and_places_are_seen_over_the_states(picture, grid):
     picture.set_carriage((150.0, 80.0))
     assert colour(Mark.CARRIAGE) in colours(picture, 150.0, 80.0)

@@ -20,7 +20,8 @@ from view_kit import (
     snapshot,
     state_of,
 )
-from window_helpers import Finger, click, hold, hold_to_start, place_of, show, start, until, wishes
+from wait_kit import wait_until
+from window_helpers import Finger, click, hold, hold_to_start, place_of, show, start, wishes
 
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.traces import SurveyDescribed
@@ -155,7 +156,7 @@ def test_a_stop_that_is_not_answered_is_said_between_two_refreshes(opened, clock
     QTest.mousePress(window.top_bar.stop, Qt.LeftButton)
     assert not window.stop_warning.isVisible()
     clock.advance(ANSWER_S + 0.001)
-    assert until(window.stop_warning.isVisible)
+    wait_until(window.stop_warning.isVisible, meanwhile=lambda: QTest.qWait(10))
     window.on_event(Answer(Request.STOP, True, verbatim("stopping")))
     assert window.stop_warning.isVisible()
     show(window, SURVEYING)

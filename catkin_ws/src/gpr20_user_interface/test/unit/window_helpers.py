@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 from fake_clock import FakeClock
 from PyQt5 import sip
-from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, Qt
-from PyQt5.QtGui import QColor, QMouseEvent
+from PyQt5.QtCore import QPoint, QRect, Qt
+from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from result_kit import Requests, ServiceTools
@@ -144,18 +144,6 @@ def open_field(window, name):
     return window.values.fields[TILE_FIELDS[tile].index(name)]
 
 
-def enter(window, name, text):
-    open_field(window, name)
-    QTest.keyClick(window.values, Qt.Key_Delete)
-    QTest.keyClicks(window.values, text)
-    click(window.values.done)
-
-
-def is_cut(label):
-    """Return whether some of the text of a LinesLabel has no room."""
-    return "".join("".join(label.shown_lines()).split()) != "".join(label.text().split())
-
-
 def press_keys(keys, texts):
     """Touch the keys of texts, one by one, on a block of keys or on a pad."""
     for text in texts:
@@ -193,14 +181,6 @@ def start(window):
 def hold_to_start(window):
     if window.start_sheet.isVisible():
         hold(window.start_sheet.hold)
-
-
-def until(condition, limit_s=30.0):
-    for _ in range(round(limit_s * 100)):
-        if condition():
-            return True
-        QTest.qWait(10)
-    return condition()
 
 
 STEP_S = 0.05
@@ -269,17 +249,6 @@ def pixel_of(plot, across, second):
 
 def touch(plot, across, second):
     QTest.mouseClick(plot, Qt.LeftButton, pos=pixel_of(plot, across, second))
-
-
-def drag(plot, start, end, steps=3):
-    first, last = (QPointF(pixel_of(plot, *one)) for one in (start, end))
-    QTest.mousePress(plot, Qt.LeftButton, pos=first.toPoint())
-    for number in range(1, steps + 1):
-        at = first + (last - first) * number / steps
-        # QTest moves the mouse without a button.
-        held = (Qt.NoButton, Qt.LeftButton, Qt.NoModifier)
-        QApplication.sendEvent(plot, QMouseEvent(QEvent.MouseMove, at, *held))
-    QTest.mouseRelease(plot, Qt.LeftButton, pos=last.toPoint())
 
 
 def colours(plot, across, second, reach=0):
