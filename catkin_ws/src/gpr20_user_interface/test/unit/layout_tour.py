@@ -332,7 +332,3 @@ def results(window):
     yield shown("export")
     node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
     yield shown("exported")
-    page.stick_sheet.all_data.click()
-    page.stick_sheet.sticks[1].click()
-    node.ticket("export").fail(verbatim("la memoria USB está llena; no quedó nada. " * 7))
-    yield shown("full stick")

@@ -9,13 +9,13 @@ from candidate_examples import candidate, candidate_list
 from case_kit import each_case
 from hypothesis import given
 from hypothesis import strategies as st
-from map_kit import DOUBTED, MARKER, SURE, focused, marked
+from map_kit import MARKER, SURE, focused, marked
 from PyQt5.QtCore import QPoint, QPointF, Qt
 from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
-from result_examples import a_map, imported_folder
+from result_examples import a_map
 from test_ground_model import cover, image_of
-from view_kit import SURVEY, make_grid, noise, past_survey, snapshot, state_of, trace_at
+from view_kit import SURVEY, make_grid, noise, snapshot, state_of, trace_at
 from window_helpers import (
     click,
     colours,
@@ -23,7 +23,6 @@ from window_helpers import (
     pixel_of,
     press_keys,
     show,
-    take_list,
     touch,
 )
 
@@ -36,14 +35,11 @@ from gpr20_operator.ground.coverage import (
 from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_operator.ground.texts import GroundMark
-from gpr20_operator.jobs.pictures import StoredSurvey, TracesRead
 from gpr20_operator.palette import LAST_SHADE, shade_colours
 from gpr20_operator.robot.events import Answer, Request
 from gpr20_survey.folder.log_record import Kind
-from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
-from gpr20_survey.trace.trace import TraceBlock
 from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.widgets.bars import TabName
 from gpr20_user_interface.widgets.ground_picture import GroundPicture, SectionPlot
@@ -81,32 +77,15 @@ def refreshed(view):
     return view
 
 
-def said(view):
-    return refreshed(view).text.text().splitlines()
-
-
 def test_a_place_that_is_touched_or_shown_from_another_page_is_on_every_picture(filled, view):
     touch(view.above, 149.0, 91.0)
-    assert said(view)[0] == "X 150, Y 90, depth 50 mm"
+    assert refreshed(view).text.text().startswith("X 150, Y 90, depth 50 mm\n")
     assert view.above.crosshair == (150.0, 90.0)
     assert view.section.labels == ("X mm", "Depth mm, at Y 90 mm")
     filled.ground.show_place(150.0, 70.0, 120.0)
     filled.draw()
     assert view.above.crosshair == (150.0, 70.0)
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
-
-
-def test_candidates_and_markers_are_counted_visited_and_described(filled, view):
-    filled.ground.model.follow(True)
-    assert "2 places to check" in "\n".join(said(view))
-    click(view.next)
-    assert said(view) == ["Candidate 1", "X 125, Y 90, depth 85 mm", "21 dB above the clutter"]
-    touch(view.above, SURE.x_mm, SURE.y_mm)
-    assert filled.ground.model.mark == DOUBTED
-    assert said(view)[0] == "Candidate 2" and said(view)[-1] == "Edge"
-    touch(view.above, MARKER.x_mm, MARKER.y_mm)
-    marker = ["Marker: raíz", "X 175, Y 70, depth 60 mm", "2026-11-21 05:10 UTC Ana"]
-    assert said(view) == marker
 
 
 def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, view):
@@ -205,24 +184,6 @@ def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view
     assert values["marker_id"] == MARKER.marker_id
     node.ticket("fact").fail(verbatim("the disk is full"))
     assert filled.notice.isVisible()
-
-
-def test_an_imported_survey_is_shown_without_a_plan(window, storage, tmp_path):
-    folder = imported_folder(tmp_path / "imported", 6, 4)
-    window.show_tab(TabName.SURVEYS)
-    take_list(window, (past_survey(folder=folder.name, outcome="imported"),))
-    click(window.past.open)
-    text = (folder / "survey.json").read_text("ascii")
-    storage.answer(StoredSurvey(text, tuple(range(24))))
-    for _ in range(2):
-        window.draw()
-    shown = window.traces.shown
-    traces = tuple(map(read_trace, sorted((folder / "traces").iterdir())))
-    storage.answer(TracesRead(TraceBlock.of(shown.map.grid.survey_id, traces), {}))
-    window.refresh()
-    assert shown.map.counts()[StopState.DONE] == shown.radar.count == 24
-    assert window.ground.view.isVisible() and not window.ground.view.finer.isEnabled()
-    assert str(window.traces.band).startswith("IMPORTED SURVEY: ")
 
 
 def colour(mark):

@@ -123,10 +123,7 @@ def is_empty(widget):
 
 def name_of(widget):
     text = widget.text()[:40] if hasattr(widget, "text") else ""
-    owner = widget
-    while owner.parentWidget() is not None and not type(owner).__module__.startswith("gpr20"):
-        owner = owner.parentWidget()
-    return f"{type(owner).__name__}: {type(widget).__name__} {widget.objectName()} {text!r}"
+    return f"{type(widget).__name__} {widget.objectName()} {text!r}"
 
 
 def misfits(window, widget):

@@ -16,7 +16,6 @@ from gpr20_doctor.mid.node_health import (
     HealthReport,
     NodeHealth,
 )
-from gpr20_doctor.mid.robot_facts import AxisReport, Endstop
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_survey.axes import AxisId
@@ -62,21 +61,6 @@ def test_only_a_hold_begins_the_service_and_moves_an_axis(service):
         service.tools.done(Service.MOVE, verbatim("The axis is at 20 mm."))
         service.refresh()
         assert service.robot.service.outcome.text() == "The axis is at 20 mm."
-
-
-def test_endstops_and_positions_are_shown(service):
-    service.robot.overview.entered.emit()
-    service.on_event(Endstop(AxisId.X, True))
-    service.on_event(Endstop(AxisId.Y, False))
-    known = (
-        AxisReport(AxisId.X, 650.0, True, False),
-        *(AxisReport(AxisId.Y, 0.0, False, False), AxisReport(AxisId.Z, -90.0, True, False)),
-    )
-    show(service, replace(AT_REST, axes=known))
-    page = service.robot.service
-    places = [one.text() for one in page.places.values()]
-    assert places == ["X 650.00 mm", "Y not homed", "Z -90.0°"]
-    assert [one.text() for one in page.lamps.values()] == ["● closed", "○ open"]
 
 
 def test_the_daily_check_leads_through_its_parts_to_the_verdict(service):

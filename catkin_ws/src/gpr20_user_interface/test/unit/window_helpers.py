@@ -26,7 +26,7 @@ from gpr20_user_interface.low.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.touch.guard import QUIET_S
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED, Pad
+from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 
@@ -41,13 +41,10 @@ class Survey:
     def nothing(self, *_values):
         """What these are asked is no wish of the operator."""
 
-    on_event = check_master = end = nothing
+    on_event = check_master = nothing
 
     def refresh(self):
         return self.snapshot
-
-    def is_shown(self, event):
-        return True
 
     def set_plan(self, parameters, permittivity):
         self.plan = (parameters, permittivity)
@@ -107,9 +104,8 @@ def opened_window(
         memory,
         clock=clock,
     )
-    window.problems, window.languages = problems, languages
-    window.clock, window.tools = clock, tools
-    window.node = node
+    window.languages, window.clock = languages, clock
+    window.tools, window.node = tools, node
     window.show()
     return window
 
@@ -144,16 +140,14 @@ def open_field(window, name):
     return window.values.fields[TILE_FIELDS[tile].index(name)]
 
 
-def press_keys(keys, texts):
-    """Touch the keys of texts, one by one, on a block of keys or on a pad."""
+def press_keys(pad, texts):
+    """Touch the keys of texts, one by one."""
     for text in texts:
-        block = keys
-        if isinstance(keys, Pad):
-            block = keys.letters if keys.digits.isHidden() else keys.digits
         if text in (" ", "\n"):
-            click(keys.space if text == " " else keys.line)
+            click(pad.space if text == " " else pad.line)
             continue
-        if block is not keys and block is keys.letters:
+        block = pad.letters if pad.digits.isHidden() else pad.digits
+        if block is pad.letters:
             block.show_page(next(one for one in (PLAIN, SHIFTED, OTHERS) if text in "".join(one)))
         click(next(key for key in block.keys if key.property("character") == text))
 
