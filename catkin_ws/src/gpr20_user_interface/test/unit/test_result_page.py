@@ -86,6 +86,9 @@ def test_the_places_are_listed_and_the_weaker_echoes_are_counted_and_reached(don
     for listed, more in ((1,), "10\nmore"), ((2, 3, 4, 5, 6), None), ((7, 8, 9, 10, 11), None):
         assert numbers(done) == [str(one) for one in listed]
         assert more in (None, done.more.text())
+        click(done.rows[len(listed) - 1])
+        assert done.place_sheet.title.text().startswith(f"{listed[-1]} ")
+        click(done.place_sheet.close_button)
         click(done.more)
     assert numbers(done) == ["1"]
 
@@ -205,7 +208,7 @@ def test_the_report_says_when_the_stick_can_go_and_why_it_fails(done, node):
     sheet = done.stick_sheet
     click(done.stick)
     plug_in(node, BLUE, RED)
-    refreshed(done)
+    assert refreshed(done).stick_sheet.title.text() == "Touch the stick that it is written to."
     assert node.of("export") == []
     click(sheet.sticks[0])
     refreshed(done)
