@@ -166,11 +166,6 @@ def stop_that_nobody_confirms(window):
     click(window.top_bar.stop)
 
 
-def details(window):
-    window.notice.show_notice(refusal_notice(Refused.START, WITH_DETAILS))
-    window.notice.details_button.click()
-
-
 def past_result(window):
     other = busiest(state=state_of(SurveyState.FINISHED, LONG, PAST))
     show(window, other)
@@ -263,7 +258,6 @@ STOPS = {
     "other analyzer": start_sheet("ask_resume_with", IDENTITY, OTHER_VNA),
     **{code.name.lower(): running(code) for code in SurveyState},
     **{f"refused {one.name}": refused(one) for one in Refused},
-    "details": details,
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,

@@ -15,7 +15,7 @@ from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from result_examples import a_map
 from test_ground_model import cover, image_of
-from view_kit import SURVEY, make_grid, noise, snapshot, state_of, trace_at
+from view_kit import FOLDER, PAST, SURVEY, make_grid, noise, snapshot, state_of, trace_at
 from window_helpers import (
     click,
     colours,
@@ -27,11 +27,7 @@ from window_helpers import (
 )
 
 from gpr20_common.message import Message, verbatim
-from gpr20_operator.ground.coverage import (
-    CoverageRuns,
-    MapModel,
-    StopState,
-)
+from gpr20_operator.ground.coverage import CoverageRuns, MapModel, StopState
 from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_operator.ground.texts import GroundMark
@@ -86,6 +82,10 @@ def test_a_place_that_is_touched_or_shown_from_another_page_is_on_every_picture(
     filled.draw()
     assert view.above.crosshair == (150.0, 70.0)
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
+    # One of another survey waits until that survey is here.
+    filled.ground.show_place_of(PAST, FOLDER, 110.0, 60.0, 90.0)
+    filled.draw()
+    assert view.above.crosshair == (150.0, 70.0)
 
 
 def test_nothing_above_the_noise_is_never_said_while_a_part_is_not_here(window, view):

@@ -10,12 +10,7 @@ from window_helpers import click, hold, show
 
 from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.finding import Level
-from gpr20_doctor.mid.node_health import (
-    EXPECTED_NODES,
-    HealthLevel,
-    HealthReport,
-    NodeHealth,
-)
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_survey.axes import AxisId

@@ -13,12 +13,7 @@ from gpr20_common.mid.codec import plain
 from gpr20_operator import faults
 from gpr20_operator.palette import Theme
 from gpr20_survey.plan.annotation import Annotation
-from gpr20_user_interface.low.settings_file import (
-    Newest,
-    PlanMemory,
-    RememberedPlan,
-    SettingsFile,
-)
+from gpr20_user_interface.low.settings_file import Newest, PlanMemory, RememberedPlan, SettingsFile
 from gpr20_user_interface.pages.settings import WindowMemory, WindowSettings
 
 PLAN = RememberedPlan(

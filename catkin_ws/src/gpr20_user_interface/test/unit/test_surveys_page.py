@@ -129,6 +129,18 @@ def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(application):
     assert picture.pixelColor(14, 38).name() == done != picture.pixelColor(14, 18).name()
 
 
+def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):
+    surveys, bar = many(100), listed.list.verticalScrollBar()
+    take_list(window, surveys[:50], True)
+    QTest.qWait(1)
+    assert storage.asked == []
+    bar.setValue(bar.maximum())
+    assert storage.asked == [("list", surveys[49].folder)]
+    at = bar.value()
+    take_list(window, surveys[50:], False, surveys[49].folder)
+    assert bar.value() == at and listed.model.rowCount() == 100
+
+
 def pull(window, finger, start, moves):
     """Touch a list at rest: press, move by steps and release."""
     QScroller.scroller(window.past.list.viewport()).stop()
