@@ -46,6 +46,10 @@ def test_what_is_written_with_fingers_goes_into_the_next_survey_and_who_and_wher
     for name in ("name", "operator", "site", "notes"):
         write(sheet, name, getattr(EXAMPLE, name))
     write(sheet, "position", "4.60283,-74.06514")
+    click(sheet.tiles["position"])
+    sheet.pad.edit.setPlainText("91,0")
+    assert not sheet.pad.accept_button.isEnabled()
+    click(sheet.pad.cancel)
     click(sheet.save)
     start(window)
     window.on_event(Answer(Request.START, False, verbatim("refused")))

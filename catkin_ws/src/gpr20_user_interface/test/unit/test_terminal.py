@@ -51,6 +51,8 @@ def test_the_defaults_can_be_run_and_assume_no_soil():
     folder = "20260921T141320_0f8fad5b"
     for line, resume in (("--resume", ""), (f"--resume /data/{folder}/", folder)):
         assert options_of(line).resume == resume
+    with pytest.raises(SystemExit, match="2"), contextlib.redirect_stderr(io.StringIO()):
+        options_of("--resume --permittivity 4")
 
 
 @given(st.sampled_from((*PARAMETERS, *PEOPLE)), st.text(max_size=10))
