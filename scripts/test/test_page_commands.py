@@ -40,7 +40,7 @@ ELSEWHERE = {
     r"gpr20 view": "a window: the tests of gpr20_viewer",
     r"PLATE|--plate": "a metal plate: test_antenna_model.py, test_antenna_delay.py",
     r"--signers": "a robot with a key: test_signature.py",
-    r"--language pt": "the catalogue of the tutorial: test_settings_file.py",
+    r"--language pt": "the catalogue of the tutorial: test_window_settings.py",
     r"--antenna antenna\.nc": "its model: test_antenna_model.py",
     r"gpr20 import (scans|merged|~/gpr20_data)": "files of the group: test_group_files.py",
     r"--found C03": "a buried lane: test_annotations.py",

@@ -20,9 +20,8 @@ from view_kit import (
     state_of,
     trace_at,
 )
-from window_helpers import click, hold, is_cut, open_field, show, take_list
+from window_helpers import click, hold, open_field, show, take_list
 
-from gpr20_analysis.read.doubts import survey_doubts
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_operator.ground.coverage import CoverageRuns
@@ -78,16 +77,12 @@ MANY = [
 REFUSED = verbatim("los ecos concuerdan con toda permitividad").with_fault(
     Fault("a.b", verbatim("Escriba la permitividad del suelo y pruebe de nuevo. O use otra."))
 )
-UTC = ":00:00.000000+00:00"
-VISIT = {"next_index": 4321, "exceeded": True, "limit_db": 0.5, "limit_deg": 5.0}
-DOUBTED = {
-    "instrument": {"calibration_status": 3},
-    "log": 12 * [{"kind": "drift", "values": VISIT}],
-    "report": {"analyzers": [{}, {"from_index": 4321, "identity": IDENTITY}]},
-    **{"started": f"2026-10-01T12{UTC}", "ended": f"2026-10-01T11{UTC}"},
-}
-DOUBTS = tuple(survey_doubts(DOUBTED, ()))
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, LONG, SURVEY))
+
+
+def is_cut(label):
+    """Return whether some of the text of a LinesLabel has no room."""
+    return "".join("".join(label.shown_lines()).split()) != "".join(label.text().split())
 
 
 def busiest(code=SurveyState.SURVEYING, **other):
@@ -152,18 +147,6 @@ def wrong(spec):
     return plan(act)
 
 
-def written(spec):
-    """A field on the sheet of its tile, after something wrong was written."""
-
-    def act(window):
-        open_field(window, spec.name)
-        fields = [field for field in window.values.fields if field.isVisible()]
-        assert not any(is_cut(line) for field in fields for line in field.lines)
-        window.values.write("7 x")
-
-    return plan(act)
-
-
 def keys(name, text=None):
     """The pad of a field of the records."""
 
@@ -181,11 +164,6 @@ def keys(name, text=None):
 def stop_that_nobody_confirms(window):
     show(window, busiest(axes=()))
     click(window.top_bar.stop)
-
-
-def details(window):
-    window.notice.show_notice(refusal_notice(Refused.START, WITH_DETAILS))
-    window.notice.details_button.click()
 
 
 def past_result(window):
@@ -267,11 +245,11 @@ def refused(one):
 
 
 STOPS = {
+    "locked": plan(lambda window: window.touch_binding.set_locked(True)),
     "plan": plan(),
     "to resume": plan(to_resume),
-    # A field of each tile.
+    "field": plan(lambda window: open_field(window, "x_start_mm")),
     **{f"wrong {spec.name}": wrong(spec) for spec in FIRST_FIELDS},
-    **{f"written {spec.name}": written(spec) for spec in FIRST_FIELDS},
     "notes": plan(lambda window: window.annotation.show_annotation("", PEOPLE)),
     **{f"keys {name}": keys(name) for name in ("name", "operator", "site", "notes")},
     "position": keys("position", "91,0"),
@@ -280,7 +258,6 @@ STOPS = {
     "other analyzer": start_sheet("ask_resume_with", IDENTITY, OTHER_VNA),
     **{code.name.lower(): running(code) for code in SurveyState},
     **{f"refused {one.name}": refused(one) for one in Refused},
-    "details": details,
     "stop": stop_that_nobody_confirms,
     "past result": past_result,
     "ground": ground,
@@ -290,8 +267,6 @@ STOPS = {
     "armed": armed,
     "service": service,
     "instruments": instruments,
-    "locked": plan(lambda window: window.touch_binding.set_locked(True)),
-    "unlocked": plan(),
 }
 
 
@@ -320,12 +295,10 @@ def results(window):
     yield shown("refused")
     find((), interrupted)
     yield shown("without places")
-    find(record=interrupted, omitted=12345, notes=DOUBTS)
+    find(record=interrupted, omitted=12345, notes=(REFUSED,))
     for _ in range(9):
         page.more.click()
     yield shown("last places")
-    find(MANY[24:27])
-    yield shown("doubtful places")
     assert not [row.title.text() for row in page.rows[:3] if is_cut(row.title)]
 
     find()
@@ -334,9 +307,6 @@ def results(window):
     sheet._who, sheet._depth, sheet._what = "W" * 60, "1234.5", What.DEVICE
     sheet.show_now()
     yield shown("place")
-    sheet.deep.click()
-    yield "result depth of a find"
-    sheet.pad.hide()
     sheet.hide()
     page.soil.click()
     page.soil_sheet._choose(12.345)
@@ -356,7 +326,3 @@ def results(window):
     yield shown("export")
     node.ticket("export").done(Exported(("GPR20/a.pdf", "GPR20/b.zip")))
     yield shown("exported")
-    page.stick_sheet.all_data.click()
-    page.stick_sheet.sticks[1].click()
-    node.ticket("export").fail(verbatim("la memoria USB está llena; no quedó nada. " * 7))
-    yield shown("full stick")

@@ -7,7 +7,6 @@ word of ours is seen on any of them.
 
 import itertools
 import os
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -40,8 +39,6 @@ from gpr20_user_interface.widgets.tile import ElidedLabel, LinesLabel
 from gpr20_user_interface.widgets.widgets import Overlay
 
 PICTURES = os.environ.get("GPR20_PICTURES")
-# Of a number: addresses and versions have more points.
-DECIMAL_POINT = re.compile(r"(?<![\w.])\d+\.\d{1,5}(?![\w.])|\d{4}-\d\d-\d\d")
 # These leave out what has no room, and say so.
 CUT = (ElidedLabel, LinesLabel)
 # A finger in a glove, on a screen of 800x480.
@@ -126,21 +123,13 @@ def is_empty(widget):
 
 def name_of(widget):
     text = widget.text()[:40] if hasattr(widget, "text") else ""
-    owner = widget
-    while owner.parentWidget() is not None and not type(owner).__module__.startswith("gpr20"):
-        owner = owner.parentWidget()
-    return f"{type(owner).__name__}: {type(widget).__name__} {widget.objectName()} {text!r}"
+    return f"{type(widget).__name__} {widget.objectName()} {text!r}"
 
 
 def misfits(window, widget):
     place = place_of(window, widget)
     if not window.rect().contains(place):
         yield "reaches over the edge"
-    # Fields keep the point of what is typed and read again, and positions on the earth.
-    typed = isinstance(widget, QLineEdit) or widget.objectName() == "figure"
-    spanish = window.languages.language == Language.SPANISH
-    if spanish and not typed and DECIMAL_POINT.search(getattr(widget, "text", str)()):
-        yield "has a decimal point"
     if isinstance(widget, QLabel):
         yield from label_misfits(window, widget)
     elif isinstance(widget, QAbstractButton):

@@ -5,7 +5,7 @@ from candidate_examples import candidate
 from result_examples import a_map
 from result_kit import BLUE, RED, plug_in, search, stored
 from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, is_cut, press_keys, show
+from window_helpers import click, hold, press_keys, show
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.jobs.pictures import Exported
@@ -80,23 +80,17 @@ def numbers(page):
     return [row.title.text().split(":")[0] for row in shown_rows(page)]
 
 
-def test_five_places_are_listed_whole_and_the_others_are_counted_and_reached(done):
-    view = done
-    assert numbers(view) == ["1"]
-    assert view.title.text() == "1 place to check; 10 weaker echoes"
-    assert view.more.text() == "10\nmore"
-    assert [one.text for one in view.picture.marks] == ["1"]
-    (row,) = shown_rows(view)
-    assert row.lines[0].text() == "85 ±6 mm deep; measure beyond"
-    click(view.more)
-    assert numbers(view) == ["2", "3", "4", "5", "6"]
-    assert all(one.doubtful for one in view.picture.marks)
-    labels = [label for row in shown_rows(view) for label in (row.title, row.lines[0])]
-    assert not [label.text() for label in labels if is_cut(label)]
-    click(view.more)
-    assert numbers(view) == ["7", "8", "9", "10", "11"]
-    click(view.more)
-    assert numbers(view) == ["1"]
+def test_the_places_are_listed_and_the_weaker_echoes_are_counted_and_reached(done):
+    assert done.title.text() == "1 place to check; 10 weaker echoes"
+    assert [one.text for one in done.picture.marks] == ["1"]
+    for listed, more in ((1,), "10\nmore"), ((2, 3, 4, 5, 6), None), ((7, 8, 9, 10, 11), None):
+        assert numbers(done) == [str(one) for one in listed]
+        assert more in (None, done.more.text())
+        click(done.rows[len(listed) - 1])
+        assert done.place_sheet.title.text().startswith(f"{listed[-1]} ")
+        click(done.place_sheet.close_button)
+        click(done.more)
+    assert numbers(done) == ["1"]
 
 
 def test_a_sure_place_a_doubted_one_and_a_weaker_echo_differ_in_card_and_words(ended, node):
@@ -117,52 +111,46 @@ def test_a_sure_place_a_doubted_one_and_a_weaker_echo_differ_in_card_and_words(e
 def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(ended, node):
     search(ended.result, node)
     assert not refreshed(ended).doubts.isVisible()
-    doubts = [REFUSED, Message("it drifted").with_fault(Fault("analysis.drifted", REMEDY))]
     ended.result.open("")
-    search(ended.result, node, notes=(*doubts, Message("the heights differ")))
-    assert refreshed(ended).doubts.text() == "Doubts: 2"
+    search(ended.result, node, notes=(REFUSED, Message("the heights differ")))
+    assert refreshed(ended).doubts.text() == "Doubts: 1"
     click(ended.doubts)
     said = ended.doubts_sheet.text.text()
-    assert "agree with every" in said and "drifted" in said and said.count(shown_text(REMEDY)) == 2
-    assert "heights" not in said
+    assert "agree with every" in said and shown_text(REMEDY) in said and "heights" not in said
 
 
 def test_nothing_found_says_what_that_does_not_mean(window, ended, node):
     search(ended.result, node, [])
-    view = refreshed(ended)
-    assert view.title.text() == shown_text(NOTHING_FOUND)
-    assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
-    assert not view.more.isVisible() and not shown_rows(view)
+    assert refreshed(ended).title.text() == shown_text(NOTHING_FOUND)
+    assert ended.nothing.text() == shown_text(NOT_SAFE) and ended.nothing.isVisible()
+    assert not shown_rows(ended)
     # The page is there until the next survey is planned.
-    click(view.plan)
+    click(ended.plan)
     show(window, ENDED)
     assert window.survey_tab.currentWidget() is window.control
 
 
 def test_the_sentence_is_visible_in_every_state_and_over_every_sheet(window, ended, node):
-    view = ended
-
     def is_said(label):
         return label.isVisible() and label.text() == shown_text(NO_CLEARANCE)
 
-    assert is_said(view.no_clearance)
+    assert is_said(ended.no_clearance)
     node.ticket("read").done(stored())
     show(window, ENDED)
-    assert is_said(view.no_clearance)
+    assert is_said(ended.no_clearance)
     node.ticket("focus").fail(REFUSED)
-    refreshed(ended)
-    assert is_said(view.no_clearance)
-    said = view.card.sentence.text()
+    said = refreshed(ended).card.sentence.text()
+    assert is_said(ended.no_clearance)
     assert "agree with every permittivity" in said and shown_text(REMEDY) in said
-    click(view.card.button)
+    click(ended.card.button)
     search(ended.result, node)
     refreshed(ended)
-    assert is_said(view.no_clearance)
+    assert is_said(ended.no_clearance)
     for key, sheet in (
-        (view.rows[0], ended.place_sheet),
-        (view.soil, ended.soil_sheet),
-        (view.hiding, ended.hiding_sheet),
-        (view.stick, ended.stick_sheet),
+        (ended.rows[0], ended.place_sheet),
+        (ended.soil, ended.soil_sheet),
+        (ended.hiding, ended.hiding_sheet),
+        (ended.stick, ended.stick_sheet),
     ):
         click(key)
         assert sheet.isVisible() and is_said(sheet.no_clearance)
@@ -190,68 +178,54 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
 
 
 def test_the_soil_is_entered_and_used_by_a_hold(window, done, node):
+    sheet = done.soil_sheet
     click(done.soil)
     for text, allowed in (("0.5", False), ("101", False), ("x", False), ("6,5", True)):
-        click(done.soil_sheet.other)
-        done.soil_sheet.pad.edit.setPlainText(text)
-        assert done.soil_sheet.pad.accept_button.isEnabled() == allowed
-    click(done.soil_sheet.pad.accept_button)
-    click(done.soil_sheet.use)
-    assert done.soil_sheet.isVisible() and len(node.of("focus")) == 1
-    hold(done.soil_sheet.use)
+        click(sheet.other)
+        sheet.pad.edit.setPlainText(text)
+        assert sheet.pad.accept_button.isEnabled() == allowed
+    click(sheet.pad.accept_button)
+    click(sheet.use)
+    assert sheet.isVisible() and node.of("fact") == []
+    hold(sheet.use)
     show(window, ENDED)
     # It is searched for once the log has it.
-    assert len(node.of("focus")) == 1 and not done.soil_sheet.isVisible()
+    assert len(node.of("focus")) == 1 and not sheet.isVisible()
     assert node.of("fact")[-1][2]["permittivity"] == 6.5
 
 
 def test_where_a_mine_could_hide_is_hatched(done, node):
     click(done.hiding)
     click(done.hiding_sheet.targets[Targets.PMN])
-    refreshed(done)
-    assert (
-        done.hiding_sheet.progress.isVisible()
-        and not done.hiding_sheet.targets[Targets.PMN].isEnabled()
-    )
+    assert refreshed(done).hiding_sheet.progress.isVisible()
     found = a_map([[[6, 0]]], [[[6, 6]]], survey_id=SURVEY)
     node.ticket("hide").done(found)
-    refreshed(done)
-    assert done.hiding_sheet.text.text().count("\n") >= 3
-    click(done.hiding_sheet.close_button)
+    assert refreshed(done).hiding_sheet.text.text().count("\n") >= 3
     assert done.picture._hiding is found
-    click(done.hiding)
-    click(done.hiding_sheet.targets[Targets.FRAGMENT])
-    refreshed(done)
-    click(done.hiding_sheet.cancel)
-    refreshed(done)
-    assert node.cancelled and not done.hiding_sheet.progress.isVisible()
 
 
-def test_the_report_takes_two_touches_and_says_when_the_stick_can_go_and_why_it_fails(done, node):
+def test_the_report_says_when_the_stick_can_go_and_why_it_fails(done, node):
     sheet = done.stick_sheet
-    assert done.stick.text() == "Report: plug\na stick in"
     click(done.stick)
     plug_in(node, BLUE, RED)
-    assert refreshed(done).stick.text() == "Report\nto stick"
-    refreshed(done)
+    assert refreshed(done).stick_sheet.title.text() == "Touch the stick that it is written to."
     assert node.of("export") == []
     click(sheet.sticks[0])
     refreshed(done)
     (asked,) = node.of("export")
     assert (asked.survey, asked.volume, asked.kinds) == (SURVEY, BLUE.path, ["report-html"])
-    assert sheet.progress.isVisible() and not sheet.sticks[0].isVisible()
     node.ticket("export").progress(verbatim("copying"))
     assert "Copying" in refreshed(done).stick_sheet.text.text()
-    before = sheet.title.text()
+    assert sheet.title.text() == "Do not remove the stick."
     node.ticket("export").done(Exported(("GPR20/a.pdf",)))
-    assert refreshed(done).stick_sheet.title.text() != before
-    assert "GPR20" in sheet.text.text()
+    assert refreshed(done).stick_sheet.title.text() == "Done. Remove the stick."
     click(sheet.all_data)
     click(sheet.sticks[1])
     assert node.of("export")[-1].volume == RED.path
     assert "survey-zip" in node.of("export")[-1].kinds
     node.ticket("export").fail(verbatim("the USB stick RED is full"))
-    assert "RED is full" in refreshed(done).stick_sheet.text.text()
+    assert refreshed(done).stick_sheet.title.text() == "Nothing was written."
+    assert "RED is full" in sheet.text.text()
 
 
 def test_a_place_says_why_and_opens_its_finer_plan_and_ground(window, done):

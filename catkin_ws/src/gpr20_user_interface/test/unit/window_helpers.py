@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 from fake_clock import FakeClock
 from PyQt5 import sip
-from PyQt5.QtCore import QEvent, QPoint, QPointF, QRect, Qt
-from PyQt5.QtGui import QColor, QMouseEvent
+from PyQt5.QtCore import QPoint, QRect, Qt
+from PyQt5.QtGui import QColor
 from PyQt5.QtTest import QTest
 from PyQt5.QtWidgets import QApplication
 from result_kit import Requests, ServiceTools
@@ -26,7 +26,7 @@ from gpr20_user_interface.low.settings_file import PlanMemory, SettingsFile
 from gpr20_user_interface.pages.plan_sheets import VALUE_TILES
 from gpr20_user_interface.touch.guard import QUIET_S
 from gpr20_user_interface.touch.hold import HoldButton
-from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED, Pad
+from gpr20_user_interface.widgets.keys import OTHERS, PLAIN, SHIFTED
 from gpr20_user_interface.window.main_window import MainWindow, Presenters
 
 
@@ -41,13 +41,10 @@ class Survey:
     def nothing(self, *_values):
         """What these are asked is no wish of the operator."""
 
-    on_event = check_master = end = nothing
+    on_event = check_master = nothing
 
     def state(self):
         return self.snapshot
-
-    def is_shown(self, event):
-        return True
 
     def set_plan(self, parameters, permittivity):
         self.plan = (parameters, permittivity)
@@ -107,9 +104,8 @@ def opened_window(
         memory,
         clock=clock,
     )
-    window.problems, window.languages = problems, languages
-    window.clock, window.tools = clock, tools
-    window.node = node
+    window.languages, window.clock = languages, clock
+    window.tools, window.node = tools, node
     window.show()
     return window
 
@@ -144,28 +140,14 @@ def open_field(window, name):
     return window.values.fields[TILE_FIELDS[tile].index(name)]
 
 
-def enter(window, name, text):
-    open_field(window, name)
-    QTest.keyClick(window.values, Qt.Key_Delete)
-    QTest.keyClicks(window.values, text)
-    click(window.values.done)
-
-
-def is_cut(label):
-    """Return whether some of the text of a LinesLabel has no room."""
-    return "".join("".join(label.shown_lines()).split()) != "".join(label.text().split())
-
-
-def press_keys(keys, texts):
-    """Touch the keys of texts, one by one, on a block of keys or on a pad."""
+def press_keys(pad, texts):
+    """Touch the keys of texts, one by one."""
     for text in texts:
-        block = keys
-        if isinstance(keys, Pad):
-            block = keys.letters if keys.digits.isHidden() else keys.digits
         if text in (" ", "\n"):
-            click(keys.space if text == " " else keys.line)
+            click(pad.space if text == " " else pad.line)
             continue
-        if block is not keys and block is keys.letters:
+        block = pad.letters if pad.digits.isHidden() else pad.digits
+        if block is pad.letters:
             block.show_page(next(one for one in (PLAIN, SHIFTED, OTHERS) if text in "".join(one)))
         click(next(key for key in block.keys if key.property("character") == text))
 
@@ -193,14 +175,6 @@ def start(window):
 def hold_to_start(window):
     if window.start_sheet.isVisible():
         hold(window.start_sheet.hold)
-
-
-def until(condition, limit_s=30.0):
-    for _ in range(round(limit_s * 100)):
-        if condition():
-            return True
-        QTest.qWait(10)
-    return condition()
 
 
 STEP_S = 0.05
@@ -269,17 +243,6 @@ def pixel_of(plot, across, second):
 
 def touch(plot, across, second):
     QTest.mouseClick(plot, Qt.LeftButton, pos=pixel_of(plot, across, second))
-
-
-def drag(plot, start, end, steps=3):
-    first, last = (QPointF(pixel_of(plot, *one)) for one in (start, end))
-    QTest.mousePress(plot, Qt.LeftButton, pos=first.toPoint())
-    for number in range(1, steps + 1):
-        at = first + (last - first) * number / steps
-        # QTest moves the mouse without a button.
-        held = (Qt.NoButton, Qt.LeftButton, Qt.NoModifier)
-        QApplication.sendEvent(plot, QMouseEvent(QEvent.MouseMove, at, *held))
-    QTest.mouseRelease(plot, Qt.LeftButton, pos=last.toPoint())
 
 
 def colours(plot, across, second, reach=0):
