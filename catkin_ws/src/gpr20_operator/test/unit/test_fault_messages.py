@@ -23,7 +23,7 @@ from view_kit import (
     snapshot,
 )
 
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE
+from gpr20_common.faults import MAY_MOVE
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
@@ -95,18 +95,6 @@ def test_what_may_still_move_comes_first_whatever_else_is_known():
     # One that knows what to do keeps its own remedy.
     known = verbatim("x").with_fault(Fault("later.move", ENDSTOP.remedy, may_move=True))
     assert known.remedy == ENDSTOP.remedy
-
-
-def test_the_outermost_sentence_with_a_fault_is_shown_with_the_innermost_remedy():
-    outer = Message("trace 7 is not stored: {reason}", reason=FULL).with_fault(
-        Fault("storage.not_stored", DISK_REFUSES.remedy)
-    )
-    for reason in (FULL, outer):
-        message = warned(Message(PAUSED, reason=reason))
-        notice = fault_notice(said(SurveyState.PAUSED, message))
-        assert notice.text == reason and notice.first == DISK_FULL.remedy
-        assert {"disk.full", "errno 28"} <= set(notice.details)
-        assert notice.resumable and notice.then is not None
 
 
 def walk(steps, watch=None):

@@ -28,24 +28,16 @@ from view_kit import PAST, SURVEY
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_operator.jobs.job import JobState
 from gpr20_operator.jobs.result import (
     ALL_DATA,
     BESIDE_MM,
-    CANCELLED,
     CANCELLING,
-    LIST_PERIOD_S,
     OTHER_SURVEY,
     PLACES_SHOWN,
     REPORT,
     list_sum,
 )
-from gpr20_operator.jobs.result_texts import (
-    headline,
-    measured,
-    notices,
-    soil_lines,
-)
+from gpr20_operator.jobs.result_texts import headline, measured, notices, soil_lines
 from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND
 from gpr20_survey.plan.markers import What, found_of
@@ -149,26 +141,6 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     assert result.image is None and result.places == ()
 
 
-def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, node):
-    result.open(SURVEY)
-    result.keep()
-    node.ticket("read").fail(verbatim("the storage does not answer"))
-    result.keep()
-    assert result.reading.state is JobState.FAILED and len(node.of("read")) == 1
-    result.try_again()
-    begin_search(result, node)
-    result.cancel()
-    result.keep()
-    assert result.search.problem == CANCELLED and len(node.of("focus")) == 1
-    result.try_again()
-    search(result, node)
-    assert len(result.places) == 11
-    # A damaged description is not searched.
-    node.asked.clear()
-    begin_search(another := new_result(node), node, stored()._replace(text="{"))
-    assert another.reading.problem is not None and node.of("focus") == []
-
-
 def test_the_answer_for_another_survey_is_refused(result, node):
     begin_search(result, node)
     node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
@@ -211,18 +183,12 @@ def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node
     assert "1 entries" in str(notices(result)[0])
 
 
-def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(node, now):
-    result = new_result(node, now)
+def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(result, node):
     search(result, node)
     export = result.export
     export.begin()
     plug_in(node, LOCKED, BLUE)
     assert export.sticks.volumes == (LOCKED, BLUE)
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 1
-    now.s += LIST_PERIOD_S
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 2
     export.write(BLUE, SURVEY, ALL_DATA, "es")
     export.write(RED, SURVEY, REPORT, "es")
     (asked,) = node.of("export")
@@ -231,9 +197,6 @@ def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time
     export.job.cancel(CANCELLING)
     # Files may be written until the node answers.
     assert export.job.running and node.cancelled == [node.ticket("export").request_id]
-    now.s += LIST_PERIOD_S
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 2
 
 
 def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(result, node):
