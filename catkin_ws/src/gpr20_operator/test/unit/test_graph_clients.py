@@ -240,20 +240,6 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     assert found[Service.ANALYZER] == TESTED
 
 
-def test_a_request_that_is_cancelled_is_ended_at_the_node_and_its_answer_counts_for_nothing(
-    imaging, services, events
-):
-    services.answers["focus_survey"].insert(0, services.hung)
-    job = imaging.job(Service.FOCUS)
-    job.ask(survey=SURVEY)
-    job.end()
-    asked = dict(taken(services.asked, 2))
-    services.hung.set()
-    deliver(events)
-    assert (job.state, job.result) == (JobState.READY, None)
-    assert asked["cancel_imaging"]["request_id"] == asked["focus_survey"]["request_id"]
-
-
 @each_case("what", [*Service])
 def test_answers_arrive_and_silence_and_refusals_are_failures_with_a_reason(
     imaging, services, events, what

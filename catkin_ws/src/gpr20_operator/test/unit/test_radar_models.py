@@ -221,6 +221,8 @@ def test_noise_alone_stays_below_a_tenth_of_the_scale():
         model = noisy(seed, size, surface, traces)
         settings = RadarSettings(permittivity=float(rng.uniform(1.0, 30.0)))
         assert brightest(model, settings) < TENTH, (seed, settings)
+        alone = noisy(seed, size, None, traces).scale()
+        assert model.scale().noise == pytest.approx(alone.noise, rel=0.1), seed
 
 
 def test_a_target_stays_visible_and_its_slice_is_above_the_noise():
@@ -234,19 +236,3 @@ def test_a_target_stays_visible_and_its_slice_is_above_the_noise():
         assert shades.max() > 0.5 and picture.above_noise, seed
         empty = c_scan(model, RadarSettings(depth_m=0.4))
         assert not empty.above_noise and empty.shades.max() < TENTH, seed
-
-
-def test_the_scale_is_steady_while_traces_arrive():
-    grid, ground = make_grid(16, 12), target_ground(0.01, surface=0.3)
-    rng, scales = np.random.default_rng(4), []
-    model = filled((), grid=grid)
-    for index in range(grid.planned):
-        row, column, _polarization = grid.cells(np.array(index))
-        # A surface that is not even, so that something of it remains.
-        uneven = depth_echo(0.001 * rng.standard_normal(), level=0.3)
-        s21 = noise(rng, NOISE) + uneven + ground(int(row), int(column))
-        add_trace(model, trace_at(grid, index, s21))
-        scales.append(model.scale())
-    tops = [one.top_db for one in scales[40:]]
-    assert tops == sorted(tops)
-    assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2

@@ -38,7 +38,7 @@ def traces(storage, now):
     """What MAP and RADAR show, without a window."""
     problems = []
     traces = TracePresenter(Imaging(storage, now), problems.append)
-    traces.problems, traces.storage = problems, storage
+    traces.problems = problems
     return traces
 
 
