@@ -9,8 +9,7 @@ from fake_clock import FakeClock
 from hypothesis import given
 from hypothesis import strategies as st
 from view_kit import (
-    ASKED_PAUSE,
-    ASKED_STOP,
+    ASKED,
     CLOCK,
     FULL,
     MOVING,
@@ -110,9 +109,7 @@ def test_the_band_says_what_the_robot_does(code, known, level, title, words):
 
 
 CODES = st.none() | st.sampled_from(SurveyState)
-MESSAGES = st.sampled_from(
-    [verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP, ASKED_PAUSE]
-)
+MESSAGES = st.sampled_from([verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED])
 OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
 AXES = st.tuples(
     *(

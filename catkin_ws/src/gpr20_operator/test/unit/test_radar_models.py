@@ -189,17 +189,15 @@ def noisy(seed, size=(5, 4), ground=None, traces=None):
     return filled(None if traces is None else range(traces), s21, make_grid(*size))
 
 
-def pictures(model, settings):
-    for depth_m in EchoSource(model).depths_m(settings)[::8]:
-        yield c_scan(model, dataclasses.replace(settings, depth_m=float(depth_m)))
-    along_y = dataclasses.replace(settings, along=Axis.Y_MM)
-    for number in range(0, min(model.grid.shape), 2):
-        yield b_scan(model, Stop(number, 0), settings)
-        yield b_scan(model, Stop(0, number), along_y)
-
-
 def brightest(model, settings):
-    return max(float(np.nanmax(one.shades)) for one in pictures(model, settings) if one.measured)
+    """Return the brightest shade of slices and sections."""
+    source, along_y = EchoSource(model), dataclasses.replace(settings, along=Axis.Y_MM)
+    views = [dataclasses.replace(settings, depth_m=one) for one in source.depths_m(settings)[::8]]
+    found = [source.slice(one) for one in views]
+    for number in range(0, min(model.grid.shape), 2):
+        found.append(b_scan(model, Stop(number, 0), settings))
+        found.append(b_scan(model, Stop(0, number), along_y))
+    return max(float(np.nanmax(one.shades)) for one in found if one.measured)
 
 
 def target_ground(level, at=(2, 2), surface=0.0):

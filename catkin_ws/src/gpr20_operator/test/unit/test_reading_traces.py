@@ -168,29 +168,22 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     assert (shown.loading.loaded, shown.loading.stored) == (1099, 1099)
 
 
-def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage):
+def test_a_silent_storage_is_asked_again_and_what_it_cannot_read_is_said_once(traces, storage, now):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(3))
-    refresh(traces, 2)
-    storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
-    refresh(traces, 4)
-    assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
-    assert "trace 1: no strict JSON" in map(str, traces.problems)
-    lost = traces.shown.radar.given_up
-    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
-    assert "no file" in str(lost[0])
-
-
-def test_a_storage_that_does_not_answer_is_asked_again(traces, storage, now):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(stored(2))
     refresh(traces, 2)
     storage.fail("traces", verbatim("the storage did not answer"))
     refresh(traces, 2)
     assert len(storage.asked) == 1
     now.s += RETRY_S
     refresh(traces, 2)
-    assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
+    storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
+    assert storage.asked == [("traces", SURVEY, (0, 1, 2))] * 2
+    assert "trace 1: no strict JSON" in map(str, traces.problems)
+    lost = traces.shown.radar.given_up
+    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
+    assert "no file" in str(lost[0])
 
 
 def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage, now):
