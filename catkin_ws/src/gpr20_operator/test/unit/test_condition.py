@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 from case_kit import each_case
 from fake_clock import FakeClock
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
     ASKED,
     CLOCK,
@@ -23,12 +24,7 @@ from view_kit import (
 
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_doctor.mid.node_health import (
-    EXPECTED_NODES,
-    HealthLevel,
-    HealthReport,
-    NodeHealth,
-)
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
 from gpr20_operator.robot.events import (
@@ -200,6 +196,7 @@ STEPS = st.one_of(
 )
 
 
+@settings(max_examples=draws(100))
 @given(st.lists(STEPS, max_size=20))
 def test_what_may_be_pressed_follows_the_state_its_age_and_what_is_being_asked_for(steps):
     clock = FakeClock()

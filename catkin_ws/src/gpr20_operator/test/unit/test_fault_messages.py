@@ -7,8 +7,9 @@ import pytest
 pytest.importorskip("rospy")
 
 from fake_clock import FakeClock
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
     ASKED,
     CLOCK,
@@ -166,6 +167,7 @@ STEPS = st.one_of(
 )
 
 
+@settings(max_examples=draws(100))
 @given(st.lists(STEPS, max_size=40))
 def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(steps):
     robot, pressed = Robot(), {}
@@ -195,6 +197,13 @@ def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(
 
 
 def test_what_moves_or_is_silent_is_named_before_any_limit_runs_out():
+    robot = Robot()
+    robot.press(*AxisId)
+    robot.clock.advance(ANSWER_S)
+    robot.report(*AxisId, moving=True)
+    assert not robot.text(), "they slow down"
+    robot.clock.advance(REST_S)
+    assert "x axis: MOVES" in robot.text()
     robot = Robot()
     robot.press(AxisId.X, AxisId.Y)
     robot.stop.on_event(ACCEPTED)

@@ -10,8 +10,9 @@ pytest.importorskip("rospy")
 from annotation_examples import annotations
 from case_kit import each_case
 from fake_clock import FakeClock
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from topics_kit import Graph
 from view_kit import snapshot, state_of
 
@@ -95,6 +96,11 @@ def test_a_hold_is_not_offered_where_something_forbids_it_and_is_ended_by_that(r
     for now in (shown, WELL):
         window.note(now)
         assert not window.arming.armed
+    # Whoever holds it now has seen the fault: so a survey that it has paused is resumed.
+    window.note(shown)
+    window.arming.arm(shown)
+    window.note(shown)
+    assert window.arming.armed is (reason not in FORBIDDING)
     assert reason not in FORBIDDING or remote_question(WEB, remote_obstacle(shown)).hold is None
 
 
@@ -124,6 +130,7 @@ ACTIONS = st.one_of(
 )
 
 
+@settings(max_examples=draws(100))
 @given(st.lists(ACTIONS, max_size=60))
 def test_the_page_never_allows_what_the_window_does_not(actions):
     """Messages may be lost, time passes as it likes: the page lags by the silence at most."""

@@ -134,7 +134,6 @@ def test_a_window_of_a_replay_is_one_in_every_state_and_asks_a_robot_for_nothing
 ):
     clock = FakeClock()
     model = SurveyModel(clock, replay=True)
-    assert "Waiting" in str(condition_of(model.snapshot()).message)
     said = MAY_MOVE.remedy.with_fault(MAY_MOVE) if failed else verbatim("as it is")
     for event in (
         NodeHealth("main_control", HealthLevel.ERROR, verbatim("it burns"), {}),

@@ -9,18 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from result_examples import a_map
 from result_kit import (
-    BLUE,
     ELEVEN,
-    LOCKED,
     PLANNED,
-    RED,
     TIME_US,
     Requests,
     begin_search,
     image_of,
     new_result,
     noted,
-    plug_in,
     search,
     stored,
 )
@@ -28,15 +24,7 @@ from view_kit import PAST, SURVEY
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_operator.jobs.result import (
-    ALL_DATA,
-    BESIDE_MM,
-    CANCELLING,
-    OTHER_SURVEY,
-    PLACES_SHOWN,
-    REPORT,
-    list_sum,
-)
+from gpr20_operator.jobs.result import BESIDE_MM, OTHER_SURVEY, PLACES_SHOWN, list_sum
 from gpr20_operator.jobs.result_texts import headline, measured, notices, soil_lines
 from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND
@@ -46,18 +34,8 @@ from gpr20_survey.results.hiding_map import Targets
 
 
 @pytest.fixture
-def result(node, now):
-    return new_result(node, now)
-
-
-def note(result, node, what, depth_mm=None):
-    """Store what was found at the first place, and read it again; return the record's values."""
-    result.note_found(result.places[0], what, depth_mm, "Ana")
-    ((survey, kind, values),) = node.of("fact")
-    assert (survey, kind) == (SURVEY, Kind.FOUND)
-    node.ticket("fact").done(None)
-    node.ticket("read").done(stored(log=[noted("found", values)]))
-    return values
+def result(node):
+    return new_result(node)
 
 
 @given(candidate_lists())
@@ -183,22 +161,6 @@ def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node
     assert "1 entries" in str(notices(result)[0])
 
 
-def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(result, node):
-    search(result, node)
-    export = result.export
-    export.begin()
-    plug_in(node, LOCKED, BLUE)
-    assert export.sticks.volumes == (LOCKED, BLUE)
-    export.write(BLUE, SURVEY, ALL_DATA, "es")
-    export.write(RED, SURVEY, REPORT, "es")
-    (asked,) = node.of("export")
-    assert (asked.survey, asked.volume, asked.language) == (SURVEY, BLUE.path, "es")
-    assert asked.kinds == ["report-html", "candidates-csv", "survey-zip"]
-    export.job.cancel(CANCELLING)
-    # Files may be written until the node answers.
-    assert export.job.running and node.cancelled == [node.ticket("export").request_id]
-
-
 def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(result, node):
     places = [(140.0, 90.0), (150.0, 90.0), (140.0, 90.0, 110.0)]
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
@@ -206,7 +168,12 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     assert result.find_at(places[0]) is None
     with pytest.raises(InvalidValueError):
         result.note_found(places[0], What.DEVICE, -1.0, "Ana")
-    record = found_of(note(result, node, What.SCRAP, 35.0))
+    result.note_found(places[0], What.SCRAP, 35.0, "Ana")
+    ((survey, kind, values),) = node.of("fact")
+    assert (survey, kind) == (SURVEY, Kind.FOUND)
+    node.ticket("fact").done(None)
+    node.ticket("read").done(stored(log=[noted("found", values)]))
+    record = found_of(values)
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
     assert [result.find_at(one) for one in places] == [record, None, None]
