@@ -104,6 +104,13 @@ def test_the_band_says_what_the_robot_does(code, known, level, title, words):
     assert words in str(shown.message)
 
 
+def test_a_time_is_left_only_while_it_passes():
+    going = said(S.SURVEYING, verbatim("x"))
+    for state, left in ((going, True), (LATE, True), (said(S.SURVEYING, WAITING), False)):
+        shown = snapshot(state=state, progress=Progress("id", 50.0, 10, 5, 60.0))
+        assert (left_of(shown) is not None) is left, state
+
+
 CODES = st.none() | st.sampled_from(SurveyState)
 MESSAGES = st.sampled_from([verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED])
 OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
