@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 from view_kit import (
-    ASKED,
+    ASKED_STOP,
     CLOCK,
     FULL,
     MOVING,
@@ -112,7 +112,7 @@ def test_a_time_is_left_only_while_it_passes():
 
 
 CODES = st.none() | st.sampled_from(SurveyState)
-MESSAGES = st.sampled_from([verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED])
+MESSAGES = st.sampled_from([verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP])
 OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
 AXES = st.tuples(
     *(

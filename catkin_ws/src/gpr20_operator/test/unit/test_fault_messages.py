@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from run_seed import draws
 from view_kit import (
-    ASKED,
+    ASKED_PAUSE,
+    ASKED_STOP,
     CLOCK,
     FULL,
     LOST,
@@ -51,11 +52,11 @@ def test_a_pause_or_an_end_is_a_fault_unless_it_was_asked_for():
     paused_, stopped, failed = SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED
     for code, message, fault in (
         *((code, FULL, False) for code in set(SurveyState) - {paused_, *ENDED}),
-        *((failed, verbatim("x"), True), (failed, ASKED, True)),
-        *((paused_, Message(PAUSED, reason=FULL), True), (paused_, ASKED, False)),
-        *((paused_, warned(ASKED), False), (paused_, verbatim("x"), True)),
-        (paused_, Message("{a}, but {b}", a=ASKED, b=FULL), True),
-        *((stopped, ASKED, False), (stopped, in_a_row([ASKED, FULL]), True)),
+        *((failed, verbatim("x"), True), (failed, ASKED_STOP, True)),
+        *((paused_, Message(PAUSED, reason=FULL), True), (paused_, ASKED_PAUSE, False)),
+        *((paused_, warned(ASKED_PAUSE), False), (paused_, verbatim("x"), True)),
+        (paused_, Message("{a}, but {b}", a=ASKED_PAUSE, b=FULL), True),
+        *((stopped, ASKED_STOP, False), (stopped, in_a_row([ASKED_STOP, FULL]), True)),
         (SurveyState.FINISHED, warned(verbatim("x")), False),
     ):
         assert said(code, message).is_fault is fault, (code, message)
@@ -70,7 +71,7 @@ def test_resume_is_not_offered_for_a_survey_that_cannot_continue():
 
 
 def test_a_lost_contact_opens_a_card_only_where_something_may_move():
-    on, rest = said(SurveyState.SURVEYING, ASKED), said(SurveyState.IDLE, ASKED)
+    on, rest = said(SurveyState.SURVEYING, ASKED_PAUSE), said(SurveyState.IDLE, ASKED_STOP)
     for known, opens in (
         ({"state": on, "alive": False}, True),
         ({"state": rest, "alive": False, "axes": moving(AxisId.X)}, True),
@@ -86,11 +87,11 @@ def test_what_may_still_move_comes_first_whatever_else_is_known():
     hot = verbatim("hot").with_fault(Fault("later.laser_hot", may_move=True))
     outer = Fault("later.outer", COMPLETE.remedy)
     replaced = Message("{inner}", inner=MOVING).reporting_only(outer)
-    for message in (hot, replaced, in_a_row([ASKED, FULL, MOVING])):
+    for message in (hot, replaced, in_a_row([ASKED_STOP, FULL, MOVING])):
         for code in (SurveyState.PAUSED, SurveyState.STOPPED, SurveyState.FAILED):
             assert fault_notice(said(code, message)).first == MAY_MOVE.remedy, message
         assert refusal_notice(Refused.START, message).first == MAY_MOVE.remedy, message
-    notice = fault_notice(said(SurveyState.STOPPED, in_a_row([ASKED, FULL, MOVING])))
+    notice = fault_notice(said(SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL, MOVING])))
     assert not notice.resumable and notice.text == in_a_row([FULL, MOVING])
 
 

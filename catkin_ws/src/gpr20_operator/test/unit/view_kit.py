@@ -37,7 +37,9 @@ FULL = Message("the disk is full", details="errno 28").with_fault(
     Fault("disk.full", DISK_FULL.remedy)
 )
 MOVING = Message("a motor runs").with_fault(Fault("robot.may_move", MAY_MOVE.remedy, may_move=True))
-ASKED = Message("asked for").with_fault(Fault("survey.can_resume", severity=Severity.NOTE))
+ASKED_PAUSE = ASKED_STOP = Message("asked for").with_fault(
+    Fault("survey.can_resume", severity=Severity.NOTE)
+)
 LOST = Message("lost").with_fault(Fault("survey.lost", COMPLETE.remedy, can_continue=False))
 CLOCK = Message("the clock is late").with_fault(Fault("clock.late", CLOCK_WRONG.remedy))
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
