@@ -205,11 +205,6 @@ def imaging(services, events):
     client.close()
 
 
-def deliver(events):
-    """Hand the next answer over, as the window does in its thread."""
-    events.get(timeout=LIMIT_S).deliver()
-
-
 def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
     imaging, services, events
 ):
@@ -218,7 +213,7 @@ def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
         job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
         job.ask(survey=SURVEY, **FIELDS.get(service, {}))
         assert job.running
-        deliver(events)
+        events.get(timeout=LIMIT_S).deliver()
         assert job.state is JobState.DONE
         found[service] = job.result
         name, fields = services.asked.get()
@@ -248,7 +243,7 @@ def test_answers_arrive_and_silence_and_refusals_are_failures_with_a_reason(
         """Return the reason of a failure."""
         job = imaging.job(what)
         job.ask(survey=SURVEY, **FIELDS.get(what, {}))
-        deliver(events)
+        events.get(timeout=LIMIT_S).deliver()
         return job.problem or job.result.failure
 
     services.answers.clear()

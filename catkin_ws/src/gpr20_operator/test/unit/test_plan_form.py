@@ -170,6 +170,8 @@ def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_r
             assert resumable(past, other) is None
         past.set_running("another")
         assert resumable(past, idle) is None
+    said = [str(value) for _title, value in resume_past_question(FOLDER, early).rows]
+    assert FOLDER in said and "7 of 40 traces" in said
 
 
 def start(measured=DEFAULT, permittivity=4.0, annotation=EMPTY):

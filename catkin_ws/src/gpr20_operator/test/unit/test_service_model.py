@@ -7,6 +7,7 @@ from run_seed import draws
 from view_kit import snapshot
 
 from gpr20_common.message import Message
+from gpr20_doctor.mid.robot_facts import Endstop
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition, Request
 from gpr20_operator.robot.service_model import IDLE_LIMIT_S, AxisAction, ServiceModel
@@ -23,7 +24,10 @@ def test_service_ends_two_minutes_after_the_last_touch_or_motion(clock):
     model = ServiceModel(tools, tools.examine, clock)
     model.refresh(at_rest())
     model.enter()
+    model.on_event(Endstop(AxisId.X, True))
+    assert model.pressed(AxisId.X)
     clock.advance(IDLE_LIMIT_S - 1.0)
+    assert model.pressed(AxisId.X) is None, "not known any more"
     model.touch()
     clock.advance(IDLE_LIMIT_S - 1.0)
     model.refresh(at_rest())
