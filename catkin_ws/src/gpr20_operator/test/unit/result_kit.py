@@ -55,8 +55,8 @@ class Now:
         return self.s
 
 
-def new_result(requests, now=None):
-    return SurveyResult(Imaging(requests, now or Now()), lambda: TIME_US)
+def new_result(requests):
+    return SurveyResult(Imaging(requests, Now()), lambda: TIME_US)
 
 
 def image_of(found, traces=PLANNED):

@@ -1,10 +1,15 @@
-"""The band follows what the robot does: its motion, its codes, and how old they are."""
+"""What is known of a robot, what may be pressed, and the band: its motion, its codes, their age."""
 
+import math
+from dataclasses import replace
+
+import pytest
 from case_kit import each_case
-from hypothesis import given
+from fake_clock import FakeClock
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
-    ASKED_PAUSE,
     ASKED_STOP,
     CLOCK,
     FULL,
@@ -14,23 +19,26 @@ from view_kit import (
     paused,
     said,
     snapshot,
+    state_of,
 )
 
 from gpr20_common.faults import BUSY
 from gpr20_common.message import Fault, Message, Severity, verbatim
-from gpr20_doctor.mid.node_health import (
-    EXPECTED_NODES,
-    HealthLevel,
-    HealthReport,
-    NodeHealth,
-)
+from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.condition import JobLevel, condition_of, left_of
-from gpr20_operator.robot.events import Progress, Request
+from gpr20_operator.robot.events import (
+    Answer,
+    CurrentPosition,
+    Progress,
+    Request,
+    TargetPosition,
+)
+from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, STALE_S, SurveyModel
 from gpr20_survey.axes import AxisId
-from gpr20_survey.plan.survey_state import RUNNING, SurveyState
+from gpr20_survey.plan.survey_state import ENDED, RUNNING, SurveyState
 
-S, L = SurveyState, JobLevel
+S, L, R = SurveyState, JobLevel, Request
 WAITING = Message("Waiting for the VNA: a sweep").with_fault(
     Fault("survey.takes_long", BUSY.remedy, Severity.WARNING)
 )
@@ -97,18 +105,14 @@ def test_the_band_says_what_the_robot_does(code, known, level, title, words):
 
 
 def test_a_time_is_left_only_while_it_passes():
-    going = {"progress": Progress("id", 50.0, 10, 5, 60.0)}
-    for state, left in ((said(S.SURVEYING, verbatim("x")), True), (LATE, True), (None, False)):
-        state = state or said(S.SURVEYING, WAITING)
-        assert (left_of(snapshot(state=state, **going)) is not None) is left, state
-    done = Progress("id", 100.0, 10, 10, 1.0)
-    assert left_of(snapshot(state=said(S.SURVEYING, verbatim("x")), progress=done)) is None
+    going = said(S.SURVEYING, verbatim("x"))
+    for state, left in ((going, True), (LATE, True), (said(S.SURVEYING, WAITING), False)):
+        shown = snapshot(state=state, progress=Progress("id", 50.0, 10, 5, 60.0))
+        assert (left_of(shown) is not None) is left, state
 
 
 CODES = st.none() | st.sampled_from(SurveyState)
-MESSAGES = st.sampled_from(
-    [verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP, ASKED_PAUSE]
-)
+MESSAGES = st.sampled_from([verbatim("x"), FULL, MOVING, CLOCK.as_warning(), WAITING, ASKED_STOP])
 OWNERS = st.sampled_from(["", "/main_control", "/rqt"])
 AXES = st.tuples(
     *(
@@ -180,3 +184,114 @@ def test_motion_that_no_survey_explains_is_shown_and_green_is_only_what_works(no
         assert not any(one.severity is not Severity.NOTE for one in now.state.message.faults)
     else:
         assert not now.moving
+
+
+PROGRESS = Progress("id", 50.0, 18, 9, 30.0)
+
+
+@pytest.fixture
+def model(clock):
+    return SurveyModel(clock)
+
+
+def allowed(snapshot):
+    return {one for one in set(R) - {R.STOP} if getattr(snapshot, f"can_{one.value}")}
+
+
+STEPS = st.one_of(
+    st.sampled_from(S), st.sampled_from(R), st.tuples(st.sampled_from(R)), st.floats(0.0, 9.0)
+)
+
+
+@settings(max_examples=draws(100))
+@given(st.lists(STEPS, max_size=20))
+def test_what_may_be_pressed_follows_the_state_its_age_and_what_is_being_asked_for(steps):
+    clock = FakeClock()
+    model, code, heard_s, asked = SurveyModel(clock), None, -math.inf, set()
+    for step in steps:
+        if isinstance(step, S):
+            code, heard_s = step, clock.now_s()
+            model.handle(state_of(step))
+        elif isinstance(step, R):
+            asked.add(step)
+            model.request_sent(step)
+        elif isinstance(step, float):
+            clock.advance(step)
+        else:
+            asked -= {*step}
+            refusal = model.handle(Answer(*step, False, verbatim("no")))
+            # StopConfirmation says what became of a STOP.
+            assert (refusal is None) == (step[0] is R.STOP)
+        shown, can = model.snapshot(), set()
+        if clock.now_s() - heard_s <= CONTROL_SILENCE_S:
+            can |= {R.START} if code not in RUNNING and R.START not in asked else set()
+            can |= {R.PAUSE} if code is S.SURVEYING and not asked else set()
+            can |= {R.RESUME} if code is S.PAUSED and not asked else set()
+        assert allowed(shown) == can
+        assert shown.fields_locked == (code in RUNNING or R.START in asked)
+        assert shown.code is code, "the last word stays"
+
+
+def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock):
+    for survey, seen in (("new", True), ("another", False)):
+        model.handle(state_of(S.CONFIGURED, survey_id=""))
+        model.request_sent(R.START)
+        model.handle(Answer(R.START, True, verbatim("started"), survey))
+        assert not allowed(model.snapshot())
+        if seen:
+            model.handle(state_of(S.FAILED, survey_id=survey))
+        else:
+            # One that never shows locks it for a while only.
+            clock.advance(CONTROL_SILENCE_S + 0.1)
+            model.handle(state_of(S.IDLE, survey_id=""))
+        assert allowed(model.snapshot()) == {R.START}
+
+
+def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_looked(model):
+    model.handle(state_of(S.SURVEYING))
+    model.handle(replace(PROGRESS, completion_percent=100.0))
+    for end, level in ((S.FINISHED, JobLevel.DONE), (S.FAILED, JobLevel.FAULT)):
+        model.handle(replace(state_of(S.CONFIGURED), end=end))
+        snapshot = model.snapshot()
+        assert not snapshot.interrupted and allowed(snapshot) == {R.START}
+        condition = condition_of(snapshot)
+        assert (condition.level, str(condition.title)) == (level, f"{end.name} 100 %")
+
+
+def test_what_is_old_is_not_shown_as_now(model, clock):
+    place, target = CurrentPosition(1.0, 2.0, 90.0), TargetPosition(3.0, 4.0, 0.0)
+    for event in (place, target, AxisReport(AxisId.X, 1.0, True, True)):
+        model.handle(event)
+    for pause_s, known in ((STALE_S, True), (0.1, False)):
+        clock.advance(pause_s)
+        shown = model.snapshot()
+        assert (shown.current, shown.target) == ((place, target) if known else (None, None))
+        # An axis that fell silent while it moved counts as moving.
+        assert shown.moving and shown.axes[0].silent is not known
+
+
+def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(model, clock):
+    moves = AxisReport(AxisId.X, 1.0, True, True)
+    for event, progress in (
+        *((state_of(S.CHECKING), True), (state_of(S.CHECKING), False)),
+        *((state_of(S.SURVEYING), True), (PROGRESS, True), (PROGRESS, False)),
+        *((moves, True), (moves, True), (replace(moves, moving=False), False)),
+        (replace(PROGRESS, visited_points=PROGRESS.visited_points + 1), True),
+    ):
+        clock.advance(4.0)
+        model.handle(event)
+        assert (model.snapshot().still_s == 0.0) is progress, event
+
+
+def test_survey_that_vanishes_with_its_main_control_is_said_until_the_next_one_runs(clock):
+    for code in RUNNING:
+        model = SurveyModel(clock)
+        model.handle(state_of(code))
+        assert not model.snapshot().interrupted
+        # main_control begins in IDLE and knows nothing of what was.
+        for begun in (S.IDLE, S.CONFIGURED):
+            model.handle(state_of(begun, survey_id=""))
+            assert model.snapshot().interrupted, code
+        for after in (S.CHECKING, *ENDED, S.CONFIGURED):
+            model.handle(state_of(after, survey_id="next"))
+            assert not model.snapshot().interrupted

@@ -7,8 +7,9 @@ import pytest
 pytest.importorskip("rospy")
 
 from fake_clock import FakeClock
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from view_kit import (
     ASKED_PAUSE,
     ASKED_STOP,
@@ -23,7 +24,7 @@ from view_kit import (
     snapshot,
 )
 
-from gpr20_common.faults import DISK_FULL, DISK_REFUSES, MAY_MOVE
+from gpr20_common.faults import MAY_MOVE
 from gpr20_common.message import Fault, Message, in_a_row, verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request
@@ -39,7 +40,7 @@ from gpr20_operator.robot.notices import (
 )
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes import AxisId
-from gpr20_survey.faults import COMPLETE, ENDSTOP
+from gpr20_survey.faults import COMPLETE
 from gpr20_survey.plan.survey_state import ENDED, SurveyState
 
 
@@ -92,21 +93,6 @@ def test_what_may_still_move_comes_first_whatever_else_is_known():
         assert refusal_notice(Refused.START, message).first == MAY_MOVE.remedy, message
     notice = fault_notice(said(SurveyState.STOPPED, in_a_row([ASKED_STOP, FULL, MOVING])))
     assert not notice.resumable and notice.text == in_a_row([FULL, MOVING])
-    # One that knows what to do keeps its own remedy.
-    known = verbatim("x").with_fault(Fault("later.move", ENDSTOP.remedy, may_move=True))
-    assert known.remedy == ENDSTOP.remedy
-
-
-def test_the_outermost_sentence_with_a_fault_is_shown_with_the_innermost_remedy():
-    outer = Message("trace 7 is not stored: {reason}", reason=FULL).with_fault(
-        Fault("storage.not_stored", DISK_REFUSES.remedy)
-    )
-    for reason in (FULL, outer):
-        message = warned(Message(PAUSED, reason=reason))
-        notice = fault_notice(said(SurveyState.PAUSED, message))
-        assert notice.text == reason and notice.first == DISK_FULL.remedy
-        assert {"disk.full", "errno 28"} <= set(notice.details)
-        assert notice.resumable and notice.then is not None
 
 
 def walk(steps, watch=None):
@@ -182,6 +168,7 @@ STEPS = st.one_of(
 )
 
 
+@settings(max_examples=draws(100))
 @given(st.lists(STEPS, max_size=40))
 def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(steps):
     robot, pressed = Robot(), {}
@@ -211,6 +198,13 @@ def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(
 
 
 def test_what_moves_or_is_silent_is_named_before_any_limit_runs_out():
+    robot = Robot()
+    robot.press(*AxisId)
+    robot.clock.advance(ANSWER_S)
+    robot.report(*AxisId, moving=True)
+    assert not robot.text(), "they slow down"
+    robot.clock.advance(REST_S)
+    assert "x axis: MOVES" in robot.text()
     robot = Robot()
     robot.press(AxisId.X, AxisId.Y)
     robot.stop.on_event(ACCEPTED)

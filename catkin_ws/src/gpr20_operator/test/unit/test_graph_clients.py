@@ -1,60 +1,43 @@
-"""Between the graph and the window, without a graph: messages, STOP, and joining a master."""
+"""Between the graph and the screens, without a graph: START, STOP, and what services answer."""
 
 import threading
 from types import SimpleNamespace
 
 import pytest
+from case_kit import each_case
 
 pytest.importorskip("rospy")
 
 import rosgraph
+from candidate_examples import candidate_list
 from fake_clock import FakeClock
-from fault_kit import raises_fault
+from map_kit import focused
+from result_examples import a_map
+from result_kit import BLUE
 from topics_kit import LIMIT_S, taken
+from view_kit import FULL, SURVEY
 
-from gpr20_common.faults import ASKED_FOR, NOT_RUNNING, PART_SILENT
-from gpr20_common.high.answers import fault_of
+from gpr20_common.faults import PART_SILENT
+from gpr20_common.high.answers import fault_of, message_fields
 from gpr20_common.high.service_client import ServiceClient, ServiceUnavailableError
-from gpr20_common.message import Fault, Message, verbatim
+from gpr20_common.message import Message, verbatim
 from gpr20_doctor.mid.robot_facts import AxisReport
-from gpr20_msgs.msg import CurrentCoordinate, SurveyCoverage, SurveySummary
-from gpr20_msgs.srv import ListSurveysResponse, ReadTracesResponse
-from gpr20_operator.errors import MasterUnavailableError
-from gpr20_operator.high import robot_stop, ros_events, storage_client
+from gpr20_main_control.high.main_control_node import analyzer_test_fields
+from gpr20_msgs.msg import CurrentCoordinate, SurveyCoverage
+from gpr20_msgs.srv import ReadTracesResponse
+from gpr20_operator.ground.coverage import CoverageRuns
+from gpr20_operator.high import robot_stop
 from gpr20_operator.high.control_client import WITHDRAWN, ControlClient
-from gpr20_operator.high.storage_client import OFFERS
-from gpr20_operator.jobs.job import Service
+from gpr20_operator.high.storage_client import StorageClient, coverage_runs
+from gpr20_operator.jobs.job import JobState, Service
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey, SurveysListed
 from gpr20_operator.plan.fields import default_parameters
 from gpr20_operator.robot.events import Answer, AxisStopAnswer, Request, Senders, StartPlan
+from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes import AxisId
-
-REMEDY = Message("Free some space on the disk.")
-FULL = Message("the disk is full", details="errno 28").with_fault(Fault("disk.full", REMEDY))
-TEXT, SENT = str(FULL), fault_of(FULL)
-
-
-def test_why_something_of_a_survey_failed_has_its_fault_and_remedy_or_its_text():
-    coverage = SurveyCoverage(
-        planned=9,
-        run_starts=[0],
-        run_states=[3],
-        failures=[f"4: {TEXT}", "7: no template: as it is"],
-        failure_faults=[SENT, fault_of(None)],
-    )
-    runs = storage_client.coverage_runs(coverage)
-    assert runs.failures == {4: FULL, 7: verbatim("no template: as it is")}
-    response = ReadTracesResponse(
-        success=True, survey_id="id", unreadable=[f"3: {TEXT}", "5: torn"], unreadable_faults=[SENT]
-    )
-    read = OFFERS[Service.TRACES].convert(response)
-    assert (read.block.survey_id, read.block.indices.size) == ("id", 0)
-    assert read.unreadable == {3: FULL, 5: verbatim("torn")}
-    summary = SurveySummary(problem=TEXT, problem_fault=SENT)
-    listed = ListSurveysResponse(success=True, surveys=[summary])
-    (failed,) = OFFERS[Service.LIST].convert(listed).surveys
-    assert failed.verdict is None
-    for one in (runs.failures[4], read.unreadable[3], failed.problem):
-        assert (one.fault_code, one.remedy) == ("disk.full", REMEDY)
+from gpr20_survey.folder.log_record import Kind
+from gpr20_survey.results.answers import AnalyzerTest, focus_fields
+from gpr20_survey.results.hiding_map import hiding_json
 
 
 @pytest.fixture
@@ -89,7 +72,6 @@ def test_what_axes_report_is_passed_on_as_it_is(client):
         assert client._measured(axis, said) == AxisReport(axis, 1.5, homed, moving, "/o")
 
 
-REFUSED = {"success": False}
 SILENT = ServiceUnavailableError(Message("no answer"))
 
 
@@ -122,8 +104,8 @@ def test_a_stop_that_an_axis_or_the_main_control_did_not_hear_is_repeated_until_
 def test_every_press_asks_all_and_none_waits_for_one_that_hangs(stop, services, events):
     services.answers = {
         "x_axis/stop": [SILENT],
-        "y_axis/stop": [REFUSED],
-        "stop_survey": [services.hung, REFUSED],
+        "y_axis/stop": [{"success": False}],
+        "stop_survey": [services.hung, {"success": False}],
     }
     for _press in range(2):
         stop.press()
@@ -148,10 +130,12 @@ def test_a_stop_is_repeated_no_more_when_something_was_started_since(stop, servi
 
 
 def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
-    asked = []
+    # A service that is not there now has its last address; a silent master is said.
+    answers = ["rosrpc://robot:1", rosgraph.MasterError("unknown service"), OSError("refused")]
 
     def look_up(name):
-        asked.append(name)
+        assert name == "/stop_survey"
+        answer = answers.pop(0)
         if isinstance(answer, Exception):
             raise answer
         return answer
@@ -161,28 +145,115 @@ def test_stop_needs_no_master_once_it_knows_the_address(monkeypatch):
     monkeypatch.setattr(ServiceClient, "_look_up", lambda *_given: "asked the master")
     client = robot_stop.StopService(None, print, threading.Event())
     assert client._look_up(0, 1.0) == "asked the master"
-    answer = "rosrpc://robot:1"
     client.remember()
-    # A service that is not there now has its last address; a silent master is said.
-    answer = rosgraph.MasterError("unknown service")
     client.remember()
-    answer = OSError("refused")
     with pytest.raises(OSError):
         client.remember()
     assert client._look_up(0, 1.0) == "rosrpc://robot:1"
     # Where that fails, it may be a new one.
     assert client._look_up(1, 1.0) == "asked the master"
-    assert set(asked) == {"/stop_survey"}
 
 
-def test_a_graph_is_joined_within_the_limit_or_the_reason_is_said(monkeypatch):
-    joined, found = [], iter([False, True])
-    monkeypatch.setattr(ros_events, "enable_line_buffering", lambda: None)
-    monkeypatch.setattr(ros_events, "answers", lambda *_given: next(found, False))
-    monkeypatch.setattr(ros_events.rospy, "init_node", lambda name, **_given: joined.append(name))
-    ros_events.join_graph("a_node", 5.0, lambda: False, FakeClock())
-    assert joined == ["a_node"]
-    for cancelled, fault in ((bool, NOT_RUNNING), (lambda: True, ASKED_FOR)):
-        with raises_fault(fault, error=MasterUnavailableError):
-            ros_events.join_graph("a_node", 5.0, cancelled, FakeClock())
-    assert joined == ["a_node"]
+def test_why_a_trace_failed_is_its_fault_or_its_text():
+    coverage = SurveyCoverage(
+        planned=9,
+        run_starts=[0, 4],
+        run_states=[1, 3],
+        failures=[f"4: {FULL}", "7: no template: as it is"],
+        failure_faults=[fault_of(FULL)],
+    )
+    failures = {4: FULL, 7: verbatim("no template: as it is")}
+    assert coverage_runs(coverage) == CoverageRuns("", 9, (0, 4), (1, 3), failures)
+
+
+TESTED = AnalyzerTest("10.0.0.1", "Anritsu,MS2026C", "HIGH", 51, 0.02, -40.0)
+READ = ReadTracesResponse(success=True, survey_id="id", unreadable=["3: torn"])
+ANSWERS = {
+    Service.FOCUS: focus_fields(focused()),
+    Service.HIDE: {"hiding_json": hiding_json(a_map([[[1]]], [[[6]]]))},
+    Service.EXPORT: {"files": ["GPR20/a.pdf"], "content": b""},
+    Service.STICKS: {"computer": "server", "volumes": [BLUE]},
+    Service.READ: {"metadata_json": "{}", "stored_indices": [0, 3]},
+    Service.LIST: {"surveys": [], "more": False},
+    Service.TRACES: {one: getattr(READ, one) for one in READ.__slots__ if one != "message"},
+    Service.FACT: {
+        **message_fields(verbatim("noted")),
+        **{"survey_id": SURVEY, "markers_json": "[]"},
+    },
+    Service.MOVE: message_fields(verbatim("The y axis is at 20 mm.")),
+    Service.DAILY: message_fields(verbatim("Swept twice.")),
+    Service.HEIGHT: {"height_m": 0.2, "spread_m": 0.001, "voltage_v": 1.3},
+    Service.ANALYZER: analyzer_test_fields(TESTED),
+}
+FIELDS = {Service.FACT: {"kind": Kind.FOUND, "values": {}}}
+REFUSED = {"success": False, **message_fields(verbatim("refused"))}
+# Of the other services of the storage.
+STORED = {"survey_id": "id", "markers_json": "[]", "stored_indices": [0, 3]}
+STORED.update(metadata_json="{}")
+
+
+def answer_all(services):
+    services.usual = STORED
+    services.answers = {one.value: [found] for one, found in ANSWERS.items()}
+
+
+@pytest.fixture
+def imaging(services, events):
+    answer_all(services)
+    client = StorageClient(events.put, Senders("/"))
+    yield Imaging(client, lambda: 0.0)
+    client.close()
+
+
+def test_the_answers_are_what_pages_work_with_and_delivered_in_their_thread(
+    imaging, services, events
+):
+    found, threads = {}, []
+    for service in Service:
+        job = imaging.job(service, lambda _result: threads.append(threading.current_thread()))
+        job.ask(survey=SURVEY, **FIELDS.get(service, {}))
+        assert job.running
+        events.get(timeout=LIMIT_S).deliver()
+        assert job.state is JobState.DONE
+        found[service] = job.result
+        name, fields = services.asked.get()
+        assert name == service.value and fields["survey"] == SURVEY
+        assert ("request_id" in fields) == service.can_be_cancelled
+    assert threads == [threading.current_thread()] * len(Service)
+    candidates = candidate_list(focused().found.candidates, survey_id=SURVEY)
+    assert found[Service.FOCUS].found == candidates
+    assert found[Service.EXPORT].files == ("GPR20/a.pdf",)
+    assert found[Service.STICKS].computer == "server"
+    assert [one.path for one in found[Service.STICKS].volumes] == [BLUE.path]
+    assert found[Service.READ] == StoredSurvey("{}", (0, 3))
+    assert found[Service.LIST] == SurveysListed((), False)
+    assert found[Service.TRACES].block.survey_id == "id"
+    assert found[Service.TRACES].unreadable == {3: verbatim("torn")}
+    assert str(found[Service.FACT]) == "noted"
+    assert str(found[Service.MOVE]) == "The y axis is at 20 mm."
+    assert found[Service.HEIGHT] == HeightTested(0.2, 0.001, 1.3)
+    assert found[Service.ANALYZER] == TESTED
+
+
+@each_case("what", [*Service])
+def test_answers_arrive_and_silence_and_refusals_are_failures_with_a_reason(
+    imaging, services, events, what
+):
+    def asked():
+        """Return the reason of a failure."""
+        job = imaging.job(what)
+        job.ask(survey=SURVEY, **FIELDS.get(what, {}))
+        events.get(timeout=LIMIT_S).deliver()
+        return job.problem or job.result.failure
+
+    services.answers.clear()
+    services.usual = ServiceUnavailableError(Message("no answer"))
+    silent = asked()
+    assert silent.cause == PART_SILENT and silent.remedy is not None
+    # A test that failed says what it has found before.
+    services.usual = {**ANSWERS.get(what, {}), **REFUSED}
+    refused = asked()
+    assert str(refused) == "refused" and refused.cause is None
+    if what is Service.HIDE:
+        services.usual = {"hiding_json": "{}"}
+        assert asked() is not None, "an answer that is not valid"

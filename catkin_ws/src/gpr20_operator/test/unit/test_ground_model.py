@@ -16,14 +16,14 @@ from view_kit import PAST, SURVEY, TRAVEL, add_trace, make_grid, trace_at
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_operator.ground.additions import RETRY_S, AdditionsPresenter
+from gpr20_operator.ground.additions import AdditionsPresenter
 from gpr20_operator.ground.coverage import CoverageRuns
 from gpr20_operator.ground.grid import FINER_SIZE_MM, Area, Place, plan_finer, planned_grid
 from gpr20_operator.ground.model import GroundModel
 from gpr20_operator.ground.sources import Layer
 from gpr20_operator.ground.texts import marks_above, marks_in_section
 from gpr20_operator.ground.traces import ShownSurvey
-from gpr20_operator.jobs.pictures import Imaging, StoredSurvey
+from gpr20_operator.jobs.pictures import Imaging
 from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.plan.survey_parameters import RobotTravel, Travel, check
 from gpr20_survey.radar import ANY_SOIL
@@ -132,20 +132,6 @@ def test_a_ring_on_ground_that_was_not_measured_says_so(model):
     assert measured == {0: True, 1: False, 2: False}
 
 
-def test_the_crosshair_follows_the_last_trace_until_a_place_is_chosen(model):
-    assert model.place is None
-    add(model, 0, 1, 2)  # the others of another polarization, the last one at the next stop
-    assert model.place == Place(100.0, 50.0)
-    add(model, 3, 4)
-    assert model.place == Place(150.0, 50.0)
-    model.choose_place(172.0, 69.0)
-    add(model, *range(5, 40))
-    assert model.place == Place(175.0, 70.0)
-    model.follow(True)
-    grid = model.survey.map.grid
-    assert model.place == grid.place_of(model.survey.radar.latest[0])
-
-
 @settings(max_examples=draws(50))
 @given(
     *(st.integers(2, 30), st.integers(2, 30), st.booleans()),
@@ -164,29 +150,15 @@ def test_the_place_chosen_is_within_half_a_cell_of_the_touch(columns, rows, left
         assert abs(at - min(max(touched, low), high)) <= half + 0.02
 
 
-def test_the_crosshair_links_the_pictures(model):
-    add(model, *range(40))
-    model.choose_place(*TARGET)
-    model.touch_section(175.0, 100.0)
-    assert model.place == Place(175.0, 90.0)
-    assert model.section_crosshair == (175.0, pytest.approx(100.0))
-    model.turn()
-    model.touch_section(52.0, 200.0)
-    assert model.place == Place(175.0, 50.0) and model.settings.depth_m == pytest.approx(0.2)
-
-
 def test_the_depth_stays_within_what_can_be_shown_and_needs_a_height(model):
-    add(model, *range(40))
-    model.step_depth(-100)
-    assert model.settings.depth_m == 0.0
-    model.step_depth(10_000)
-    assert model.settings.depth_m <= model.deepest_m + 1e-9
     wet = new_model(make_grid(permittivity=20.0))
-    add(wet, *range(40))
-    wet.step_depth(10_000)
-    model = wet
-    assert model.settings.depth_m <= model.deepest_m + 1e-9 < 0.5
-    assert model.pictures().above.measured
+    for one in (model, wet):
+        add(one, *range(40))
+        one.step_depth(-100)
+        assert one.settings.depth_m == 0.0
+        one.step_depth(10_000)
+        assert one.settings.depth_m <= one.deepest_m + 1e-9
+    assert wet.deepest_m < 0.5 and wet.pictures().above.measured
     without = new_model()
     add(without, *range(40), height_m=float("nan"))
     shown = without.pictures()
@@ -244,21 +216,6 @@ def additions(node, now):
     return additions
 
 
-def test_markers_are_asked_for_once_and_again_after_a_failure(node, now, additions):
-    additions.follow(make_grid())
-    for answer in (
-        lambda one: one.fail(verbatim("no")),
-        lambda one: one.done(StoredSurvey("", ())),
-    ):
-        asked = len(node.of("read"))
-        answer(node.ticket("read"))
-        for later_s in (RETRY_S / 2.0, RETRY_S):
-            now.s += later_s
-            assert len(node.of("read")) == asked
-            additions.refresh()
-        assert len(node.of("read")) == asked + 1
-
-
 def test_nothing_of_another_survey_is_shown(node, additions):
     first = node.ticket("read")
     additions.pictures.add_image(focused(survey_id=PAST))
@@ -275,8 +232,6 @@ def test_nothing_of_another_survey_is_shown(node, additions):
 def test_a_marker_is_shown_when_the_storage_has_it_and_each_failure_is_reported(node, additions):
     failed = []
     additions.marking_failed = failed.append
-    with pytest.raises(InvalidValueError):
-        additions.add_marker(SURVEY, 1.0, 2.0, None, "a\nb")
     additions.add_marker(SURVEY, 1.0, 2.0, None, "metal")
     first = node.ticket("fact")
     additions.remove_marker(MARKER.marker_id)

@@ -1,11 +1,10 @@
 """A job: only its last request may answer. When an image is asked for while somebody looks."""
 
-import map_kit
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from result_kit import Now, Requests
-from view_kit import SURVEY
+from map_kit import focused
+from result_kit import Requests
+from view_kit import PAST, SURVEY
 
 from gpr20_common.message import verbatim
 from gpr20_operator.jobs.job import Job, JobState, Service
@@ -13,7 +12,9 @@ from gpr20_operator.jobs.pictures import FEWEST_TRACES, PERIOD_S, Imaging
 
 REASON = verbatim("cancelled")
 STEPS = st.lists(
-    st.tuples(st.sampled_from(["ask", "end", "progress", "done", "fail"]), st.integers(0, 9)),
+    st.tuples(
+        st.sampled_from(["ask", "end", "cancel", "progress", "done", "fail"]), st.integers(0, 9)
+    ),
     max_size=40,
 )
 
@@ -27,7 +28,12 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
         tickets = [one for _kind, one, _fields in node.asked]
         before = job.revision, job.state, job.result, job.problem, job.stage
         ticket = tickets[which % len(tickets)] if tickets else None
-        if step in ("ask", "end"):
+        if step == "cancel":
+            job.cancel(REASON)
+            # Files may be written until the node answers.
+            stopped = waiting and (waiting.request_id, REASON)
+            assert not stopped or (node.cancelled[-1], job.stage) == stopped
+        elif step in ("ask", "end"):
             job.ask() if step == "ask" else job.end(REASON)
             assert waiting is None or node.cancelled[-1] == waiting.request_id
             assert (job.result, job.problem) == (None, None if step == "ask" else REASON)
@@ -47,67 +53,33 @@ def test_only_the_last_request_answers_and_cancelling_always_ends_it(steps):
                 assert step == "fail" or results[-1] == REASON
                 waiting = None
         assert job.running == (waiting is not None) and job.revision >= before[0]
-    assert len(set(node.cancelled)) == len(node.cancelled)
     assert len({one.request_id for _kind, one, _fields in node.asked}) == len(node.asked)
 
 
-@pytest.fixture
-def imaging(node, now):
-    return Imaging(node, now)
-
-
-def focused(node, survey=SURVEY):
-    node.ticket("focus").done(map_kit.focused(survey_id=survey))
-
-
-CHANGES = st.lists(
-    st.tuples(
-        st.sampled_from(["", SURVEY, "another"]),
-        st.integers(FEWEST_TRACES - 2, FEWEST_TRACES + 2),
-        st.sampled_from([None, 4.0, 5.0]),
-        st.floats(0.0, 2.0 * PERIOD_S),
-        st.booleans(),
-    ),
-    max_size=20,
-)
-
-
-@given(CHANGES)
-def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(changes):
-    node, now = Requests(), Now()
+def test_an_image_is_asked_for_when_it_would_be_another_and_not_too_often(node, now):
     imaging = Imaging(node, now)
-    asked, ended_s = ("", None, 0), now.s
-    waits = False
-    for survey, traces, permittivity, passed_s, answered in changes:
-        now.s += passed_s
-        wanted, before = (survey, permittivity, traces), len(node.of("focus"))
-        imaging.keep(*wanted)
-        another = wanted[:2] != asked[:2]
-        late = another or now.s - ended_s >= PERIOD_S
-        due = bool(survey) and traces >= FEWEST_TRACES and wanted != asked and late and not waits
-        assert len(node.of("focus")) - before == due
-        if due:
+    few, many = FEWEST_TRACES - 1, FEWEST_TRACES
+    for survey, permittivity, traces, later_s, asks in (
+        *(("", 4.0, many, 0.0, False), (SURVEY, 4.0, few, 0.0, False)),
+        *((SURVEY, 4.0, many, 0.0, True), (SURVEY, 4.0, many, PERIOD_S, False)),
+        *((SURVEY, 4.0, many + 1, 0.0, True), (SURVEY, 4.0, many + 2, PERIOD_S / 2.0, False)),
+        # Another permittivity or survey does not wait.
+        *((SURVEY, 5.0, many + 2, 0.0, True), (PAST, 5.0, many + 2, 0.0, True)),
+    ):
+        now.s += later_s
+        asked = len(node.of("focus"))
+        imaging.keep(survey, permittivity, traces)
+        assert (len(node.of("focus")) > asked) is asks, (permittivity, traces, later_s)
+        if asks:
             assert node.of("focus")[-1] == (survey,)
-            asked, waits = wanted, True
-        if waits and answered:
-            focused(node, asked[0])
-            ended_s, waits = now.s, False
-
-
-def test_a_failure_is_kept_until_there_is_an_image_and_what_is_awaited_can_be_ended(
-    imaging, node, now
-):
-    imaging.keep(SURVEY, 4.0, 20)
-    node.ticket("focus").fail(verbatim("the analysis is not installed"))
-    assert str(imaging.problem) == "the analysis is not installed"
-    now.s += PERIOD_S
-    imaging.keep(SURVEY, 4.0, 20)
-    assert len(node.of("focus")) == 2
-    node.ticket("focus").fail(verbatim("the analysis is not installed"))
-    now.s += PERIOD_S
-    imaging.keep(SURVEY, 4.0, 21)
-    focused(node)
-    assert imaging.problem is None and imaging.pictures.image(SURVEY) is not None
-    imaging.keep("another", 4.0, 21)
-    imaging.end()
-    assert node.cancelled == [node.ticket("focus").request_id]
+            imaging.keep(survey, 9.0, traces)
+            assert len(node.of("focus")) == asked + 1, "one at a time"
+            node.ticket("focus").done(focused(survey_id=survey))
+    # A failure is said, and the image asked for again after a while.
+    for _again in range(2):
+        now.s += PERIOD_S
+        imaging.keep(PAST, 5.0, many + 3)
+        node.ticket("focus").fail(REASON)
+        imaging.keep(PAST, 5.0, many + 3)
+        assert imaging.problem == REASON
+    assert len(node.of("focus")) == 6

@@ -7,7 +7,6 @@ import pytest
 from fault_kit import raises_fault
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from map_kit import focused
 from run_seed import draws
 from view_kit import (
     FREQUENCY_HZ,
@@ -23,14 +22,13 @@ from view_kit import (
 )
 
 from gpr20_operator.errors import SurveyNotReadableError
-from gpr20_operator.ground import echoes
 from gpr20_operator.ground.echoes import (
     MIN_BACKGROUND_TRACES,
     RadarModel,
     noise_threshold_db,
 )
 from gpr20_operator.ground.grid import Place, Stop
-from gpr20_operator.ground.sources import Axis, EchoSource, FocusedSource, RadarSettings
+from gpr20_operator.ground.sources import Axis, EchoSource, RadarSettings
 from gpr20_survey.trace.trace import TraceBlock
 
 PLAIN = RadarSettings()
@@ -191,17 +189,15 @@ def noisy(seed, size=(5, 4), ground=None, traces=None):
     return filled(None if traces is None else range(traces), s21, make_grid(*size))
 
 
-def pictures(model, settings):
-    for depth_m in EchoSource(model).depths_m(settings)[::8]:
-        yield c_scan(model, dataclasses.replace(settings, depth_m=float(depth_m)))
-    along_y = dataclasses.replace(settings, along=Axis.Y_MM)
-    for number in range(0, min(model.grid.shape), 2):
-        yield b_scan(model, Stop(number, 0), settings)
-        yield b_scan(model, Stop(0, number), along_y)
-
-
 def brightest(model, settings):
-    return max(float(np.nanmax(one.shades)) for one in pictures(model, settings) if one.measured)
+    """Return the brightest shade of slices and sections."""
+    source, along_y = EchoSource(model), dataclasses.replace(settings, along=Axis.Y_MM)
+    views = [dataclasses.replace(settings, depth_m=one) for one in source.depths_m(settings)[::8]]
+    found = [source.slice(one) for one in views]
+    for number in range(0, min(model.grid.shape), 2):
+        found.append(b_scan(model, Stop(number, 0), settings))
+        found.append(b_scan(model, Stop(0, number), along_y))
+    return max(float(np.nanmax(one.shades)) for one in found if one.measured)
 
 
 def target_ground(level, at=(2, 2), surface=0.0):
@@ -223,6 +219,8 @@ def test_noise_alone_stays_below_a_tenth_of_the_scale():
         model = noisy(seed, size, surface, traces)
         settings = RadarSettings(permittivity=float(rng.uniform(1.0, 30.0)))
         assert brightest(model, settings) < TENTH, (seed, settings)
+        alone = noisy(seed, size, None, traces).scale()
+        assert model.scale().noise == pytest.approx(alone.noise, rel=0.1), seed
 
 
 def test_a_target_stays_visible_and_its_slice_is_above_the_noise():
@@ -236,40 +234,3 @@ def test_a_target_stays_visible_and_its_slice_is_above_the_noise():
         assert shades.max() > 0.5 and picture.above_noise, seed
         empty = c_scan(model, RadarSettings(depth_m=0.4))
         assert not empty.above_noise and empty.shades.max() < TENTH, seed
-
-
-def test_every_slice_and_line_has_the_same_scale_which_is_steady_while_traces_arrive():
-    model = noisy(3, ground=target_ground(0.1, surface=0.5))
-    assert len({one.scale for one in pictures(model, PLAIN)}) == 1
-    grid, ground = make_grid(16, 12), target_ground(0.01, surface=0.3)
-    rng, scales = np.random.default_rng(4), []
-    model = filled((), grid=grid)
-    for index in range(grid.planned):
-        row, column, _polarization = grid.cells(np.array(index))
-        # A surface that is not even, so that something of it remains.
-        uneven = depth_echo(0.001 * rng.standard_normal(), level=0.3)
-        s21 = noise(rng, NOISE) + uneven + ground(int(row), int(column))
-        add_trace(model, trace_at(grid, index, s21))
-        scales.append(model.scale())
-    tops = [one.top_db for one in scales[40:]]
-    assert tops == sorted(tops)
-    assert len(set(scales[20:])) <= 4 and len(set(scales[192:])) <= 2
-
-
-def test_of_a_large_plan_fewer_delays_are_stored(monkeypatch):
-    whole = noisy(1).echoes
-    monkeypatch.setattr(echoes, "MAX_VOLUME_BYTES", whole.nbytes // 3)
-    part = noisy(1).echoes
-    assert 0 < part.nbytes <= whole.nbytes // 3
-    assert (part == whole[..., : part.shape[-1]]).all()
-
-
-def test_the_scale_of_a_focused_image_only_rises_and_is_of_one_survey():
-    shades = []
-    before = None
-    for survey_id, strongest_db in ((SURVEY, 60.0), (SURVEY, 30.0), (PAST, 30.0)):
-        image = focused(survey_id=survey_id)
-        image.levels_db[0, 0, 0] = strongest_db
-        before = FocusedSource(image, before)
-        shades.append(before.from_above().shades.max())
-    assert shades[1] < shades[2] < shades[0] == 1.0

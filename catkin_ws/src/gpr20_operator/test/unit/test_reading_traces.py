@@ -12,7 +12,6 @@ from view_kit import (
     SURVEY,
     description,
     make_grid,
-    past_survey,
     snapshot,
     state_of,
     trace_at,
@@ -21,8 +20,7 @@ from view_kit import (
 from gpr20_common.message import verbatim
 from gpr20_operator.ground.coverage import CoverageRuns, coverage_of_stored
 from gpr20_operator.ground.traces import RETRY_S, SurveyDescribed, TracePresenter
-from gpr20_operator.jobs.pictures import Imaging, StoredSurvey, SurveysListed, TracesRead
-from gpr20_operator.words import local_time
+from gpr20_operator.jobs.pictures import Imaging, StoredSurvey, TracesRead
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 from gpr20_survey.trace.trace import TraceBlock
 
@@ -35,37 +33,12 @@ def note(traces, code, survey=SURVEY):
     traces.note_state(snapshot(code, state=state_of(code, survey_id=survey)))
 
 
-def open_past(traces):
-    traces.open_survey(FOLDER)
-    traces.storage.answer(StoredSurvey(description(survey_id=PAST), ALL_STORED))
-
-
-def test_a_past_survey_says_so_and_which_one_it_is(traces):
-    note(traces, SurveyState.IDLE)
-    open_past(traces)
-    traces.list_surveys()
-    listed = past_survey(outcome="finished", complete=True)
-    traces.storage.answer(SurveysListed((listed,), False))
-    assert str(traces.band) == f"PAST SURVEY: {local_time(listed.started)}, 7c9e6679"
-    named = dataclasses.replace(listed, name="field 3, east")
-    traces.list_surveys()
-    traces.storage.answer(SurveysListed((named,), False))
-    assert str(traces.band).endswith(", field 3, east")
-    note(traces, SurveyState.SURVEYING)
-    open_past(traces)
-    note(traces, SurveyState.SURVEYING)
-    assert "NOT THE RUNNING SURVEY" in str(traces.band)
-    assert traces.shown.survey_id == PAST
-    traces.show_live()
-    assert traces.band is None
-
-
 @pytest.fixture
 def traces(storage, now):
     """What MAP and RADAR show, without a window."""
     problems = []
     traces = TracePresenter(Imaging(storage, now), problems.append)
-    traces.problems, traces.storage = problems, storage
+    traces.problems = problems
     return traces
 
 
@@ -152,6 +125,7 @@ class Course:
         waits = self.running and self.running != self.live
         expected = PAST if self.opened else "" if waits else self.live
         assert (shown.survey_id, self.traces.band is not None) == (expected, self.opened)
+        assert not self.opened or ("NOT THE" in str(self.traces.band)) is bool(self.running)
         count = self.stored.get(expected, 0)
         assert shown.radar.count == len(shown.map.stored) == count
         assert shown.loading.loaded == shown.loading.stored == count
@@ -194,45 +168,22 @@ def test_what_is_stored_and_not_here_yet_is_loading(traces, storage):
     assert (shown.loading.loaded, shown.loading.stored) == (1099, 1099)
 
 
-def test_only_what_does_not_come_on_the_topic_is_read(traces, storage):
-    traces.on_event(SurveyDescribed(description()))
-    for index in range(5):
-        traces.on_event(stored(index + 1))
-        traces.refresh()  # reported as stored, not received yet
-        traces.on_event(trace_at(GRID, index))
-        traces.refresh()
-    assert storage.asked == []
-    assert traces.shown.radar.count == 5
-    # One that the topic has lost is.
-    traces.on_event(trace_at(GRID, 6))
-    traces.on_event(stored(7))
-    refresh(traces, 2)
-    assert storage.asked == [("traces", SURVEY, (5,))]
-
-
-def test_a_file_that_cannot_be_read_or_is_not_there_is_said_once(traces, storage):
+def test_a_silent_storage_is_asked_again_and_what_it_cannot_read_is_said_once(traces, storage, now):
     traces.on_event(SurveyDescribed(description()))
     traces.on_event(stored(3))
-    refresh(traces, 2)
-    storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
-    refresh(traces, 4)
-    assert storage.asked == [("traces", SURVEY, (0, 1, 2))]
-    assert "trace 1: no strict JSON" in map(str, traces.problems)
-    lost = traces.shown.radar.given_up
-    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
-    assert "no file" in str(lost[0])
-
-
-def test_a_storage_that_does_not_answer_is_asked_again(traces, storage, now):
-    traces.on_event(SurveyDescribed(description()))
-    traces.on_event(stored(2))
     refresh(traces, 2)
     storage.fail("traces", verbatim("the storage did not answer"))
     refresh(traces, 2)
     assert len(storage.asked) == 1
     now.s += RETRY_S
     refresh(traces, 2)
-    assert storage.asked == [("traces", SURVEY, (0, 1))] * 2
+    storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
+    refresh(traces, 4)
+    assert storage.asked == [("traces", SURVEY, (0, 1, 2))] * 2
+    assert "trace 1: no strict JSON" in map(str, traces.problems)
+    lost = traces.shown.radar.given_up
+    assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
+    assert "no file" in str(lost[0])
 
 
 def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage, now):

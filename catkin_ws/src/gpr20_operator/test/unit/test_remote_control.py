@@ -10,14 +10,14 @@ pytest.importorskip("rospy")
 from annotation_examples import annotations
 from case_kit import each_case
 from fake_clock import FakeClock
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
+from run_seed import draws
 from topics_kit import Graph
 from view_kit import snapshot, state_of
 
 from gpr20_common.high.raw_message import deserialized, serialized
 from gpr20_common.message import verbatim
-from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth
 from gpr20_doctor.mid.robot_facts import AxisReport
 from gpr20_operator.high import control_client as topics
 from gpr20_operator.plan.fields import default_parameters
@@ -71,18 +71,12 @@ def test_a_hold_allows_it_for_ten_minutes_and_says_so_every_second():
     assert window.sent == [RemoteArmed(False, 0.0, PLAN)]
     window.arming.arm(WELL)
     assert window.sent[-1] == RemoteArmed(True, REMOTE_LIMIT_S, PLAN)
-    for seconds, times, armed in (
-        (REMOTE_LIMIT_S - 1.0, 599, True),
-        (1.2, 1, False),
-        (5.0, 0, False),
-    ):
-        window.sent.clear()
-        # As the window's refreshes do.
-        for _ in range(round(seconds / 0.2)):
-            window.clock.advance(0.2)
-            window.note(WELL)
-        assert window.arming.armed is armed and all(one.armed is armed for one in window.sent)
-        assert len(window.sent) == pytest.approx(times, rel=0.01)
+    # As the window's refreshes do.
+    for _ in range(round(REMOTE_LIMIT_S / 0.2) + 20):
+        window.clock.advance(0.2)
+        window.note(WELL)
+    said = [one.armed for one in window.sent]
+    assert said.count(True) == pytest.approx(600, rel=0.01) and said.count(False) == 2
     # A touch ends it at once.
     window.arming.arm(WELL)
     window.arming.touched()
@@ -102,6 +96,11 @@ def test_a_hold_is_not_offered_where_something_forbids_it_and_is_ended_by_that(r
     for now in (shown, WELL):
         window.note(now)
         assert not window.arming.armed
+    # Whoever holds it now has seen the fault: so a survey that it has paused is resumed.
+    window.note(shown)
+    for act in (window.arming.arm, window.note):
+        act(shown)
+        assert window.arming.armed is (reason not in FORBIDDING)
     assert reason not in FORBIDDING or remote_question(WEB, remote_obstacle(shown)).hold is None
 
 
@@ -131,6 +130,7 @@ ACTIONS = st.one_of(
 )
 
 
+@settings(max_examples=draws(100))
 @given(st.lists(ACTIONS, max_size=60))
 def test_the_page_never_allows_what_the_window_does_not(actions):
     """Messages may be lost, time passes as it likes: the page lags by the silence at most."""
@@ -186,13 +186,3 @@ def test_the_page_takes_no_message_of_another_node(monkeypatch):
     for sender in ("/main_control", "/web", "/robot1/user_interface", "/user_interface"):
         graph.send(sender, "remote_control", message)
     assert [one for one in events if isinstance(one, RemoteArmed)] == [RemoteArmed(True, 600.0)]
-
-
-def test_a_page_whose_node_has_ended_is_no_longer_offered():
-    window = Window()
-    window.arming.take(WEB)
-    window.note(WELL)
-    assert window.arming.web == WEB
-    gone = NodeHealth("web", HealthLevel.STALE, verbatim("ended"), {})
-    window.note(replace(WELL, health=HealthReport((gone,))))
-    assert window.arming.web is None

@@ -9,18 +9,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from result_examples import a_map
 from result_kit import (
-    BLUE,
     ELEVEN,
-    LOCKED,
     PLANNED,
-    RED,
     TIME_US,
     Requests,
     begin_search,
     image_of,
     new_result,
     noted,
-    plug_in,
     search,
     stored,
 )
@@ -28,24 +24,8 @@ from view_kit import PAST, SURVEY
 
 from gpr20_common.errors import InvalidValueError
 from gpr20_common.message import verbatim
-from gpr20_operator.jobs.job import JobState
-from gpr20_operator.jobs.result import (
-    ALL_DATA,
-    BESIDE_MM,
-    CANCELLED,
-    CANCELLING,
-    LIST_PERIOD_S,
-    OTHER_SURVEY,
-    PLACES_SHOWN,
-    REPORT,
-    list_sum,
-)
-from gpr20_operator.jobs.result_texts import (
-    headline,
-    measured,
-    notices,
-    soil_lines,
-)
+from gpr20_operator.jobs.result import BESIDE_MM, OTHER_SURVEY, PLACES_SHOWN, list_sum
+from gpr20_operator.jobs.result_texts import headline, measured, notices, soil_lines
 from gpr20_survey.folder.log_record import Kind, soil_values
 from gpr20_survey.plan.markers import FOUND_FORMAT as FOUND
 from gpr20_survey.plan.markers import What, found_of
@@ -54,18 +34,8 @@ from gpr20_survey.results.hiding_map import Targets
 
 
 @pytest.fixture
-def result(node, now):
-    return new_result(node, now)
-
-
-def note(result, node, what, depth_mm=None):
-    """Store what was found at the first place, and read it again; return the record's values."""
-    result.note_found(result.places[0], what, depth_mm, "Ana")
-    ((survey, kind, values),) = node.of("fact")
-    assert (survey, kind) == (SURVEY, Kind.FOUND)
-    node.ticket("fact").done(None)
-    node.ticket("read").done(stored(log=[noted("found", values)]))
-    return values
+def result(node):
+    return new_result(node)
 
 
 @given(candidate_lists())
@@ -149,26 +119,6 @@ def test_while_a_survey_runs_only_what_is_known_is_shown_and_late_answers_change
     assert result.image is None and result.places == ()
 
 
-def test_a_failure_or_a_cancelled_search_rests_until_it_is_tried_again(result, node):
-    result.open(SURVEY)
-    result.keep()
-    node.ticket("read").fail(verbatim("the storage does not answer"))
-    result.keep()
-    assert result.reading.state is JobState.FAILED and len(node.of("read")) == 1
-    result.try_again()
-    begin_search(result, node)
-    result.cancel()
-    result.keep()
-    assert result.search.problem == CANCELLED and len(node.of("focus")) == 1
-    result.try_again()
-    search(result, node)
-    assert len(result.places) == 11
-    # A damaged description is not searched.
-    node.asked.clear()
-    begin_search(another := new_result(node), node, stored()._replace(text="{"))
-    assert another.reading.problem is not None and node.of("focus") == []
-
-
 def test_the_answer_for_another_survey_is_refused(result, node):
     begin_search(result, node)
     node.ticket("focus").done(image_of(candidate_list(ELEVEN, survey_id=PAST)))
@@ -190,14 +140,14 @@ def test_where_a_mine_could_hide_is_kept_for_all_pages_until_the_permittivity_ch
     assert result.hiding.result is None and result._imaging.pictures.hiding(SURVEY) is None
 
 
-@pytest.mark.parametrize(
-    "count, outcome, text",
-    [(7, "stopped", "STOPPED: 7 of 40 traces"), (39, "finished", "INCOMPLETE: 39"), (40, "", None)],
-)
-def test_how_much_was_measured_is_said_unless_it_is_all(result, node, count, outcome, text):
-    search(result, node, record=stored(count, outcome=outcome))
-    said = measured(result)
-    assert said is text is None or text in str(said)
+def test_how_much_was_measured_is_said_unless_it_is_all(node):
+    for count, outcome, text in (
+        *((7, "stopped", "STOPPED: 7 of 40 traces"), (39, "finished", "INCOMPLETE: 39")),
+        (40, "", None),
+    ):
+        search(result := new_result(node), node, record=stored(count, outcome=outcome))
+        said = measured(result)
+        assert said is text is None or text in str(said)
     # And what of it cannot be read.
     begin_search(another := new_result(node), node)
     found = candidate_list(ELEVEN, survey_id=SURVEY)
@@ -211,31 +161,6 @@ def test_an_entry_that_cannot_be_read_is_counted_and_hides_no_place(result, node
     assert "1 entries" in str(notices(result)[0])
 
 
-def test_files_are_written_to_the_stick_that_is_touched_and_one_export_at_a_time(node, now):
-    result = new_result(node, now)
-    search(result, node)
-    export = result.export
-    export.begin()
-    plug_in(node, LOCKED, BLUE)
-    assert export.sticks.volumes == (LOCKED, BLUE)
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 1
-    now.s += LIST_PERIOD_S
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 2
-    export.write(BLUE, SURVEY, ALL_DATA, "es")
-    export.write(RED, SURVEY, REPORT, "es")
-    (asked,) = node.of("export")
-    assert (asked.survey, asked.volume, asked.language) == (SURVEY, BLUE.path, "es")
-    assert asked.kinds == ["report-html", "candidates-csv", "survey-zip"]
-    export.job.cancel(CANCELLING)
-    # Files may be written until the node answers.
-    assert export.job.running and node.cancelled == [node.ticket("export").request_id]
-    now.s += LIST_PERIOD_S
-    export.look_for_sticks()
-    assert len(node.of("sticks")) == 2
-
-
 def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighbour(result, node):
     places = [(140.0, 90.0), (150.0, 90.0), (140.0, 90.0, 110.0)]
     places = [candidate(number, *place) for number, place in enumerate(places, 1)]
@@ -243,7 +168,12 @@ def test_what_was_found_is_stored_with_the_sum_of_its_list_and_said_of_no_neighb
     assert result.find_at(places[0]) is None
     with pytest.raises(InvalidValueError):
         result.note_found(places[0], What.DEVICE, -1.0, "Ana")
-    record = found_of(note(result, node, What.SCRAP, 35.0))
+    result.note_found(places[0], What.SCRAP, 35.0, "Ana")
+    ((survey, kind, values),) = node.of("fact")
+    assert (survey, kind) == (SURVEY, Kind.FOUND)
+    node.ticket("fact").done(None)
+    node.ticket("read").done(stored(log=[noted("found", values)]))
+    record = found_of(values)
     assert (record.what, record.candidate, record.depth_mm) == (What.SCRAP, "C01", 35.0)
     assert record.list_sha256 == list_sum(found) == list_sum(list_from(json_text(found)))
     assert [result.find_at(one) for one in places] == [record, None, None]

@@ -11,20 +11,14 @@ LIMIT_S = 100.0
 
 
 class Graph:
-    """Delivers the messages that a test sends.
-
-    Attributes:
-        subscribers: Whoever listens, with its topic.
-        connected: How many publishers each of them has.
-    """
+    """Delivers the messages that a test sends to whoever listens."""
 
     def __init__(self):
-        self.subscribers, self.connected = [], 0
+        self.subscribers = []
 
     def subscriber(self, name, _kind, received, callback_args=None, queue_size=None):
         given = () if callback_args is None else (callback_args,)
         one = SimpleNamespace(name=name, received=lambda message: received(message, *given))
-        one.get_num_connections = lambda: self.connected
         one.unregister = lambda: self.subscribers.remove(one)
         self.subscribers.append(one)
         return one

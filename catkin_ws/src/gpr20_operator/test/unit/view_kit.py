@@ -37,8 +37,9 @@ FULL = Message("the disk is full", details="errno 28").with_fault(
     Fault("disk.full", DISK_FULL.remedy)
 )
 MOVING = Message("a motor runs").with_fault(Fault("robot.may_move", MAY_MOVE.remedy, may_move=True))
-ASKED_PAUSE = Message("asked for").with_fault(Fault("survey.can_resume", severity=Severity.NOTE))
-ASKED_STOP = Message("asked for").with_fault(Fault("survey.can_resume", severity=Severity.NOTE))
+ASKED_PAUSE = ASKED_STOP = Message("asked for").with_fault(
+    Fault("survey.can_resume", severity=Severity.NOTE)
+)
 LOST = Message("lost").with_fault(Fault("survey.lost", COMPLETE.remedy, can_continue=False))
 CLOCK = Message("the clock is late").with_fault(Fault("clock.late", CLOCK_WRONG.remedy))
 PAUSED = "Paused: {reason}. Fix the fault and resume, or stop."
@@ -86,16 +87,13 @@ def description(**changes):
     return json.dumps({**values, **changes})
 
 
-def echo(delay_s, level=1.0, frequency_hz=FREQUENCY_HZ):
-    return level * np.exp(-2j * np.pi * frequency_hz * delay_s)
-
-
 def noise(draw, level=1e-4):
     return level * (draw.standard_normal(501) + 1j * draw.standard_normal(501))
 
 
 def depth_echo(depth_m, height_m=0.2, permittivity=4.0, level=1.0):
-    return echo(delay_of_depth(depth_m, height_m, permittivity), level)
+    delay_s = delay_of_depth(depth_m, height_m, permittivity)
+    return level * np.exp(-2j * np.pi * FREQUENCY_HZ * delay_s)
 
 
 def add_trace(model, trace):

@@ -1,54 +1,39 @@
-"""Every field of a plan: text and value, limits, arrows, presets; what follows from what."""
+"""A plan: text, value and bounds of each field, what follows from what, and what START asks."""
 
-import re
 from dataclasses import replace
 
-import pytest
 from annotation_examples import annotations
 from case_kit import each_case
-from fault_kit import raises_fault
 from hypothesis import given
 from hypothesis import strategies as st
+from view_kit import FOLDER, past_survey, snapshot
 from view_kit import TRAVEL as ROBOT
-from view_kit import configured, past_survey, snapshot
 
-from gpr20_common.errors import InvalidValueError
-from gpr20_common.faults import NOT_ALLOWED
+from gpr20_common.message import verbatim
 from gpr20_operator.ground.past_surveys import PastSurveys
-from gpr20_operator.plan.fields import (
-    PARAMETERS,
-    PEOPLE,
-    PLAN,
-    SPECS,
-    TILE_FIELDS,
-    Keys,
-    Tile,
-    default_parameters,
-    texts_of,
-)
+from gpr20_operator.plan.fields import PLAN, SPECS, default_parameters, texts_of
 from gpr20_operator.plan.form import (
+    LONGEST_SHOWN,
     PlanForm,
     annotation_from,
     annotation_texts,
     points_for,
     preview,
 )
-from gpr20_operator.plan.texts import resumable, spacing_warning
-from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
-from gpr20_operator.words import (
-    duration,
-    hertz_from_megahertz,
-    megahertz_text,
-    number_from_text,
-    rotations_from_text,
+from gpr20_operator.plan.texts import (
+    other_analyzer_question,
+    plan_question,
+    resumable,
+    resume_past_question,
+    resume_question,
 )
-from gpr20_survey.plan.annotation import Wgs84Position
+from gpr20_operator.robot.events import DOCUMENTED_TRAVEL
+from gpr20_survey.plan.annotation import EMPTY, Wgs84Position
 from gpr20_survey.plan.recorded_plan import IMPORTED
 from gpr20_survey.plan.survey_parameters import SurveyParameters, find_problems
-from gpr20_survey.plan.survey_points import survey_cost
 from gpr20_survey.plan.survey_state import SurveyState
 
-DEFAULTS = {spec.name: spec.default for spec in PLAN}
+DEFAULT = default_parameters()
 
 
 def check(travel=ROBOT, **texts):
@@ -81,28 +66,10 @@ def parameters(draw):
     )
 
 
-def test_the_plan_has_every_parameter_of_a_survey_and_every_field_is_on_one_tile():
-    assert {spec.name for spec in PARAMETERS} == set(SurveyParameters.__dataclass_fields__)
-    shown = [name for tile in Tile for name in TILE_FIELDS[tile]]
-    assert sorted([*shown, "x_points", "y_points"]) == sorted(SPECS)
-    for spec in (*PLAN, *PEOPLE):
-        assert str(spec.title) and str(spec.hint(ROBOT)) and spec.kind.keys in Keys
-
-
-def test_the_plan_of_a_new_robot_and_every_preset_can_be_started():
+def test_the_plan_of_a_new_robot_can_be_started():
     result = check()
-    assert (result.problems, result.parameters) == ({}, default_parameters())
-    assert result.permittivity == 4.0
-    assert find_problems(default_parameters(), ROBOT) == []
-    assert spacing_warning(preview(result.parameters, result.permittivity)) is None
-    assert 600.0 < cost_of(result.parameters).duration_s < 900.0
-    for spec in PLAN:
-        found = spec.presets(ROBOT, 11.37)
-        assert bool(found) is (spec.tile is not None), spec.name
-        for preset in found:
-            form = PlanForm(ROBOT)
-            form.set_texts(preset.texts)
-            assert form.check().problems == {}, preset
+    assert (result.problems, result.parameters, result.permittivity) == ({}, DEFAULT, 4.0)
+    assert find_problems(DEFAULT, ROBOT) == []
 
 
 @given(parameters(), annotations)
@@ -119,6 +86,10 @@ def test_any_text_is_answered_with_good_parameters_or_a_sentence(texts):
     assert result.parameters is None or find_problems(result.parameters, ROBOT) == []
 
 
+NO_NUMBERS = (
+    *("", ",", "1.2.3", "1,234.5", "1.234,5", "1_0", "٣", "nan", "-inf", "1e400"),
+    *("0x1", "1 2", "--1", "600 MHz"),
+)
 WRONG = (
     ("vna_address", "10.0.0.256", "four whole numbers"),
     ("start_frequency_hz", "0", "from 0.005 to 6000"),
@@ -126,11 +97,11 @@ WRONG = (
     ("stop_frequency_hz", "6GHz", "a number such as 12.5"),
     ("frequency_points", "1.5", "a whole number from 2 to 4000"),
     ("x_start_mm", "-1", "from 0 to 650"),
-    *(("x_start_mm", text, "a number such as 12.5") for text in ("nan", "-inf", "1e400")),
+    *(("x_start_mm", text, "a number such as 12.5") for text in NO_NUMBERS),
     ("x_spacing_mm", "0", "above 0"),
     ("y_spacing_mm", "x", "a number such as 12.5"),
     ("permittivity", "100", "from 1 to 81"),
-    ("polarizations_deg", "0, 91", "from -90 to 90"),
+    *(("polarizations_deg", text, "from -90 to 90") for text in ("0, 91", "0,,90", "0, x", "")),
     ("polarizations_deg", "0, 0", "different"),
     ("if_bandwidth_hz", "-10", "from 1 to 10000000"),
     ("averages", "65536", "a whole number from 1 to 65535"),
@@ -165,42 +136,6 @@ def test_a_decimal_comma_is_read_as_a_point():
         assert SPECS[name].kind.read(text) == value
 
 
-@each_case(
-    "read, texts",
-    [
-        (number_from_text, ["", ",", "1.2.3", "1,234.5", "1.234,5", "1_0", "٣", "nan", "inf"]),
-        (number_from_text, ["0x1", "1 2", "--1", "600 MHz"]),
-        (hertz_from_megahertz, ["-inf", "1,5,0", "sNaN"]),
-        (rotations_from_text, ["", "zero"]),
-        (lambda part: rotations_from_text(f"0,{part},90"), ["", "x"]),
-    ],
-)
-def test_what_is_no_number_is_refused(read, texts):
-    for text in texts:
-        with raises_fault(NOT_ALLOWED, text, error=InvalidValueError):
-            read(text)
-
-
-@given(st.floats(-1e4, 1e4), st.integers(1, 6_000_000_000))
-def test_any_number_is_read_with_either_mark_and_every_whole_hertz_can_be_written(number, hertz):
-    text = repr(number)
-    assert number_from_text(text.replace(".", ",")) == number_from_text(text) == number
-    assert hertz_from_megahertz(f"{hertz // 10**6}.{hertz % 10**6:06d}") == hertz
-    assert hertz_from_megahertz(megahertz_text(hertz)) == hertz
-
-
-CONFIGURED = configured()
-
-
-@pytest.fixture
-def form():
-    return PlanForm(ROBOT)
-
-
-def cost_of(parameters):
-    return survey_cost(parameters, CONFIGURED.config, CONFIGURED.settings)
-
-
 @given(st.floats(0.5, 60.0), st.floats(1.0, 800.0))
 def test_no_two_points_are_farther_apart_than_the_spacing(spacing_mm, length_mm):
     count = points_for(length_mm, spacing_mm)
@@ -215,14 +150,12 @@ def test_parameters_are_measured_as_they_are_and_points_follow_spacing_and_area(
     form = PlanForm(ROBOT)
     points, stop = f"{axis}_points", float(f"{stop:.2f}")
     ends = {f"{axis}_start_mm": start, f"{axis}_stop_mm": stop, points: count}
-    form.show_parameters(replace(default_parameters(), **ends))
+    form.show_parameters(replace(DEFAULT, **ends))
     assert form.texts[points] == str(count)
     # The spacing gives the same points again.
     form.set_text(f"{axis}_stop_mm", form.texts[f"{axis}_stop_mm"])
     assert form.texts[points] == str(count)
-    form.set_texts({f"{axis}_stop_mm": "wrong", f"{axis}_spacing_mm": "10"})
-    assert form.texts[points] == str(count)
-    form.set_texts({f"{axis}_start_mm": "0", f"{axis}_stop_mm": "305"})
+    form.set_texts({f"{axis}_start_mm": "0", f"{axis}_stop_mm": "305", f"{axis}_spacing_mm": "10"})
     assert form.texts[points] == "32"
 
 
@@ -237,16 +170,47 @@ def test_only_the_last_survey_is_offered_and_only_if_it_ended_early_and_can_be_r
             assert resumable(past, other) is None
         past.set_running("another")
         assert resumable(past, idle) is None
+    said = [str(value) for _title, value in resume_past_question(FOLDER, early).rows]
+    assert FOLDER in said and "7 of 40 traces" in said
 
 
-DAY_S = 86400
+def start(measured=DEFAULT, permittivity=4.0, annotation=EMPTY):
+    return plan_question(measured, permittivity, preview(measured, permittivity), annotation)
 
 
-@given(st.integers(min_value=60, max_value=400 * DAY_S))
-def test_a_time_is_rounded_up_by_less_than_its_last_unit(time_s):
-    assert str(duration(-3)) == str(duration(59.9)) == "less than 1 min"
-    words = str(duration(time_s))
-    units = {"d": DAY_S, "h": 3600, "min": 60}
-    parts = re.findall(r"(\d+) (d|h|min)", words)
-    said_s = sum(int(number) * units[unit] for number, unit in parts)
-    assert 0 <= said_s - time_s < units[parts[-1][1]]
+@given(parameters(), st.floats(1.0, 81.0), annotations)
+def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotation):
+    shown = " ".join(str(value) for _, value in start(measured, permittivity, annotation).rows)
+    ends = (measured.x_start_mm, measured.x_stop_mm, measured.y_start_mm, measured.y_stop_mm)
+    bandwidth = measured.if_bandwidth_hz and f"{measured.if_bandwidth_hz:.12g} Hz"
+    people = (annotation.name, annotation.operator, annotation.site)
+    named = [
+        *(f"{end:.5g}" for end in ends),
+        f"{measured.x_points} x {measured.y_points}",
+        f"{measured.start_frequency_hz / 1e6:.12g}",
+        f"{measured.stop_frequency_hz / 1e6:.12g}",
+        f"{measured.frequency_points} points",
+        *(f"{one:.12g}" for one in measured.polarizations_deg),
+        *(measured.vna_address, bandwidth or "", measured.output_power),
+        *([f"{measured.averages} x"] if measured.averages else []),
+        f"permittivity {permittivity:.12g}",
+        *(" ".join(one.split())[: LONGEST_SHOWN - 1] for one in people),
+    ]
+    missing = [one for one in named if one not in shown]
+    assert not missing, (missing, shown)
+
+
+def test_a_coarse_plan_is_said_in_words():
+    doubt = str(start(replace(DEFAULT, x_points=5)).doubt)
+    assert "25 mm" in doubt and "targets can be missed" in doubt and "11.4 mm" in doubt
+    assert start(replace(DEFAULT, x_points=9)).doubt is not None, "12.5 mm"
+    assert start().doubt is None
+
+
+QUESTIONS = (start(), resume_question(None), resume_past_question(FOLDER, None))
+
+
+@each_case("question", [*QUESTIONS, other_analyzer_question(verbatim("another VNA"))])
+def test_whatever_moves_the_robot_says_what_moves(question):
+    warning = str(question.warning)
+    assert warning.startswith("Hands clear!") and "X, Y and the antennas move" in warning
