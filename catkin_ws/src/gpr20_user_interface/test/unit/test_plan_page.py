@@ -51,8 +51,8 @@ def idle(window):
 
 def test_the_tiles_show_the_plan_of_a_new_robot_and_start_carries_what_was_entered(idle):
     assert {which: tile(idle, which) for which in VALUE_TILES} == {
-        Tile.AREA: ("X 50 - 150 mm", "Y 50 - 150 mm"),
-        Tile.SPACING: ("10 mm", "11 x 11 points"),
+        Tile.AREA: ("X 50 - 200 mm", "Y 50 - 200 mm"),
+        Tile.SPACING: ("10 mm", "16 x 16 points"),
         Tile.FREQUENCIES: ("600 to 6000 MHz", "501 points"),
         Tile.VNA: ("usual address", "as set on the VNA"),
         Tile.SOIL: ("Dry sand", "permittivity 4"),
@@ -60,14 +60,14 @@ def test_the_tiles_show_the_plan_of_a_new_robot_and_start_carries_what_was_enter
     }
     for name, value in (("x_spacing_mm", "20"), ("vna_address", "10.0.7.23")):
         enter(idle, name, value)
-    assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "6 x 11 points")
+    assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "9 x 16 points")
     click(idle.control.tiles[Tile.SOIL])
     click(idle.values.presets[2])
     click(idle.values.done)
     start(idle)
     (asked,) = wishes(idle)
     assert asked == idle.control.parameters
-    assert (asked.vna_address, asked.x_points, idle.survey.plan[1]) == ("10.0.7.23", 6, 20.0)
+    assert (asked.vna_address, asked.x_points, idle.survey.plan[1]) == ("10.0.7.23", 9, 20.0)
 
 
 def test_a_touch_fills_in_an_area_and_undo_brings_back_what_there_was(idle):
@@ -122,7 +122,7 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
     open_field(idle, "x_start_mm")
     show(idle, snapshot(SurveyState.SURVEYING, job_parameters=theirs))
     assert not idle.values.isVisible()
-    assert tile(idle, Tile.SPACING)[1] == "17 x 11 points"
+    assert tile(idle, Tile.SPACING)[1] == "17 x 16 points"
     assert idle.control.parameters == theirs
     # An address equal to the configured one follows the configuration.
     own = replace(theirs, vna_address="192.168.1.10")
@@ -133,10 +133,10 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
 
 def test_what_the_survey_will_be_is_shown_and_what_is_too_coarse_is_amber(window):
     known, control = preview(default_parameters(), 4.0), window.control
-    for spacing_mm, shown, doubt in ((10.0, "11 x 11 points", False), (25.0, "at most", True)):
+    for spacing_mm, shown, doubt in ((10.0, "16 x 16 points", False), (25.0, "at most", True)):
         window.survey.preview = replace(known, x_spacing_mm=spacing_mm, y_spacing_mm=spacing_mm)
         show(window, IDLE)
-        assert lines(control.start) == ("242 traces",)
+        assert lines(control.start) == ("512 traces",)
         assert shown in tile(window, Tile.SPACING)[1]
         assert (control.tiles[Tile.SPACING].property("level") == "doubtful") is doubt
 
@@ -168,7 +168,7 @@ def test_what_the_keys_write_is_understood_and_what_follows_from_it_is_shown(idl
     open_field(idle, "x_spacing_mm")
     press_keys(idle.values.keys, "20")
     click(idle.values.done)
-    assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "29 x 11 points")
+    assert tile(idle, Tile.SPACING) == ("20 x 10 mm", "29 x 16 points")
     # A real keyboard.
     open_field(idle, "x_stop_mm")
     QTest.keyClicks(idle.values, "3005")
