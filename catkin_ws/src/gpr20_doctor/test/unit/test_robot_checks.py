@@ -16,7 +16,7 @@ from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, as_json, exit_status, findings, lines
+from gpr20_doctor.mid.findings import as_json, exit_status, findings, lines
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,
@@ -69,7 +69,7 @@ def test_a_robot_without_a_fault_is_good():
     assert {one.level for one in found} == {Level.OK}
     assert len(found) > len(EXPECTED_NODES)
     assert all(one.remedy is None for one in found)
-    assert exit_status(found) == GOOD
+    assert exit_status(found) == 0
 
 
 OTHER = {
@@ -108,7 +108,7 @@ def test_each_fault_is_found(robot, level, words, expected):
     assert fault.remedy is not None
     assert bool(fault.text.fault_code) or level < Level.WARNING
     assert expected is None or fault.text.fault_code == expected.code
-    assert exit_status(found) == {Level.FAULT: BAD, Level.NOTE: GOOD}.get(level, DOUBTFUL)
+    assert exit_status(found) == {Level.FAULT: 2, Level.NOTE: 0}.get(level, 1)
 
 
 @each_case("status", CalibrationStatus)
@@ -174,7 +174,7 @@ def test_whatever_is_known_every_finding_has_a_sentence_and_a_remedy(robot, mach
         assert one.check and str(one.text)
         assert one.level < Level.UNKNOWN or str(one.remedy)
         assert one.level < Level.WARNING or one.text.fault_code
-    if exit_status(found) == GOOD:
+    if not exit_status(found):
         assert robot.master_alive and robot.control_alive
         assert robot.configured and robot.configuration_problem is None
 
@@ -192,7 +192,7 @@ def test_findings_are_printed_with_their_remedies():
         "faults: 1, warnings: 0, unknown: 0, notes: 0, good: 1",
     ]
     record = json.loads(as_json(found, Catalogue()))
-    assert record["status"] == BAD
+    assert record["status"] == 2
     assert record["findings"][0] == {
         **{"check": "spi", "fault_code": "", "level": "FAULT", "text": "no bus"},
         **{"details": "ENOENT", "remedy": "switch it on"},

@@ -179,12 +179,13 @@ STEPS = st.one_of(
     st.tuples(st.just("answer"), AXES, st.booleans()),
     st.tuples(st.just("control"), st.sampled_from([ACCEPTED, NOTHING, SILENT])),
     st.tuples(st.just("wait"), st.floats(0.0, 0.5)),
+    st.just(("press",)),
 )
 
 
 @given(st.lists(STEPS, max_size=40))
 def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(steps):
-    robot, pressed = Robot(), {}
+    robot, pressed, heard = Robot(), {}, {}
     begun_s = answered_s = robot.clock.now_s()
     robot.press()
     for kind, *step in steps:
@@ -193,13 +194,20 @@ def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(
             pressed[step[0]] = step[1]
         elif kind == "wait":
             robot.clock.advance(step[0])
+        elif kind == "press":
+            robot.press()
+            heard.pop("control", None)
         else:
             robot.stop.on_event(AxisStopAnswer(*step) if kind == "answer" else step[0])
-            answered_s = robot.clock.now_s()
+            # Who has heard of the STOP delays it no more.
+            who, has_heard = step if kind == "answer" else ("control", step[0] is not SILENT)
+            answered_s = answered_s if heard.get(who) else robot.clock.now_s()
+            heard[who] = has_heard
         text = robot.text()
         unproven = [axis for axis in AxisId if pressed.get(axis) is not False]
         if not robot.stop.is_open:
             # A slow main control may have begun a move before it answered.
+            assert "control" in heard
             assert all(one.received_s > answered_s + EFFECT_S for one in robot.shown.axes)
             assert not unproven
             return
@@ -224,12 +232,12 @@ def test_what_moves_or_is_silent_is_named_before_any_limit_runs_out():
     # One that was silent before the press is said at the press; the operator may close it.
     robot.shown = snapshot(axes=())
     for _ in range(2):
+        robot.stop.close()
+        assert not robot.text()
         robot.press()
         # Other answers confirm no stop.
         robot.stop.on_event(Answer(Request.PAUSE, True, verbatim("pausing")))
         assert "x axis: no answer yet" in robot.text()
-        robot.stop.close()
-        assert not robot.text()
 
 
 def test_a_move_that_a_slow_main_control_began_after_the_stop_is_said():

@@ -24,7 +24,7 @@ from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_operator.robot.service_model import HeightTested
 from gpr20_survey.axes import AxisId
-from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.faults import CHECK_ORDER, NOT_HOMED
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import AnalyzerTest, Part
 from gpr20_user_interface.look.look import TOUCH_PX
@@ -189,11 +189,15 @@ def test_what_is_not_known_is_listed_and_what_is_good_is_not(service):
 def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
     levels = (HealthLevel.ERROR, HealthLevel.OK, HealthLevel.WARN, HealthLevel.STALE)
     found = zip(EXPECTED_NODES, levels)
-    nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
+    said = verbatim("no answer")
+    # What the next survey does by itself is no warning, as for the doctor.
+    note = said.with_fault(NOT_HOMED.as_warning())
+    noted = NodeHealth(EXPECTED_NODES[len(levels)], HealthLevel.WARN, note, {})
+    nodes = (*(NodeHealth(*one, said, {}) for one in found), noted)
     for _ in range(2):  # its colour has its size with the next refresh
         show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     tiles = service.robot.overview.tiles
-    assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
+    assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad", "rest"]
     for tile in tiles:
         assert tile.isVisible() and tile.height() >= TOUCH_PX
     # One word for the worst of checks and parts.

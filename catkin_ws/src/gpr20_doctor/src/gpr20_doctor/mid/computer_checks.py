@@ -37,11 +37,8 @@ FIRMWARE = ("vcgencmd", "get_throttled")
 # Bits of its answer: low voltage now and before, slowed down now.
 LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
-# The library of the pins.
-PIN_MODULE = "RPi.GPIO"
 # A clock that starts at the last date that it knows is days behind; a time zone is not.
 BEHIND_LIMIT_S = 86400.0
-ZONES = "usr/share/zoneinfo"
 # Such as CET-1CEST, without a file (tzset(3)).
 _RULE = re.compile(r"([A-Za-z]{3,}|<[\w+-]+>)[+-]?\d.*")
 
@@ -138,8 +135,8 @@ def _spi(machine: Machine) -> Finding:
 
 def _gpio(root: Path) -> Finding:
     devices = [path for pattern in GPIO_FILES for path in sorted(root.glob(pattern))]
-    if importlib.util.find_spec(PIN_MODULE.split(".")[0]) is None:
-        text = Message("The library {library} for the pins is not installed.", library=PIN_MODULE)
+    if importlib.util.find_spec("RPi") is None:
+        text = Message("The library RPi.GPIO for the pins is not installed.")
         advice = Message("Run: scripts/setup.sh --robot")
         return Finding.of("gpio", text, NOT_SET_UP, advice=advice)
     if not any(map(_usable, devices)):
@@ -186,7 +183,7 @@ def check_date(machine: Machine) -> Iterator[Finding]:
         yield Finding.of("date", text, CLOCK_WRONG, mild=True, advice=advice)
     zone, file = machine.environment.get("TZ", "").lstrip(":"), machine.root / "etc/localtime"
     if zone:
-        known = (machine.root / ZONES / zone).is_file() or bool(_RULE.fullmatch(zone))
+        known = (machine.root / "usr/share/zoneinfo" / zone).is_file() or bool(_RULE.fullmatch(zone))
         advice = Message("Run: unset TZ. If it is found again, remove TZ where it is set.")
     else:
         # Without the file the zone is UTC; a link that leads nowhere is a mistake.
