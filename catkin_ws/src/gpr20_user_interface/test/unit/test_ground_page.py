@@ -40,7 +40,7 @@ from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_operator.ground.texts import GroundMark
 from gpr20_operator.jobs.pictures import StoredSurvey, TracesRead
 from gpr20_operator.palette import LAST_SHADE, TILES, shade_colours
-from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.folder.trace_files import read_trace
 from gpr20_survey.plan.survey_state import SurveyState
@@ -221,6 +221,11 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
     assert filled.survey.asked == []
     filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
     assert filled.survey.finer is None
+    filled.show_tab(TabName.GROUND)
+    show(filled, snapshot(replay=Replay()))
+    view.refresh()
+    for button in (view.set_marker, view.finer):
+        assert not button.isEnabled() and button.text() == "Not in\na replay"
 
 
 def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view):

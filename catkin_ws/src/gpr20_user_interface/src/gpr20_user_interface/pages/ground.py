@@ -210,7 +210,7 @@ class GroundPage(QObject, Page):
         self._follow()
         self._additions.follow(self._traces.shown.map.grid)
         self._additions.refresh()
-        self.view.is_running = snapshot.running
+        self.view.is_running, self.view.is_replay = snapshot.running, bool(snapshot.replay)
 
     def show_again(self) -> None:
         """Show the same in another language, theme or size."""
