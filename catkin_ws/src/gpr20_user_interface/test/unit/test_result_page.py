@@ -4,8 +4,8 @@ import pytest
 from candidate_examples import candidate
 from result_examples import a_map
 from result_kit import BLUE, RED, plug_in, search, stored
-from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, is_cut, press_keys, show
+from view_kit import FOLDER, PAST, SURVEY, make_grid, past_survey, snapshot, state_of
+from window_helpers import click, hold, is_cut, press_keys, show, take_list
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.jobs.pictures import Exported
@@ -133,6 +133,14 @@ def test_nothing_found_says_what_that_does_not_mean(window, ended, node):
     assert view.title.text() == shown_text(NOTHING_FOUND)
     assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
     assert not view.more.isVisible() and not shown_rows(view)
+    # What ended early is resumed there, by a hold.
+    assert not view.resume.isVisible()
+    take_list(window, (past_survey(survey_id=SURVEY, stored_traces=12, planned_traces=98),))
+    show(window, ENDED)
+    assert view.resume.text() == "RESUME: 12 of 98 stored"
+    click(view.resume)
+    hold(window.start_sheet.hold)
+    assert window.survey.asked == [f"resume {FOLDER}"]
     # The page is there until the next survey is planned.
     click(view.plan)
     show(window, ENDED)

@@ -67,7 +67,7 @@ _FAULTS = {
 }
 _RESUME_NEXT = Message("Then press RESUME. STOP ends the survey; what is stored is kept.")
 _STOP_NEXT = Message("Then press STOP: it ends the survey; what is stored is kept.")
-_START_NEXT = Message("Then start the survey again, or resume it in ARCHIVE.")
+_START_NEXT = Message("Then start the survey again, or resume it in SURVEYS.")
 
 
 def refusal_notice(refused: Refused, reason: Message) -> Notice:
