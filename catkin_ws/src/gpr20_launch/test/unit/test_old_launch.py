@@ -121,6 +121,8 @@ UNREAD = [
     ('<param name="$(env A)" value="13"/>', "", "$(env A)"),
     ('<rosparam command="load" file="$(find a)/a.yaml"/>', "", "find a"),
     ("<rosparam>[</rosparam>", "", "not YAML"),
+    ('<rosparam file="/etc/passwd"/>', "", "only a .yaml file"),
+    ('<rosparam file="$(dirname)/secret.yaml"/>', "", "cannot be used"),
     ("", '<include file="$(find other)/gone.launch"/>', "gone"),
     ("", f'<group if="$(env A)">{node(params(X), "x")}</group>', "env A"),
     *((f'<param name="dir_pin" value="$(eval {one})"/>', "", "eval") for one in EXPRESSIONS),
@@ -131,7 +133,9 @@ UNREAD = [
 def test_what_cannot_be_read_is_asked_for_and_no_default_counts(tmp_path, inside, beside, shown):
     folder = tmp_path / str(UNREAD.index((inside, beside, shown)))
     path = launch(folder, X_NODE.format(inside) + beside)
+    (folder / "secret.yaml").write_text("[root:x")
     _axes, robot = imported(path)
+    assert "root:x" not in str(robot)
     write(folder / "robot", robot.texts)
     found = [one for one in checked(folder / "robot", part="robot") if one.key != "unchecked"]
     assert [one.key for one in found if one.key.startswith("x")] == ["x/dir_pin"], found
@@ -225,6 +229,9 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     for inner, shown in ((pin, "y/sensor_pin"), (more, "more.launch")):
         status, said, _ = run_import(inner, tmp_path / shown)
         assert status == 1 and shown in said
+    # What no part of it sets is one mistake.
+    _, said, _ = run_import(node(params({"dir_pin": 3}), "x"), tmp_path / "little")
+    assert said.count("axes.yaml: x/") == 1 and "y/step_pin" in said
 
 
 # Each of them is something else as a number, as a text and as YAML.

@@ -48,6 +48,10 @@ class OldRobot:
     unread: List[str] = field(default_factory=list)
     texts: Dict[str, str] = field(default_factory=dict)
 
+    def take(self, part: str, names: Iterable[str]) -> Dict[str, Any]:
+        known = [key for key in names if f"{part}/{key}" in self.values]
+        return {key: self.values.pop(f"{part}/{key}") for key in known}
+
 
 @dataclass(frozen=True)
 class _Scope:
@@ -95,36 +99,33 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     """
     robot = OldRobot()
     read(path, robot)
-    axes = {axis: _of(robot, axis, NAMES) for axis in AXIS_SECTIONS}
+    axes = {axis: robot.take(axis, NAMES) for axis in AXIS_SECTIONS}
+    # Another robot has other values, and its axis node has no defaults.
+    lacking = {
+        axis: [key for key in NAMES if key in {*defaults[axis]} - {*own}]
+        for axis, own in axes.items()
+    }
     if not any(axes.values()):
         reasons = "; ".join(robot.unread) or "give the one that starts the nodes of the axes"
         raise _refused(f"{path} sets no parameter of an axis: {reasons}")
+    missing = [f"{axis}: {', '.join(keys)}" for axis, keys in lacking.items() if keys]
+    robot.unread += [f"{path.name} does not set {one}" for one in missing]
     for axis, own in axes.items():
-        # Another robot has other values, and its axis node has no defaults.
-        missing = [key for key in NAMES if key in {*defaults[axis]} - {*own}]
-        if missing:
-            robot.unread.append(f"{path.name} does not set {axis}: {', '.join(missing)}")
-        own.update({key: f"{UNREAD}: {'; '.join(robot.unread)}" for key in missing})
+        own.update(dict.fromkeys(lacking[axis], f"{UNREAD}: {'; '.join(robot.unread)}"))
         # Its axis node drives DIR low for increasing coordinates, and knows no late pulses.
         own["invert_direction"] = True
         if own.get("type") == ROTARY or own.get("sensor_pin") == NO_PIN:
             own["sensor_pin"] = None
         if isinstance(own["min_step"], float) and own["min_step"] < FAST_STEP_S:
             own["late_limit_s"] = LATEST_PULSE * own["min_step"]
-    unchecked = ["unread", *TO_CHECK] if robot.unread else TO_CHECK
     notes = "".join(f"# unread: {one!r}\n" for one in robot.unread)
-    robot.texts["wiring.yaml"] = notes + yaml.safe_dump({"unchecked": unchecked})
-    for name, content in ((AXES_FILE, axes), (HEIGHT_FILE, _of(robot, "height", (CHANNEL,)))):
+    unchecked = {"unchecked": ["unread"] * bool(robot.unread) + TO_CHECK}
+    robot.texts["wiring.yaml"] = notes + yaml.safe_dump(unchecked)
+    for name, content in ((AXES_FILE, axes), (HEIGHT_FILE, robot.take("height", (CHANNEL,)))):
         if content:
             text = yaml.safe_dump(content, sort_keys=False)
             robot.texts[name] = f"# From {path.name}.\n{text}"
     return robot
-
-
-def _of(robot: OldRobot, part: str, names: Iterable[str]) -> Dict[str, Any]:
-    """Take the values of a part out of those that are left."""
-    known = [key for key in names if f"{part}/{key}" in robot.values]
-    return {key: robot.values.pop(f"{part}/{key}") for key in known}
 
 
 def read(path: Path, robot: OldRobot) -> None:
@@ -186,11 +187,18 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
     elif element.tag == "rosparam":
         if element.get("command", "load") != "load":
             raise _refused("it deletes or writes parameters")
-        text = element.text or ""
-        if "file" in element.attrib:
-            text = limited_bytes(scope.text(element, "file")).decode("utf-8", "replace")
-        content = parse_yaml(scope.substituted(text))
-        _load(content, inner.join(scope.text(element, "param")), robot)
+        text, file = element.text or "", scope.text(element, "file")
+        path, around = Path(file).resolve(), [*scope.file.resolve().parents][:3]
+        if file:
+            if path.suffix not in (".yaml", ".yml") or around[-1] not in path.parents:
+                raise _refused("only a .yaml file in a folder around the launch file is read")
+            text = limited_bytes(path).decode("utf-8", "replace")
+        try:
+            content = parse_yaml(scope.substituted(text))
+            _load(content, inner.join(scope.text(element, "param")), robot)
+        except Gpr20Error as error:
+            # Nothing of a file is printed, whatever it is.
+            raise (_refused("what it holds cannot be used") if file else error) from error
     elif element.tag == "include":
         path = Path(scope.text(element, "file"))
         given = scope.arguments if scope.text(element, "pass_all_args") == "true" else {}
