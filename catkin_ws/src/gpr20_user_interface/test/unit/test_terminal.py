@@ -27,7 +27,7 @@ from gpr20_operator.plan.fields import PARAMETERS, PEOPLE
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, ControlState, Progress, Request
 from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_parameters import find_problems
+from gpr20_survey.plan.survey_parameters import check_output_power, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.high import run_survey
 from gpr20_user_interface.terminal import (
@@ -58,6 +58,7 @@ def test_a_wrong_command_line_has_status_2_and_names_the_fault(capsys):
         ("--wait nan", "'nan' is not a number"),
         ("--wait -1", "S is -1 s; it must lie between 0 and 3600 s"),
         ("--position 91,0", "latitude is 91 deg; it must lie between -90 and 90 deg"),
+        ("--output-power MAX", "use LOW or HIGH"),
         ("--resume --site=", "--site cannot be given with --resume"),
         ("--resume --permittivity 4", "--permittivity cannot be given with --resume"),
     ):
@@ -72,6 +73,8 @@ def test_the_command_line_reads_what_the_window_reads_and_refuses_the_rest(spec,
     argument = f"{option_of(spec)}={text}"
     try:
         wanted = spec.kind.read(text)
+        if spec.name == "output_power":
+            check_output_power(wanted)
     except InvalidValueError:
         with pytest.raises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
             parse_arguments([argument], Catalogue())

@@ -18,8 +18,6 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
-NO_REPORT = Message("no report")
-
 
 @dataclass(frozen=True)
 class Notice:
@@ -163,7 +161,7 @@ def node_notice(node: NodeHealth) -> Notice:
     first_of = {HealthLevel.WARN: first_step, HealthLevel.ERROR: remedy}.get(node.level)
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
-    text = NO_REPORT if silent else node.message
+    text = Message("no report") if silent else node.message
     return Notice(title, text, first_of and first_of(node.message), details=details)
 
 
