@@ -97,15 +97,12 @@ def message_field(datatype: str, field: str) -> object:
 
 
 def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
-    """Print problems; what several in a row have in common is said once."""
-    alike: List[str] = []
+    """Print problems; what is to be done about several in a row is said once."""
+    # All that an imported launch file left open is one mistake.
+    unread = [one for one in found if UNREAD in str(one.message)]
+    found = [one for one in found if one not in unread[1:]]
     for one, after in zip(found, [*found[1:], None]):
-        if after is not None and UNREAD in str(one.message) and UNREAD in str(after.message):
-            alike.append(one.key)
-            continue
-        more = f" (also {', '.join(alike)})" if alike else ""
-        say(f"{'FAULT' if one.refuses else 'WARNING'}: {one.message}{more}", file=stream)
-        alike.clear()
+        say(f"{'FAULT' if one.refuses else 'WARNING'}: {one.message}", file=stream)
         remedy = one.message.remedy
         if remedy is not None and (after is None or after.message.remedy != remedy):
             say(f"  -> {remedy}", file=stream)
