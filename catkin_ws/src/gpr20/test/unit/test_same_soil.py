@@ -12,7 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from ground_kit import SCENES, survey_of
+from ground_kit import SCENES, read_scene, survey_of
 from matplotlib.figure import Figure
 from result_kit import Now
 from storage_kit import Kit
@@ -35,15 +35,7 @@ from gpr20_operator.jobs.result import SurveyResult, list_sum
 from gpr20_operator.plan.fields import SPECS, default_parameters
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
-from gpr20_simulator.mid.world.scene import (
-    Antennas,
-    Noise,
-    Scene,
-    Shape,
-    Soil,
-    Target,
-    read_scene,
-)
+from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
 from gpr20_survey.faults import UNCONFIRMED
 from gpr20_survey.folder.log_record import PLANNED_PERMITTIVITY, Kind, soil_values
 from gpr20_survey.folder.recovery import Fact, add_to_survey
@@ -311,11 +303,9 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
 
 def test_the_first_plan_shows_a_body_of_the_first_scene_where_it_is():
     scene, plan = read_scene(str(SCENES / "two_targets.yaml")), default_parameters()
-    axes_mm = (
-        np.linspace(plan.x_start_mm, plan.x_stop_mm, plan.x_points),
-        np.linspace(plan.y_start_mm, plan.y_stop_mm, plan.y_points),
-    )
-    survey = survey_of(scene, *axes_mm, np.linspace(6e8, 6e9, plan.frequency_points))
+    x_mm = np.linspace(plan.x_start_mm, plan.x_stop_mm, plan.x_points)
+    y_mm = np.linspace(plan.y_start_mm, plan.y_stop_mm, plan.y_points)
+    survey = survey_of(scene, x_mm, y_mm, np.linspace(6e8, 6e9, plan.frequency_points))
     (one,) = gpr20_analysis.focus(survey, float(SPECS["permittivity"].default)).found.shown()
     body = scene.targets[0]
     assert not one.flags

@@ -179,7 +179,6 @@ STEPS = st.one_of(
     st.tuples(st.just("answer"), AXES, st.booleans()),
     st.tuples(st.just("control"), st.sampled_from([ACCEPTED, NOTHING, SILENT])),
     st.tuples(st.just("wait"), st.floats(0.0, 0.5)),
-    st.just(("press",)),
 )
 
 
@@ -194,9 +193,6 @@ def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(
             pressed[step[0]] = step[1]
         elif kind == "wait":
             robot.clock.advance(step[0])
-        elif kind == "press":
-            robot.press()
-            heard.pop("control", None)
         else:
             robot.stop.on_event(AxisStopAnswer(*step) if kind == "answer" else step[0])
             # Who has heard of the STOP delays it no more.
@@ -207,7 +203,6 @@ def test_a_stop_is_open_until_every_axis_has_said_after_the_press_that_it_rests(
         unproven = [axis for axis in AxisId if pressed.get(axis) is not False]
         if not robot.stop.is_open:
             # A slow main control may have begun a move before it answered.
-            assert "control" in heard
             assert all(one.received_s > answered_s + EFFECT_S for one in robot.shown.axes)
             assert not unproven
             return
@@ -250,8 +245,14 @@ def test_a_move_that_a_slow_main_control_began_after_the_stop_is_said():
     assert "x axis: MOVES" in robot.text()
     robot.report(*AxisId)
     robot.stop.on_event(ACCEPTED)
-    assert not robot.text() and robot.stop.is_open, "it may move again"
+    # After another press the main control answers again; the axes have heard of the STOP.
+    robot.press()
     robot.clock.advance(EFFECT_S)
+    robot.report(*AxisId)
+    assert not robot.text() and robot.stop.is_open, "it may move again"
+    robot.stop.on_event(ACCEPTED)
+    robot.clock.advance(EFFECT_S)
+    robot.stop.on_event(AxisStopAnswer(AxisId.X, True))
     robot.report(*AxisId)
     assert not robot.text() and robot.stop.outcome is None
     robot.report(AxisId.X, moving=True)

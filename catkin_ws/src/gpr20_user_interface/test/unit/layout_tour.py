@@ -310,8 +310,7 @@ def results(window):
         show(window, ENDED)
 
     interrupted = stored(7, outcome="interrupted")
-    counts = {"stored_traces": 999999, "planned_traces": 1000000}
-    take_list(window, (past_survey(survey_id=SURVEY, **counts),))
+    take_list(window, (past_survey(survey_id=SURVEY, stored_traces=999999, planned_traces=10**6),))
     window.show_tab(TabName.SURVEY)
     page.result.open("")
     page.end()

@@ -16,6 +16,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.pages.plan import RETRY_REFRESHES
 from gpr20_user_interface.widgets.bars import TabName
 
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
@@ -133,10 +134,15 @@ def test_nothing_found_says_what_that_does_not_mean(window, ended, node):
     assert view.title.text() == shown_text(NOTHING_FOUND)
     assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
     assert not view.more.isVisible() and not shown_rows(view)
-    # What ended early is resumed there, by a hold.
-    assert not view.resume.isVisible()
-    take_list(window, (past_survey(survey_id=SURVEY, stored_traces=12, planned_traces=98),))
-    show(window, ENDED)
+    # What ended early is resumed there, by a hold; another one is not. The list is asked for.
+    window.traces.past.set_outdated()
+    for _ in range(RETRY_REFRESHES + 1):
+        show(window, ENDED)
+    assert not window.traces.past.outdated
+    for survey_id in (PAST, SURVEY):
+        assert not view.resume.isVisible()
+        take_list(window, (past_survey(survey_id=survey_id, stored_traces=12, planned_traces=98),))
+        show(window, ENDED)
     assert view.resume.text() == "RESUME: 12 of 98 stored"
     click(view.resume)
     hold(window.start_sheet.hold)

@@ -45,12 +45,6 @@ class BadRequestError(WebError, ValueError):
     """A request is not as the page sends it."""
 
 
-class TooLargeError(BadRequestError):
-    """A request is larger than any that the page sends."""
-
-    status = 413
-
-
 class NotLoggedInError(WebError, PermissionError):
     """Nobody is logged in, or no longer."""
 

@@ -135,12 +135,11 @@ class ResultPage(QWidget, Page):
             # Whether one is plugged in is seen before the report is asked for.
             self.result.export.look_for_sticks()
         offered = resumable(self._past, snapshot)
-        if offered is not None and self.result.survey in (offered.survey_id, offered.folder):
+        is_here = offered is not None and self.result.survey in (offered.survey_id, offered.folder)
+        if offered is not None:
             self._offered, stored = offered.folder, resume_lines(self._past, offered)[1]
             self.resume.setText(f"{self.tr('RESUME')}: {shown_text(stored)}")
-            self.resume.show()
-        else:
-            self.resume.hide()
+        self.resume.setVisible(is_here)
         self.show_now()
 
     def end(self) -> None:

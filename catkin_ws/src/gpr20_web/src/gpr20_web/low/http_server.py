@@ -31,7 +31,6 @@ from gpr20_web.faults import (
     NotFoundError,
     NotLoggedInError,
     SetupError,
-    TooLargeError,
     WebError,
 )
 from gpr20_web.low.event_streams import EventStreams, json_text
@@ -313,8 +312,7 @@ class _RouteHandler(_PageHandler):
     def _values(self) -> Mapping[str, Any]:
         """Return the query of a GET, or the JSON object of a POST."""
         if len(self._body) > MAX_BODY_BYTES:
-            most = MAX_BODY_BYTES // 1024
-            raise TooLargeError(Message("the request is larger than {most} kB", most=most))
+            raise web.HTTPError(413)
         try:
             if self.request.method == "GET":
                 given = self.request.query_arguments.items()
