@@ -7,8 +7,8 @@ from simulated_world import World
 
 SOURCES = Path(__file__).resolve().parents[3]
 # The examples of the surveys, the window and the page.
-for package in ("gpr20_survey", "gpr20_operator", "gpr20_user_interface", "gpr20_web"):
-    sys.path.append(str(SOURCES / package / "test" / "unit"))
+for package in ("survey", "analysis", "operator", "user_interface", "web"):
+    sys.path.append(str(SOURCES / f"gpr20_{package}" / "test" / "unit"))
 
 
 @pytest.fixture

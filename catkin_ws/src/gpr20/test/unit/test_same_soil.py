@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from ground_kit import SCENES, read_scene, survey_of
 from matplotlib.figure import Figure
 from result_kit import Now
 from storage_kit import Kit
@@ -31,6 +32,7 @@ from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.jobs.pictures import Imaging
 from gpr20_operator.jobs.result import SurveyResult, list_sum
+from gpr20_operator.plan.fields import SPECS, default_parameters
 from gpr20_simulator.mid.world.ground import Ground
 from gpr20_simulator.mid.world.medium import AntennaPosition
 from gpr20_simulator.mid.world.scene import Antennas, Noise, Scene, Shape, Soil, Target
@@ -302,3 +304,15 @@ def test_every_doubt_is_said_by_every_reader_export_and_page(tmp_path, capsys, m
     next((folder / "traces").iterdir()).write_text("{")
     found = gpr20_analysis.GrowingSurvey(folder).load().attrs["doubts"]
     assert "1 parts of the survey are damaged" in found[1]
+
+
+def test_the_first_plan_shows_a_body_of_the_first_scene_where_it_is():
+    scene, plan = read_scene(str(SCENES / "two_targets.yaml")), default_parameters()
+    x_mm = np.linspace(plan.x_start_mm, plan.x_stop_mm, plan.x_points)
+    y_mm = np.linspace(plan.y_start_mm, plan.y_stop_mm, plan.y_points)
+    survey = survey_of(scene, x_mm, y_mm, np.linspace(6e8, 6e9, plan.frequency_points))
+    (one,) = gpr20_analysis.focus(survey, float(SPECS["permittivity"].default)).found.shown()
+    body = scene.targets[0]
+    assert not one.flags
+    assert (one.x_mm, one.y_mm) == pytest.approx((body.x_mm, body.y_mm), abs=10.0)
+    assert abs(one.depth_m - body.depth_m) < one.depth_uncertainty_m

@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--bundle",
-        type=Path,
+        type=_new_bundle,
         metavar="FILE.json",
         help="also write one file for remote help: findings, versions, settings, errors",
     )
@@ -37,3 +37,11 @@ def _seconds(text: str) -> float:
     if not 0.0 <= float(text) < math.inf:
         raise argparse.ArgumentTypeError(f"{text} is no time; allowed: 0 or more seconds")
     return float(text)
+
+
+def _new_bundle(text: str) -> Path:
+    if not text.endswith(".json"):
+        raise argparse.ArgumentTypeError(f"{text} is no FILE.json: a bundle is JSON")
+    if os.path.lexists(text):
+        raise argparse.ArgumentTypeError(f"{text} exists; choose another name")
+    return Path(text)

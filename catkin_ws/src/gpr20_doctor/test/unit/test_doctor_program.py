@@ -110,15 +110,14 @@ def test_the_advice_leads_to_the_namespace_of_the_robot(run, master):
 def test_a_bundle_over_a_file_a_wrong_option_and_a_folder_of_no_user_are_refused(
     run, tmp_path, monkeypatch
 ):
-    def write(file, *_all):
-        with file.open("x") as stream:
-            stream.write("zip")
-        return {}
-
-    monkeypatch.setattr(doctor, "write_bundle", write)
-    assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 2
-    assert (tmp_path / "a.zip").read_text() == "zip"
-    assert run(closed_uri(), "--bundle", str(tmp_path / "a.zip"))[0] == 3
+    bundle = tmp_path / "a.json"
+    monkeypatch.setattr(doctor, "write_bundle", lambda file, *_all: file.write_text("{}") and {})
+    assert run(closed_uri(), "--bundle", str(bundle))[0] == 2
+    # Before any check.
+    for name, why in ((bundle, "choose another name"), (tmp_path / "x.tar.gz", "is JSON")):
+        status, found, said = run(closed_uri(), "--bundle", str(name))
+        assert (status, found) == (3, {}) and why in said
+    assert bundle.read_text() == "{}"
     status, _found, said = run(closed_uri(), "--wait", "-1")
     assert status == 3 and "allowed: 0 or more seconds" in said
     monkeypatch.setenv("GPR20_CONFIG", "~no_such_user/robot")

@@ -114,6 +114,9 @@ UNREAD = [
     ('<param name="$(env A)" value="13"/>', "", "$(env A)"),
     ('<rosparam command="load" file="$(find a)/a.yaml"/>', "", "find a"),
     ("<rosparam>[</rosparam>", "", "not YAML"),
+    ('<rosparam file="/etc/passwd"/>', "", "only a .yaml file"),
+    ('<rosparam file="$(dirname)/GPR20_robot.launch"/>', "", "only a .yaml file"),
+    ('<rosparam file="$(dirname)/secret.yaml"/>', "", "cannot be used"),
     ("", '<include file="$(find other)/gone.launch"/>', "gone"),
     ("", f'<group if="$(env A)">{node(params(X), "x")}</group>', "env A"),
     *((f'<param name="dir_pin" value="$(eval {one})"/>', "", "eval") for one in EXPRESSIONS),
@@ -124,7 +127,9 @@ UNREAD = [
 def test_what_cannot_be_read_is_asked_for_and_no_default_counts(tmp_path, inside, beside, shown):
     folder = tmp_path / str(UNREAD.index((inside, beside, shown)))
     path = launch(folder, X_NODE.format(inside) + beside)
+    (folder / "secret.yaml").write_text("[root:x")
     _axes, robot = imported(path)
+    assert "root:x" not in str(robot)
     write(folder / "robot", robot.texts)
     found = [one for one in checked(folder / "robot", part="robot") if one.key != "unchecked"]
     assert [one.key for one in found if one.key.startswith("x")] == ["x/dir_pin"], found
@@ -215,9 +220,10 @@ def test_the_command_writes_once_and_what_it_wrote_passes_but_for_the_person(
     # what could not be read, also where every value is there.
     pin = WHOLE.replace('value="38"', 'value="11"')
     more = WHOLE + '<include file="$(find other)/more.launch"/>'
-    for inner, shown in ((pin, "y/sensor_pin"), (more, "more.launch")):
+    little = node(params({"dir_pin": 3}), "x")  # what no part sets is one mistake
+    for inner, shown in ((pin, "y/sensor_pin"), (more, "more.launch"), (little, "not set y")):
         status, said, _ = run_import(inner, tmp_path / shown)
-        assert status == 1 and shown in said
+        assert status == 1 and shown in said and said.count("UNREAD") == (inner is little)
 
 
 # Each of them is something else as a number, as a text and as YAML.

@@ -201,9 +201,9 @@ def test_start_shows_every_parameter_of_any_plan(measured, permittivity, annotat
 
 
 def test_a_coarse_plan_is_said_in_words():
-    doubt = str(start(replace(DEFAULT, x_points=5)).doubt)
+    doubt = str(start(replace(DEFAULT, x_points=7)).doubt)
     assert "25 mm" in doubt and "targets can be missed" in doubt and "11.4 mm" in doubt
-    assert start(replace(DEFAULT, x_points=9)).doubt is not None, "12.5 mm"
+    assert start(replace(DEFAULT, x_points=13)).doubt is not None, "12.5 mm"
     assert start().doubt is None
 
 

@@ -13,11 +13,11 @@ NO_PLAN = Fault(
     "survey.no_plan", Message("Look at the plan on SURVEY, then start the survey again.")
 )
 UNKNOWN_SURVEY = Fault(
-    "survey.unknown", Message("Check the name, and choose what the list in ARCHIVE shows.")
+    "survey.unknown", Message("Check the name, and choose what the list in SURVEYS shows.")
 )
 NONE_OPEN = Fault(
     "survey.none_open",
-    Message("Start a survey, or resume one: in ARCHIVE, or by the name of its folder."),
+    Message("Start a survey, or resume one: in SURVEYS, or by the name of its folder."),
 )
 TAKES_LONG = Fault(
     "survey.takes_long",

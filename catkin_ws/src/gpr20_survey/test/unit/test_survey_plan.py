@@ -73,7 +73,7 @@ WRONG_PARAMETERS = {
     "frequency_points": [(1, "frequency points", 2, 4000), (4001, "frequency points")],
     "if_bandwidth_hz": [(0.5, "IF bandwidth", 1, 10000000), (2.0e7, 20000000)],
     "averages": [(-1, "averages", 0, 65535), (65536, "averages")],
-    "output_power": [("LOW POWER", 16), ("A" * 17,), ("LOW\n",)],
+    "output_power": [("MAX", "LOW or HIGH"), ("LOW\n",)],
     "x_start_mm": [(-0.01, "x start", -0.01, 0, 650), (NAN, "x start", "nan")],
     "x_stop_mm": [(650.01, "x stop", 650.01), (INF, "x stop", "inf"), (10.0, 0.01)],
     "x_points": [(2, "x", 3), (2002, 2002, 0.009995)],

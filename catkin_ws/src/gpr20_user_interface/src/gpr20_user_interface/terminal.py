@@ -37,6 +37,7 @@ from gpr20_operator.robot.notices import remedy
 from gpr20_operator.robot.snapshot import CONTROL_SILENCE_S, Snapshot, SurveyModel
 from gpr20_operator.words import number_from_text, time_left
 from gpr20_survey.plan.annotation import EMPTY
+from gpr20_survey.plan.survey_parameters import check_output_power
 from gpr20_survey.plan.survey_state import RUNNING, SurveyState
 
 DESCRIPTION = Message(
@@ -93,6 +94,10 @@ def parse_arguments(arguments: Sequence[str], catalogue: Catalogue) -> Options:
     permittivity = given.pop(SOIL.name, 0.0)
     people = {one.name: given.pop(one.name) for one in PEOPLE if one.name in given}
     parameters = replace(default_parameters(), **given)
+    try:
+        check_output_power(parameters.output_power)
+    except InvalidValueError as error:
+        parser.error(catalogue.text(error.message))
     plan = StartPlan(parameters, replace(EMPTY, **people), permittivity=permittivity)
     # Folders may be given with their path; the main control knows where they are.
     survey = None if resume is None else resume.rstrip("/").rsplit("/", 1)[-1]

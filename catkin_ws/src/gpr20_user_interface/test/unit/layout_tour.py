@@ -285,6 +285,7 @@ def results(window):
         show(window, ENDED)
 
     interrupted = stored(7, outcome="interrupted")
+    take_list(window, (past_survey(survey_id=SURVEY, stored_traces=999999, planned_traces=10**6),))
     window.show_tab(TabName.SURVEY)
     page.result.open("")
     page.end()

@@ -159,6 +159,11 @@ def test_a_finer_survey_goes_to_the_plan_and_starts_only_there(filled, view):
     assert filled.survey.asked == []
     filled.on_event(Answer(Request.START, True, verbatim("Survey started")))
     assert filled.survey.finer is None
+    filled.show_tab(TabName.GROUND)
+    show(filled, snapshot(replay=Replay()))
+    view.refresh()
+    for button in (view.set_marker, view.finer):
+        assert not button.isEnabled() and button.text() == "Not in\na replay"
 
 
 def test_a_marker_is_written_on_the_pad_and_removed_only_by_holding(filled, view):

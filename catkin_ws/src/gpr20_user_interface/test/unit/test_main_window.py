@@ -256,7 +256,7 @@ def test_one_press_of_start_is_one_request(parts):
     start(window)
     assert len(control.asked) == 2
     _name, plan = control.asked[1]
-    assert plan.parameters.x_points == 11 and plan.permittivity == 4.0
+    assert plan.parameters.x_points == 16 and plan.permittivity == 4.0
     assert window.top_bar.stop.isEnabled()
 
 

@@ -49,18 +49,18 @@ def idle(window):
 
 def test_the_tiles_show_the_plan_and_start_carries_what_was_entered(idle):
     tiles = idle.control.tiles
-    assert lines(tiles[Tile.AREA]) == ("X 50 - 150 mm", "Y 50 - 150 mm")
+    assert lines(tiles[Tile.AREA]) == ("X 50 - 200 mm", "Y 50 - 200 mm")
     assert lines(tiles[Tile.SOIL]) == ("Dry sand", "permittivity 4")
     for name, value in (("x_spacing_mm", "20"), ("vna_address", "10.0.7.23")):
         enter(idle, name, value)
-    assert lines(tiles[Tile.SPACING]) == ("20 x 10 mm", "6 x 11 points")
+    assert lines(tiles[Tile.SPACING]) == ("20 x 10 mm", "9 x 16 points")
     click(tiles[Tile.SOIL])
     click(idle.values.presets[2])
     click(idle.values.done)
     start(idle)
     (asked,) = wishes(idle)
     assert asked == idle.control.parameters
-    assert (asked.vna_address, asked.x_points, idle.survey.plan[1]) == ("10.0.7.23", 6, 20.0)
+    assert (asked.vna_address, asked.x_points, idle.survey.plan[1]) == ("10.0.7.23", 9, 20.0)
 
 
 def test_what_is_wrong_is_named_in_sheet_and_tile_and_start_says_which_tile(idle):
@@ -100,7 +100,7 @@ def test_a_survey_that_begins_elsewhere_closes_what_is_open_and_shows_its_parame
     open_field(idle, "x_start_mm")
     show(idle, snapshot(SurveyState.SURVEYING, job_parameters=theirs))
     assert not idle.values.isVisible()
-    assert lines(idle.control.tiles[Tile.SPACING])[1] == "17 x 11 points"
+    assert lines(idle.control.tiles[Tile.SPACING])[1] == "17 x 16 points"
     assert idle.control.parameters == theirs
     # An address equal to the configured one follows the configuration.
     own = replace(theirs, vna_address="192.168.1.10")

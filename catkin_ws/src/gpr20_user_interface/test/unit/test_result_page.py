@@ -4,8 +4,8 @@ import pytest
 from candidate_examples import candidate
 from result_examples import a_map
 from result_kit import BLUE, RED, plug_in, search, stored
-from view_kit import PAST, SURVEY, make_grid, past_survey, snapshot, state_of
-from window_helpers import click, hold, press_keys, show
+from view_kit import FOLDER, PAST, SURVEY, make_grid, past_survey, snapshot, state_of
+from window_helpers import click, hold, press_keys, show, take_list
 
 from gpr20_common.message import Fault, Message, verbatim
 from gpr20_operator.jobs.pictures import Exported
@@ -16,6 +16,7 @@ from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import NO_CLEARANCE, Flag
 from gpr20_survey.results.hiding_map import Targets
 from gpr20_user_interface.look.translation import shown_text
+from gpr20_user_interface.pages.plan import RETRY_REFRESHES
 from gpr20_user_interface.widgets.bars import TabName
 
 ENDED = snapshot(SurveyState.FINISHED, state=state_of(SurveyState.FINISHED, survey_id=SURVEY))
@@ -121,11 +122,25 @@ def test_what_is_doubted_is_counted_beside_the_picture_and_said_with_what_to_do(
 
 def test_nothing_found_says_what_that_does_not_mean(window, ended, node):
     search(ended.result, node, [])
-    assert refreshed(ended).title.text() == shown_text(NOTHING_FOUND)
-    assert ended.nothing.text() == shown_text(NOT_SAFE) and ended.nothing.isVisible()
-    assert not shown_rows(ended)
+    view = refreshed(ended)
+    assert view.title.text() == shown_text(NOTHING_FOUND)
+    assert view.nothing.text() == shown_text(NOT_SAFE) and view.nothing.isVisible()
+    assert not view.more.isVisible() and not shown_rows(view)
+    # What ended early is resumed there, by a hold; another one is not. The list is asked for.
+    window.traces.past.set_outdated()
+    for _ in range(RETRY_REFRESHES + 1):
+        show(window, ENDED)
+    assert not window.traces.past.outdated
+    for survey_id in (PAST, SURVEY):
+        assert not view.resume.isVisible()
+        take_list(window, (past_survey(survey_id=survey_id, stored_traces=12, planned_traces=98),))
+        show(window, ENDED)
+    assert view.resume.text() == "RESUME: 12 of 98 stored"
+    click(view.resume)
+    hold(window.start_sheet.hold)
+    assert window.survey.asked == [f"resume {FOLDER}"]
     # The page is there until the next survey is planned.
-    click(ended.plan)
+    click(view.plan)
     show(window, ENDED)
     assert window.survey_tab.currentWidget() is window.control
 

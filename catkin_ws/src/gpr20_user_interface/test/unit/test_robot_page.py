@@ -14,7 +14,7 @@ from gpr20_doctor.mid.node_health import EXPECTED_NODES, HealthLevel, HealthRepo
 from gpr20_operator.jobs.job import Service
 from gpr20_operator.robot.events import CurrentPosition
 from gpr20_survey.axes import AxisId
-from gpr20_survey.faults import CHECK_ORDER
+from gpr20_survey.faults import CHECK_ORDER, NOT_HOMED
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import Part
 from gpr20_user_interface.pages.robot import LEVEL_LOOKS
@@ -98,13 +98,18 @@ def test_what_is_not_known_never_looks_good(service):
     assert LEVEL_LOOKS[Level.UNKNOWN] not in (LEVEL_LOOKS[Level.OK], LEVEL_LOOKS[Level.NOTE])
 
 
-def test_a_part_is_known_by_its_colour_and_opens_its_report(service):
-    levels = (HealthLevel.ERROR, HealthLevel.OK, HealthLevel.WARN, HealthLevel.STALE)
-    found = zip(EXPECTED_NODES, levels)
-    nodes = tuple(NodeHealth(*one, verbatim("no answer"), {}) for one in found)
-    show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
+def test_a_part_is_known_by_its_sign_and_colour_and_opens_its_report(service):
+    levels = (HealthLevel[one] for one in ("ERROR", "OK", "WARN", "STALE", "WARN"))
+    said = verbatim("no answer")
+    # What the next survey does by itself is no warning, as for the doctor.
+    homes = said.with_fault(NOT_HOMED.as_warning())
+    nodes = tuple(NodeHealth(*one, {}) for one in zip(EXPECTED_NODES, levels, [said] * 4 + [homes]))
+    for _ in range(2):  # its colour has its size with the next refresh
+        show(service, snapshot(SurveyState.IDLE, health=HealthReport(nodes)))
     tiles = service.robot.overview.tiles
-    assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad"]
+    assert [tile.property("level") for tile in tiles] == ["bad", "good", "doubtful", "bad", "rest"]
+    for tile in tiles:
+        assert tile.isVisible() and tile.height() >= TOUCH_PX
     # One word for the worst of checks and parts.
     assert service.robot.overview.headline.text() == "FAULT: 2"
     click(tiles[0])

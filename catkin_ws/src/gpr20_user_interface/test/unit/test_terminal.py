@@ -27,7 +27,7 @@ from gpr20_operator.plan.fields import PARAMETERS, PEOPLE
 from gpr20_operator.robot.events import DOCUMENTED_TRAVEL, Answer, ControlState, Progress, Request
 from gpr20_survey.faults import CAN_RESUME
 from gpr20_survey.plan.annotation import Annotation, Wgs84Position
-from gpr20_survey.plan.survey_parameters import find_problems
+from gpr20_survey.plan.survey_parameters import check_output_power, find_problems
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_user_interface.high import run_survey
 from gpr20_user_interface.terminal import (
@@ -53,6 +53,8 @@ def test_the_defaults_can_be_run_and_assume_no_soil():
         assert options_of(line).resume == resume
     with pytest.raises(SystemExit, match="2"), contextlib.redirect_stderr(io.StringIO()):
         options_of("--resume --permittivity 4")
+    with pytest.raises(SystemExit, match="2"), contextlib.redirect_stderr(io.StringIO()):
+        options_of("--output-power MAX")
 
 
 @given(st.sampled_from((*PARAMETERS, *PEOPLE)), st.text(max_size=10))
@@ -60,6 +62,8 @@ def test_the_command_line_reads_what_the_window_reads_and_refuses_the_rest(spec,
     argument = f"{option_of(spec)}={text}"
     try:
         wanted = spec.kind.read(text)
+        if spec.name == "output_power":
+            check_output_power(wanted)
     except InvalidValueError:
         with pytest.raises(SystemExit, match="2"), contextlib.redirect_stderr(io.StringIO()):
             parse_arguments([argument], Catalogue())

@@ -111,8 +111,8 @@ def _check_present(survey: xr.Dataset, present: np.ndarray, options: ImageOption
     if absent:
         raise DamagedSurveyError(
             Message(
-                "{count} samples have no data ({samples}); --leave-out-missing makes the "
-                "image without them",
+                "samples without data: {count} ({samples}); --leave-out-missing makes the image "
+                "without them",
                 count=len(absent),
                 samples=first_of(absent, NAMED),
             ),

@@ -56,7 +56,7 @@ def main() -> int:
         # The reader, such as `head`, has closed the pipe: the rest must not be written to it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (OSError, RuntimeError, rospy.ROSException) as error:
-        # ~USER without such a user, a master that ends while it is asked, a file that exists.
+        # ~USER without such a user, a master that ends while it is asked, a full disk.
         failed = Message("The doctor could not work: {reason}", reason=str(error))
         remedy = faults.CANNOT_WORK.remedy or failed
         say(catalogue.text(failed), f"-> {catalogue.text(remedy)}", file=sys.stderr)

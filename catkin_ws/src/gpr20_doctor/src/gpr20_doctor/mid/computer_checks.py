@@ -33,15 +33,11 @@ LOW_MEMORY, NO_MEMORY = 200e6, 80e6
 # second of each, programs fail when they write.
 DATA_SPACE, OTHER_SPACE = (5 * GB, 0.5 * GB), (200 * MB, 20 * MB)
 FEW_FILES = 2000
-FIRMWARE = ("vcgencmd", "get_throttled")
-# Bits of its answer: low voltage now and before, slowed down now.
+# Bits of the answer of the firmware: low voltage now and before, slowed down now.
 LOW_NOW, SLOW_NOW, LOW_BEFORE = 1 << 0, 1 << 2, 1 << 16
 GPIO_FILES = ("dev/gpiomem", "dev/gpiochip*")
-# The library of the pins.
-PIN_MODULE = "RPi.GPIO"
 # A clock that starts at the last date that it knows is days behind; a time zone is not.
 BEHIND_LIMIT_S = 86400.0
-ZONES = "usr/share/zoneinfo"
 # Such as CET-1CEST, without a file (tzset(3)).
 _RULE = re.compile(r"([A-Za-z]{3,}|<[\w+-]+>)[+-]?\d.*")
 
@@ -138,8 +134,8 @@ def _spi(machine: Machine) -> Finding:
 
 def _gpio(root: Path) -> Finding:
     devices = [path for pattern in GPIO_FILES for path in sorted(root.glob(pattern))]
-    if importlib.util.find_spec(PIN_MODULE.split(".")[0]) is None:
-        text = Message("The library {library} for the pins is not installed.", library=PIN_MODULE)
+    if importlib.util.find_spec("RPi") is None:
+        text = Message("The library RPi.GPIO for the pins is not installed.")
         advice = Message("Run: scripts/setup.sh --robot")
         return Finding.of("gpio", text, NOT_SET_UP, advice=advice)
     if not any(map(_usable, devices)):
@@ -161,7 +157,7 @@ def check_power(machine: Machine) -> Iterator[Finding]:
     """Judge the supply of a Raspberry Pi, as its firmware says."""
     if not machine.is_pi:
         return
-    bits = int(answer_of(FIRMWARE).split("=")[-1], 16)
+    bits = int(answer_of(("vcgencmd", "get_throttled")).split("=")[-1], 16)
     text, fault = Message("Supply voltage of the Raspberry Pi"), faults.VOLTAGE_LOW
     if bits & LOW_NOW:
         text = Message("The supply voltage of the Raspberry Pi is too low now.")
@@ -186,7 +182,8 @@ def check_date(machine: Machine) -> Iterator[Finding]:
         yield Finding.of("date", text, CLOCK_WRONG, mild=True, advice=advice)
     zone, file = machine.environment.get("TZ", "").lstrip(":"), machine.root / "etc/localtime"
     if zone:
-        known = (machine.root / ZONES / zone).is_file() or bool(_RULE.fullmatch(zone))
+        file = machine.root / "usr/share/zoneinfo" / zone
+        known = file.is_file() or bool(_RULE.fullmatch(zone))
         advice = Message("Run: unset TZ. If it is found again, remove TZ where it is set.")
     else:
         # Without the file the zone is UTC; a link that leads nowhere is a mistake.

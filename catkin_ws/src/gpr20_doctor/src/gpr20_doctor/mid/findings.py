@@ -17,12 +17,7 @@ from gpr20_common.faults import DISK_FULL
 from gpr20_common.message import BETWEEN_SENTENCES, Message, verbatim
 from gpr20_common.mid.node_facts import own_software
 from gpr20_doctor.low.processes import FAILURES, in_time
-from gpr20_doctor.mid import (
-    computer_checks,
-    network_checks,
-    robot_checks,
-    software_checks,
-)
+from gpr20_doctor.mid import computer_checks, network_checks, robot_checks, software_checks
 from gpr20_doctor.mid.finding import Finding, Level
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.robot_facts import RobotFacts
@@ -30,13 +25,12 @@ from gpr20_survey.plan.robot_description import STORAGE
 
 SPACE = "data_disk"
 LEVEL_WIDTH = 12
-GOOD, DOUBTFUL, BAD = 0, 1, 2
-"""Exit status: everything is good; a warning or something unknown; a fault."""
+# Exit status of each level.
+STATUS = (0, 0, 1, 1, 2)
 BY_HAND = Message("Look by hand: docs/doctor.md says how.")
 SPACE_AGAIN = Message(
     "The disk has space again: press RESUME. Without a survey nothing is to be done."
 )
-
 
 # A generator: it begins when its findings are asked for, with a limit.
 Check = Callable[[Machine], Iterator[Finding]]
@@ -97,10 +91,7 @@ def findings(robot: RobotFacts, machine: Optional[MachineReport]) -> Tuple[Findi
 
 def exit_status(found: Iterable[Finding]) -> int:
     """Return what a program says with its exit status."""
-    worst = max((one.level for one in found), default=Level.UNKNOWN)
-    if worst is Level.FAULT:
-        return BAD
-    return DOUBTFUL if worst in (Level.WARNING, Level.UNKNOWN) else GOOD
+    return STATUS[max((one.level for one in found), default=Level.UNKNOWN)]
 
 
 def summary(found: Tuple[Finding, ...]) -> Message:
@@ -119,12 +110,9 @@ def summary(found: Tuple[Finding, ...]) -> Message:
 def lines(found: Tuple[Finding, ...], catalogue: Catalogue) -> Iterator[str]:
     """Yield the lines of a terminal: level and sentence, the remedy below, counts at the end."""
     for one in found:
-        level, details = (
-            catalogue.text(one.level.title),
-            BETWEEN_SENTENCES.join(one.text.all_details),
-        )
+        details = BETWEEN_SENTENCES.join(one.text.all_details)
         text = catalogue.text(one.text) + (f" ({details})" if details else "")
-        yield f"{level:{LEVEL_WIDTH}}{text}"
+        yield f"{catalogue.text(one.level.title):{LEVEL_WIDTH}}{text}"
         if one.remedy is not None:
             yield f"{'':{LEVEL_WIDTH}}-> {catalogue.text(one.remedy)}"
     yield catalogue.text(summary(found))

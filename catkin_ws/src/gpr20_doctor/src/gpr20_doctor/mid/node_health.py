@@ -9,8 +9,10 @@ from typing import Deque, Dict, List, Mapping, Optional, Tuple
 
 from gpr20_common.faults import INTERNAL, PART_SILENT
 from gpr20_common.low.clock import Clock
-from gpr20_common.message import Message, in_a_row, verbatim
+from gpr20_common.message import Message, Severity, in_a_row, verbatim
+from gpr20_doctor.mid.finding import Level
 from gpr20_survey.axes import AxisId
+from gpr20_survey.faults import NOT_HOMED
 from gpr20_survey.plan.robot_description import ANALYZER, HEIGHT_SENSOR, SIMULATOR, STORAGE
 
 MAIN_CONTROL = "main_control"
@@ -87,6 +89,17 @@ class NodeHealth:
     message: Message
     values: Mapping[str, str]
     clock_offset_s: float = field(default=0.0, compare=False)
+
+    @property
+    def rating(self) -> Level:
+        """How the doctor, the window and the page judge it alike."""
+        if self.level is HealthLevel.WARN:
+            cause = self.message.cause
+            # The next survey homes by itself.
+            homes = NOT_HOMED.as_warning()
+            is_note = cause is not None and (cause.severity is Severity.NOTE or cause == homes)
+            return Level.NOTE if is_note else Level.WARNING
+        return Level.OK if self.level is HealthLevel.OK else Level.FAULT
 
 
 @dataclass(frozen=True)

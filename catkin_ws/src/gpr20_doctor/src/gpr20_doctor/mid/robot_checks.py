@@ -17,7 +17,7 @@ from gpr20_common.faults import (
     PART_RED,
     PART_SILENT,
 )
-from gpr20_common.message import Message, Severity
+from gpr20_common.message import Message
 from gpr20_doctor import faults
 from gpr20_doctor.low.masters import MasterState, robots_at
 from gpr20_doctor.low.processes import Processes
@@ -32,7 +32,7 @@ from gpr20_doctor.mid.node_health import (
 )
 from gpr20_doctor.mid.robot_facts import Evidence, RobotFacts
 from gpr20_survey.axes import AxisId
-from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, NOT_HOMED, VNA_SILENT
+from gpr20_survey.faults import CLOCK_WRONG, NOT_CALIBRATED, VNA_SILENT
 from gpr20_survey.plan.robot_description import ANALYZER
 from gpr20_survey.trace.sweep import CalibrationStatus
 
@@ -84,12 +84,11 @@ def _part(node: NodeHealth, listening_s: float) -> Finding:
         if listening_s > STARTING_S:
             return Finding.of(node.name, text, PART_LOST if node.name in MOVERS else PART_SILENT)
         return Finding(node.name, Level.UNKNOWN, text, PART_SILENT.remedy)
-    cause = node.message.cause
     text = Message("{name}: {state}", name=name, state=node.message)
     if node.level is HealthLevel.ERROR:
         return Finding.of(node.name, text, INTERNAL, advice=node.message.remedy)
     advice = node.message.remedy or Message("Press this part on ROBOT and read its details.")
-    if cause is not None and (cause.severity is Severity.NOTE or cause == NOT_HOMED.as_warning()):
+    if node.rating is Level.NOTE:
         return Finding(node.name, Level.NOTE, text, advice)
     return Finding.of(node.name, text, PART_RED, mild=True, advice=advice)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from pathlib import Path
-from typing import Iterable, Iterator, List, Optional
+from typing import Iterator, List, Optional
 
 import gpr20_common
 from gpr20_common.faults import (
@@ -36,7 +36,6 @@ NEEDED = ("lz4", "mcap", "polib", "pydantic", "rosbags", "vxi11", "zstandard")
 MODULES = (*NEEDED, "tornado")
 # Nodes whose hang the checks of reports find; a hung one must not simply be continued.
 OWN_REPORT = frozenset(name.rpartition("/")[2] for name in EXPECTED_NODES)
-WITH_WATCHDOG = Message("Start the robot again, with watchdog_s:=10 or without that argument.")
 
 
 def check_configuration(machine: Machine) -> Iterator[Finding]:
@@ -126,7 +125,8 @@ def check_watchdog(machine: Machine) -> Iterator[Finding]:
     watched = {one.argument("--launch=") for one in nodes}
     if launches - watched:
         text = Message("No watchdog runs here: a part of the robot that hangs is not restarted.")
-        yield Finding.of("watchdog", text, INTERNAL, True, machine.restart(WITH_WATCHDOG))
+        again = Message("Start the robot again, with watchdog_s:=10 or without that argument.")
+        yield Finding.of("watchdog", text, INTERNAL, True, machine.restart(again))
     elif launches:
         yield Finding.of("watchdog", Message("Watchdog"))
 
@@ -135,14 +135,9 @@ def _numbers(some: List[Process]) -> str:
     return " ".join(map(str, sorted(one.number for one in some)))
 
 
-def missing_modules(wanted: Iterable[str]) -> List[str]:
-    """Return the Python modules that are not installed."""
-    return [one for one in wanted if importlib.util.find_spec(one) is None]
-
-
 def check_packages(machine: Machine) -> Iterator[Finding]:
     """Find Python packages that the parts of the robot import and that are not installed."""
-    missing = missing_modules(MODULES)
+    missing = [one for one in MODULES if importlib.util.find_spec(one) is None]
     if not missing:
         yield Finding.of("packages", Message("Python packages of the robot"))
         return

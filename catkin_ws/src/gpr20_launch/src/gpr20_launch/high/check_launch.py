@@ -12,6 +12,7 @@ import json
 import os
 import sys
 from dataclasses import fields
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Dict, List, Mapping, Sequence, TextIO
 
@@ -25,9 +26,10 @@ from gpr20_common.low.yaml_file import DEFAULT_FOLDER
 from gpr20_common.message import verbatim
 from gpr20_common.terminal_text import say
 from gpr20_doctor.low.processes import Process, process_of
-from gpr20_doctor.mid.software_checks import NEEDED, missing_modules
+from gpr20_doctor.mid.software_checks import NEEDED
 from gpr20_launch.faults import LaunchRefusedError
 from gpr20_launch.mid.launch_request import nodes_of, sections_of
+from gpr20_launch.mid.old_launch import UNREAD
 from gpr20_launch.mid.robot_check import check_robot
 from gpr20_launch.mid.robot_files import PARTS, REAL, ROBOTS, Problem, Reading, Use
 from gpr20_simulator.mid.simulator_parameters import SimulatorParameters
@@ -43,7 +45,7 @@ def main() -> int:
     use = Use(os.environ, given.data, given.robot == REAL, given.part)
     names = [one.name for one in fields(SimulatorParameters)]
     try:
-        missing = ", ".join(missing_modules(NEEDED))
+        missing = ", ".join(one for one in NEEDED if find_spec(one) is None)
         if missing:
             text = f"the Python modules {missing} are missing; run: scripts/setup.sh"
             raise LaunchRefusedError(verbatim(text), fault=NOT_SET_UP)
@@ -96,6 +98,9 @@ def message_field(datatype: str, field: str) -> object:
 
 def say_problems(found: Sequence[Problem], stream: TextIO) -> None:
     """Print problems; what is to be done about several in a row is said once."""
+    # All that an imported launch file left open is one mistake.
+    unread = [one for one in found if UNREAD in str(one.message)]
+    found = [one for one in found if one not in unread[1:]]
     for one, after in zip(found, [*found[1:], None]):
         say(f"{'FAULT' if one.refuses else 'WARNING'}: {one.message}", file=stream)
         remedy = one.message.remedy

@@ -97,8 +97,7 @@ def _import(folder: Path, given: argparse.Namespace) -> int:
     robot = old_robot(given.launch, read_yaml(built_axes()))
     status = _fill(folder, robot.texts)
     say("not found out:", *(f"  {one}" for one in robot.unread or ["nothing"]))
-    others = [f"  {name}: {one}" for name, one in robot.values.items()]
-    say("without a counterpart:", *(others or ["  nothing"]))
+    say("without a counterpart:", *(f"  {one}" for one in robot.values or ["nothing"]))
     return int(status or bool(robot.unread))
 
 

@@ -60,8 +60,6 @@ def spi_pins(bus: int, device: int) -> Dict[str, int]:
 # For anything: what neither the Raspberry Pi nor the usual converter uses.
 FREE = sorted({*GPIO_OF_BOARD} - {*RESERVED} - {*spi_pins(0, 0).values()})
 HEIGHT_FILE = "height.yaml"
-# What enables the drivers of several axes.
-SHARED = "enable_pin"
 
 
 class PinUse(NamedTuple):
@@ -116,7 +114,7 @@ def _axis_uses(reading: Reading) -> Iterator[PinUse]:
             if not name.endswith("_pin") or not known or values.get("controller"):
                 continue
             text = f"{AXES_FILE} {key}" if given else f"{AXES_FILE} {key} (default)"
-            if name != SHARED:
+            if name != "enable_pin":  # it may enable the drivers of several axes
                 yield PinUse(pin, AXES_FILE, key, pin, text)
             elif level in levels:
                 yield PinUse(pin, AXES_FILE, key, pin, text, f"{name} {level}")

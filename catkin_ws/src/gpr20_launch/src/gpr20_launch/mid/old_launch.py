@@ -26,14 +26,10 @@ from gpr20_survey.axes import ROTARY, AxisParameters
 # Begins the value of what could not be found out and a person must write.
 UNREAD, NO_PIN, MAX_VALUES = "UNREAD, write it", -1, 10_000
 NAMES = tuple(one.name for one in fields(AxisParameters)[:10])
-# With a shorter pause the default of late_limit_s does not suit.
-FAST_STEP_S = AxisParameters.late_limit_s / LATEST_PULSE
 # Such as gpr20_x_axis, x_axis, axis_x or x, as one part of a name.
 _AXIS = re.compile(r"(?:.*_)?(?:([xyz])(?:_?axis)?|axis_?([xyz]))(?:_.*)?")
 _SUBSTITUTION = re.compile(r"\$\(([^()]*)(\)?)")
 _BOOLS = {"true": True, "1": True, "false": False, "0": False}
-# Of the converter, the one value of the height sensor that both have.
-CHANNEL = "channel"
 TO_CHECK = ["pins", "endstop_levels", "directions", "travel", "emergency_stop"]
 
 
@@ -47,6 +43,10 @@ class OldRobot:
     values: Dict[str, Any] = field(default_factory=dict)
     unread: List[str] = field(default_factory=list)
     texts: Dict[str, str] = field(default_factory=dict)
+
+    def take(self, part: str, names: Iterable[str]) -> Dict[str, Any]:
+        known = [key for key in names if f"{part}/{key}" in self.values]
+        return {key: self.values.pop(f"{part}/{key}") for key in known}
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class _Scope:
             packages = [one for one in around if one.name == name]
             packages += [one / name for one in around if os.path.isdir(one / name)]
             known = {"arg": self.arguments.get(name), "dirname": around[0]}
-            found = {**known, "find": next(iter(packages), None)}.get(kind)
+            found = next(iter(packages), None) if kind == "find" else known.get(kind)
             if found is None or not match.group(2):
                 # Also env and eval: only the original's computer knows what they are.
                 raise _refused(f"{match.group()} is not known here")
@@ -95,7 +95,7 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
     """
     robot = OldRobot()
     read(path, robot)
-    axes = {axis: _of(robot, axis, NAMES) for axis in AXIS_SECTIONS}
+    axes = {axis: robot.take(axis, NAMES) for axis in AXIS_SECTIONS}
     if not any(axes.values()):
         reasons = "; ".join(robot.unread) or "give the one that starts the nodes of the axes"
         raise _refused(f"{path} sets no parameter of an axis: {reasons}")
@@ -104,27 +104,21 @@ def old_robot(path: Path, defaults: Mapping[str, Mapping[str, Any]]) -> OldRobot
         missing = [key for key in NAMES if key in {*defaults[axis]} - {*own}]
         if missing:
             robot.unread.append(f"{path.name} does not set {axis}: {', '.join(missing)}")
-        own.update({key: f"{UNREAD}: {'; '.join(robot.unread)}" for key in missing})
+        own.update(dict.fromkeys(missing, f"{UNREAD}: {'; '.join(robot.unread)}"))
         # Its axis node drives DIR low for increasing coordinates, and knows no late pulses.
         own["invert_direction"] = True
         if own.get("type") == ROTARY or own.get("sensor_pin") == NO_PIN:
             own["sensor_pin"] = None
-        if isinstance(own["min_step"], float) and own["min_step"] < FAST_STEP_S:
-            own["late_limit_s"] = LATEST_PULSE * own["min_step"]
-    unchecked = ["unread", *TO_CHECK] if robot.unread else TO_CHECK
+        pause_s = own["min_step"]
+        if isinstance(pause_s, float) and LATEST_PULSE * pause_s < AxisParameters.late_limit_s:
+            own["late_limit_s"] = LATEST_PULSE * pause_s
     notes = "".join(f"# unread: {one!r}\n" for one in robot.unread)
-    robot.texts["wiring.yaml"] = notes + yaml.safe_dump({"unchecked": unchecked})
-    for name, content in ((AXES_FILE, axes), (HEIGHT_FILE, _of(robot, "height", (CHANNEL,)))):
+    unchecked = {"unchecked": ["unread"] * bool(robot.unread) + TO_CHECK}
+    robot.texts["wiring.yaml"] = notes + yaml.safe_dump(unchecked)
+    for name, content in ((AXES_FILE, axes), (HEIGHT_FILE, robot.take("height", ("channel",)))):
         if content:
-            text = yaml.safe_dump(content, sort_keys=False)
-            robot.texts[name] = f"# From {path.name}.\n{text}"
+            robot.texts[name] = f"# From {path.name}.\n{yaml.safe_dump(content, sort_keys=False)}"
     return robot
-
-
-def _of(robot: OldRobot, part: str, names: Iterable[str]) -> Dict[str, Any]:
-    """Take the values of a part out of those that are left."""
-    known = [key for key in names if f"{part}/{key}" in robot.values]
-    return {key: robot.values.pop(f"{part}/{key}") for key in known}
 
 
 def read(path: Path, robot: OldRobot) -> None:
@@ -186,17 +180,24 @@ def _element(element: ElementTree.Element, scope: _Scope, robot: OldRobot) -> No
     elif element.tag == "rosparam":
         if element.get("command", "load") != "load":
             raise _refused("it deletes or writes parameters")
-        text = element.text or ""
-        if "file" in element.attrib:
-            text = limited_bytes(scope.text(element, "file")).decode("utf-8", "replace")
-        content = parse_yaml(scope.substituted(text))
-        _load(content, inner.join(scope.text(element, "param")), robot)
+        text, file = element.text or "", scope.text(element, "file")
+        path, around = Path(file).resolve(), [*scope.file.resolve().parents][:3]
+        if file:
+            if path.suffix not in (".yaml", ".yml") or around[-1] not in path.parents:
+                raise _refused("only a .yaml file in a folder around the launch file is read")
+            text = limited_bytes(path).decode("utf-8", "replace")
+        try:
+            content = parse_yaml(scope.substituted(text))
+            _load(content, inner.join(scope.text(element, "param")), robot)
+        except Gpr20Error as error:
+            # Nothing of a file is printed, whatever it is.
+            raise (_refused("what it holds cannot be used") if file else error) from error
     elif element.tag == "include":
         path = Path(scope.text(element, "file"))
         given = scope.arguments if scope.text(element, "pass_all_args") == "true" else {}
-        used = [one for one in element.findall("arg") if scope.uses(one)]
-        own = {one.get("name", ""): scope.text(one, "value") for one in used}
-        _follow(_root(path), replace(inner, file=path, arguments={**given, **own}), robot)
+        for one in filter(scope.uses, element.findall("arg")):
+            given = {**given, one.get("name", ""): scope.text(one, "value")}
+        _follow(_root(path), replace(inner, file=path, arguments={**given}), robot)
 
 
 def _plain(text: str) -> Union[int, float, bool, str]:
@@ -216,8 +217,8 @@ def _load(values: Any, name: str, robot: OldRobot) -> None:
     parts = [_AXIS.fullmatch(one.lower()) for one in reversed(above)]
     axes = [one.group(1) or one.group(2) for one in parts if one]
     place = f"{axes[0]}/{key}" if axes and key in NAMES else name
-    if key == CHANNEL and "height" in name.lower():
-        place = f"height/{key}"
+    if key == "channel" and "height" in name.lower():
+        place = "height/channel"
     if robot.values.setdefault(place, values) != values or len(robot.values) > MAX_VALUES:
         # Which of two counts depends on the order in which roslaunch sets them.
         raise _refused(f"{name} is {values}, after {place} {robot.values[place]}")

@@ -41,7 +41,6 @@ from gpr20_vna_processing.mid.processing_parameters import BYTES_PER_MB, Process
 
 ANALYZER_FILE, WIRING_FILE, SENSORS_FILE = "analyzer.yaml", "wiring.yaml", "sensors.yaml"
 STORAGE_FILE = "storage.yaml"
-MASTER_PORT = 11311
 ADDRESS_NAMES = ("GPR20_ROBOT", "GPR20_SERVER")
 # Folders of the system, and those that it empties.
 OF_SYSTEM = ("/bin", "/boot", "/dev", "/etc", "/lib", "/proc", "/sbin", "/sys", "/usr")
@@ -176,7 +175,7 @@ def _doubts(reading: Reading) -> Iterator[Tuple[str, str, Any, str, str]]:
     if 0.0 < interval_s < 60.0:
         reason = "a survey would spend its time on the way to its first stop and back"
         yield "survey.yaml", "reference_interval_s", interval_s, reason, "0, or >= 60 s"
-    if web.port == MASTER_PORT:
+    if web.port == 11311:
         reason = "this is the port of the ROS master"
         yield "web.yaml", "port", web.port, reason, f"another port, such as {type(web).port}"
     if ip_address(web.address).is_unspecified:

@@ -20,9 +20,9 @@ from gpr20_common.low.clock import Clock
 from gpr20_common.message import Message
 from gpr20_main_control.errors import NodeLostError
 from gpr20_main_control.high import ros_devices
-from gpr20_main_control.high.survey_topics import only_from
+from gpr20_main_control.high.survey_topics import listen_to_nodes
 from gpr20_main_control.mid.waits import Workers
-from gpr20_msgs.msg import AxisResult, CurrentCoordinate
+from gpr20_msgs.msg import AxisResult, NodeDescription
 from gpr20_msgs.srv import CommandResponse
 from gpr20_survey.axes import AxisId
 from gpr20_survey.faults import CONTROL_SILENT
@@ -99,31 +99,31 @@ def test_a_homing_begins_only_when_the_stop_before_it_is_over(graph):
     assert graph.called == ["stop is over", "x_axis/homing"]
 
 
-def test_a_recording_beside_the_robot_is_not_taken_for_its_driver():
-    received, driver = [], "x_axis/axis_driver"
-    receive = only_from(driver, received.append)
+def test_a_recording_beside_the_robot_is_not_taken_for_its_driver(monkeypatch):
+    noted, heard, driver = [], {}, "x_axis/axis_driver"
+    monkeypatch.setattr(rospy, "Subscriber", lambda topic, _kind, take: heard.update({topic: take}))
+    listen_to_nodes(noted.append)
     for publisher in (f"/{driver}", "/rosbag_play"):
-        message = CurrentCoordinate()
+        message = NodeDescription(configuration_json="{}")
         message._connection_header = {"callerid": publisher}
-        receive(message)
-    assert [one._connection_header["callerid"] for one in received] == [f"/{driver}"]
+        heard[f"{driver}/description"](message)
+    assert [one.node for one in noted] == [driver]
 
 
-class EndedGoal:
-    """The handle of a goal that ended without success."""
+def test_every_call_of_the_storage_ends():
+    calls = vars(ros_devices.RosStorage(None)).values()
+    limits_s = [one.time_limit_s for one in calls if isinstance(one, ros_devices.DeviceService)]
+    assert len(limits_s) == 5 and max(limits_s) < 900.0
 
-    def __init__(self, message):
-        self._result = message and AxisResult(success=False, **message_fields(message))
 
-    def get_result(self):
-        return self._result
-
-    def get_goal_status_text(self):
-        return ""
+def ended_goal(message):
+    """Return the handle of a goal that ended without success."""
+    result = message and AxisResult(success=False, **message_fields(message))
+    return SimpleNamespace(get_result=lambda: result, get_goal_status_text=str)
 
 
 def test_a_stop_for_lack_of_contact_is_told_from_one_that_was_requested():
-    failures = [ros_devices.move_failure(EndedGoal(one)) for one in (NO_CONTACT, STOPPED, None)]
+    failures = [ros_devices.move_failure(ended_goal(one)) for one in (NO_CONTACT, STOPPED, None)]
     assert [isinstance(one, NodeLostError) for one in failures] == [True, False, False]
     # Without a result the move may continue.
     assert failures[2].message.fault_code == PART_LOST.code

@@ -265,9 +265,9 @@ def _axis(axis: str, start: Message, stop: Message, spacing: Message, points: Me
     above_0, name = ABOVE_0, f"{axis}_spacing_mm"
     return (
         end("start", start, "50"),
-        end("stop", stop, "150"),
+        end("stop", stop, "200"),
         FieldSpec(name, spacing, Tile.SPACING, SPACING, "10", above_0, _spacings),
-        FieldSpec(f"{axis}_points", points, None, WHOLE, "11", fewest),
+        FieldSpec(f"{axis}_points", points, None, WHOLE, "16", fewest),
     )
 
 
@@ -278,7 +278,7 @@ _BELOW_STOP = Message(
     lower=_MEGAHERTZ[0],
     upper=_MEGAHERTZ[1],
 )
-# With a new robot: 100 x 100 mm in 12 min, with stops as close as dry sand asks for.
+# With a new robot: 150 x 150 mm in 25 min, with stops as close as dry sand asks for.
 PLAN: Specs = (
     FieldSpec(
         *("vna_address", Message("VNA address"), Tile.VNA, ADDRESS, ""),

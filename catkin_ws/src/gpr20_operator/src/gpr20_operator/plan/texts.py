@@ -265,7 +265,7 @@ def resume_question(progress: Optional[Progress], zeros_unproven: bool = False) 
     if zeros_unproven:
         rows += (
             (Message("Positions"), Message("NOT PROVEN from here on; the survey keeps saying so")),
-            (Message("To compare again"), Message("STOP, then resume it in ARCHIVE")),
+            (Message("To compare again"), Message("STOP, then resume it in SURVEYS")),
         )
         return HoldQuestion(Message("Resume as it is?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)
     return HoldQuestion(Message("Resume the survey?"), rows, HANDS_CLEAR, HOLD_TO_RESUME)

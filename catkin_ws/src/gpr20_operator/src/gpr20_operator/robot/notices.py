@@ -18,8 +18,6 @@ from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.axes import AxisId
 from gpr20_survey.plan.survey_state import SurveyState
 
-NO_REPORT = Message("no report")
-
 
 @dataclass(frozen=True)
 class Notice:
@@ -67,7 +65,7 @@ _FAULTS = {
 }
 _RESUME_NEXT = Message("Then press RESUME. STOP ends the survey; what is stored is kept.")
 _STOP_NEXT = Message("Then press STOP: it ends the survey; what is stored is kept.")
-_START_NEXT = Message("Then start the survey again, or resume it in ARCHIVE.")
+_START_NEXT = Message("Then start the survey again, or resume it in SURVEYS.")
 
 
 def refusal_notice(refused: Refused, reason: Message) -> Notice:
@@ -155,20 +153,16 @@ class CardWatch:
         return found
 
 
-LEVELS = (Message("GOOD"), Message("WARNING"), Message("FAULT"), Message("OFFLINE"))
-
-
 def node_notice(node: NodeHealth) -> Notice:
     """Return everything that a node reports about itself."""
-    title = Message("{name}: {level}", name=node_title(node.name), level=LEVELS[node.level])
-    first = None
-    if node.level in (HealthLevel.WARN, HealthLevel.ERROR):
-        failed = node.level is HealthLevel.ERROR
-        first = remedy(node.message) if failed else first_step(node.message)
+    silent = node.level is HealthLevel.STALE
+    level = Message("OFFLINE") if silent else node.rating.title
+    title = Message("{name}: {level}", name=node_title(node.name), level=level)
+    first_of = {HealthLevel.WARN: first_step, HealthLevel.ERROR: remedy}.get(node.level)
     values = (f"{name}: {value}" for name, value in node.values.items())
     details = (*_details(node.message), f"node: {node.name}", *values)
-    text = NO_REPORT if node.level is HealthLevel.STALE else node.message
-    return Notice(title, text, first, details=details)
+    text = Message("no report") if silent else node.message
+    return Notice(title, text, first_of and first_of(node.message), details=details)
 
 
 def _details(message: Message) -> Tuple[str, ...]:
@@ -212,19 +206,23 @@ class StopConfirmation:
         return self._pressed_s is not None
 
     def press(self) -> None:
-        """Note that STOP was pressed."""
-        self._pressed_s = self._clock.now_s()
-        self._axes, self._control, self.outcome = {}, None, None
+        """Note that STOP was pressed; again before it is confirmed, nothing is late later."""
+        if self._pressed_s is None:
+            self._pressed_s, self._axes = self._clock.now_s(), {}
+        self._control = self.outcome = None
 
     def on_event(self, event: object) -> None:
         """Take an answer; other events are about something else."""
         if isinstance(event, AxisStopAnswer):
+            is_first = not self._axes.get(event.axis)
             self._axes[event.axis] = event.answered
         elif isinstance(event, Answer) and event.request is Request.STOP:
+            is_first = self._control is None or not self._control.contact
             self._control = event
         else:
             return
-        self._answered_s = self._clock.now_s()
+        if is_first:  # who has heard of it begins no other move
+            self._answered_s = self._clock.now_s()
 
     def close(self) -> None:
         """Note that the operator has read the warning, or that it is over."""

@@ -28,7 +28,7 @@ from gpr20_survey.trace.sweep import (
 
 # Wider than those of the MS2026C: other analyzers have other values. The driver checks the rest.
 MIN_IF_BANDWIDTH_HZ, MAX_IF_BANDWIDTH_HZ = 1.0, 1.0e7
-OUTPUT_POWER = re.compile(r"[A-Za-z0-9+.-]{0,16}")
+OUTPUT_POWER = re.compile(r"(LOW|HIGH|[+-]?[0-9]{1,3}([.][0-9]{1,2})?(dBm)?)?")
 # The area that the parameters of a survey may name; each axis may allow less.
 MIN_COORDINATE_MM = 0.0
 MAX_COORDINATE_MM = 800.0
@@ -185,7 +185,7 @@ def find_problems(parameters: SurveyParameters, travel: RobotTravel) -> List[Pro
         ("frequency_points", within, Message("frequency points"), p.frequency_points, *points),
         ("if_bandwidth_hz", within, Message("IF bandwidth"), bandwidth_hz, *bandwidths_hz),
         ("averages", within, Message("averages"), p.averages, 0, MAX_AVERAGES),
-        ("output_power", _output_power, p.output_power),
+        ("output_power", check_output_power, p.output_power),
         ("x_start_mm", within, Message("x start"), p.x_start_mm, *x_mm),
         ("x_stop_mm", within, Message("x stop"), p.x_stop_mm, *x_mm),
         ("x_points", within, Message("x points"), p.x_points, *stops),
@@ -258,12 +258,13 @@ def check_address(address: str) -> None:
         instrument_address(Message("VNA address"), address)
 
 
-def _output_power(power: str) -> None:
+def check_output_power(power: str) -> None:
+    """Refuse what no analyzer has, with InvalidValueError; empty: as it is set."""
     if not OUTPUT_POWER.fullmatch(power):
         raise InvalidValueError(
             Message(
-                "output power is {power}; use up to 16 letters, digits, signs and points, such as "
-                "LOW or HIGH",
+                "output power is {power}; use LOW or HIGH, or a level such as -10dBm for another "
+                "VNA than the MS2026C",
                 power=repr(power[:64]),
             )
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import os
 import queue
 import sys
@@ -56,6 +57,8 @@ def main() -> int:
         status = follower.run(events)
         for message in follower.last_words():
             (failed if status in (ExitStatus.REFUSED, ExitStatus.FAILED) else shown).note(message)
+        # Said to a master that has ended: what rospy thinks of that must not be the last word.
+        logging.getLogger("rosout").setLevel(logging.CRITICAL)
         keeper.close()
         client.close()
     return status

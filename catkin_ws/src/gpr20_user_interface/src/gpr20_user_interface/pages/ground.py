@@ -214,7 +214,8 @@ class GroundPage(QObject, Page):
         view, imaging = self.view, self._imaging
         if view.isVisible():
             self.model.keep_image(imaging)
-        view.is_running, view.problem = snapshot.running, imaging.problem
+        view.is_running, view.is_replay = snapshot.running, bool(snapshot.replay)
+        view.problem = imaging.problem
         view.carriage_mm = self._traces.carriage_mm
         view.refresh()
 

@@ -93,6 +93,7 @@ class GroundView(QWidget):
         band: Which survey is shown, if it is not the live one.
         problem: Why there is no newer focused image; None: nothing went wrong.
         is_running: Whether a survey runs: then none can be planned.
+        is_replay: Whether it is a replay, which nobody adds to.
         carriage_mm: Where the antennas are (X, Y); None: not known.
     """
 
@@ -107,7 +108,7 @@ class GroundView(QWidget):
         self._band: Optional[Message] = None
         self._enlarged: Optional[Plot] = None
         self.problem: Optional[Message] = None
-        self.is_running = False
+        self.is_running = self.is_replay = False
         self.carriage_mm: Optional[Tuple[float, float]] = None
         self.above, self.section = GroundPicture(), SectionPlot()
         self._active: Plot = self.above
@@ -143,7 +144,8 @@ class GroundView(QWidget):
             return
         self.model.notice_survey()
         self.above.set_carriage(self.carriage_mm)
-        state = (*self.model.state, self.problem, self.is_running, self.size(), self._enlarged)
+        running = self.is_running, self.is_replay
+        state = (*self.model.state, self.problem, running, self.size(), self._enlarged)
         if state != self._drawn:
             self._drawn = state
             self._draw()
@@ -235,6 +237,8 @@ class GroundView(QWidget):
         following = Message("Next\ncandidate") if visits else Message("Next\ngap")
         offer(self.next, following, None if gap else Message("No gap\nis left"))
         obstacle = None if has_point else Message("Touch\na place")
+        if self.is_replay:
+            obstacle = Message("Not in\na replay")
         act = Message("Remove\nmarker") if removes else Message("Set\nmarker")
         offer(self.set_marker, act, obstacle)
         if self.is_running:

@@ -267,7 +267,7 @@ class PlanPage(QWidget, Page):
         past = self._traces.past
         self._waiting = max(0, self._waiting - 1)
         wanted = (past.outdated or not past.read) and not self._waiting
-        if wanted and self.isVisible() and snapshot.control_alive:
+        if wanted and snapshot.control_alive:
             past.outdated, self._waiting = False, RETRY_REFRESHES
             self._traces.list_surveys()
 

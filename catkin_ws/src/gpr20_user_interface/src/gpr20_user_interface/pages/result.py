@@ -11,10 +11,12 @@ from PyQt5.QtCore import pyqtSignal
 from PyQt5.QtWidgets import QProgressBar, QStackedWidget, QWidget
 
 from gpr20_common.message import Message, in_a_row, verbatim
+from gpr20_operator.ground.past_surveys import PastSurveys
 from gpr20_operator.ground.sources import FocusedSource
 from gpr20_operator.ground.texts import GroundMark
 from gpr20_operator.jobs import result_texts as texts
 from gpr20_operator.jobs.result import CANCELLED, PLACES_SHOWN, SURVEY_RUNS, SurveyResult
+from gpr20_operator.plan.texts import resumable, resume_lines
 from gpr20_operator.robot.snapshot import Snapshot
 from gpr20_survey.results.answers import FocusedImage
 from gpr20_survey.results.candidates import NO_CLEARANCE, Candidate, Flag
@@ -58,6 +60,7 @@ class ResultPage(QWidget, Page):
     Args:
         window: The window that its sheets cover.
         result: The result.
+        past: The stored surveys.
         languages: Languages of the window.
         operator: Returns who operates the robot now.
     """
@@ -66,18 +69,22 @@ class ResultPage(QWidget, Page):
     show_wanted = pyqtSignal(str, str, float, float, float)
     # A SurveyGrid, X and Y in mm.
     finer_wanted = pyqtSignal(object, float, float)
-    # The operator plans the next survey.
+    # The operator plans the next survey, or resumes the one in a folder.
     plan_wanted = pyqtSignal()
+    resume_wanted = pyqtSignal(str)
 
     def __init__(
         self,
         window: QWidget,
         result: SurveyResult,
+        past: PastSurveys,
         languages: Languages,
         operator: Callable[[], str],
     ) -> None:
         super().__init__()
-        self.result = result
+        self.result, self._past = result, past
+        # Folder of the survey that is shown, if it can be resumed.
+        self._offered = ""
         self.place_sheet = PlaceSheet(window, result, operator)
         self.soil_sheet = SoilSheet(window, result)
         self.hiding_sheet = HidingSheet(window, result)
@@ -97,6 +104,8 @@ class ResultPage(QWidget, Page):
         self.band = SurveyBand()
         self.doubts = new_button(self.doubts_sheet.open_now)
         self.doubts.setObjectName("doubts")
+        self.resume = new_button(lambda: self.resume_wanted.emit(self._offered))
+        self.resume.setObjectName("primary")
         self.picture = GroundPicture(beside=True)
         self.picture.mark_touched.connect(self.place_sheet.ask)
         self.rows: List[TileButton] = [self._row(number) for number in range(PLACES_SHOWN)]
@@ -125,6 +134,12 @@ class ResultPage(QWidget, Page):
             self.result.keep()
             # Whether one is plugged in is seen before the report is asked for.
             self.result.export.look_for_sticks()
+        offered = resumable(self._past, snapshot)
+        is_here = offered is not None and self.result.survey in (offered.survey_id, offered.folder)
+        if offered is not None:
+            self._offered, stored = offered.folder, resume_lines(self._past, offered)[1]
+            self.resume.setText(f"{self.tr('RESUME')}: {shown_text(stored)}")
+        self.resume.setVisible(is_here)
         self.show_now()
 
     def end(self) -> None:
@@ -251,9 +266,10 @@ class ResultPage(QWidget, Page):
         self._right.addWidget(self.nothing)
         self._stack.addWidget(holding(column((self.card, 1), self.progress, margin=gap)))
         self._stack.addWidget(self.picture)
-        for key in (*self.keys, self.more, self.doubts):
+        for key in (*self.keys, self.more, self.doubts, self.resume):
             set_look(key, "compact", True)
-        left = column(self.band, self.doubts, (self._stack, 1), self.no_clearance, gap=gap)
+        above = self.band, self.doubts, self.resume
+        left = column(*above, (self._stack, 1), self.no_clearance, gap=gap)
         top = row((self.title, 1), self.more)
         beside = column(top, (self._right, 1), tiled(self.keys, 2), gap=gap)
         self.setLayout(row((left, 1), holding(beside, "result_panel"), margin=gap // 2, gap=gap))

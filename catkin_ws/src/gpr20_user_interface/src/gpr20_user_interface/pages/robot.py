@@ -10,7 +10,7 @@ from PyQt5.QtWidgets import QFrame, QScrollArea, QStackedWidget, QWidget
 
 from gpr20_common.message import Message
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.node_health import HealthLevel, HealthReport, NodeHealth, node_title
+from gpr20_doctor.mid.node_health import HealthReport, NodeHealth, node_title
 from gpr20_operator.robot.notices import Notice, node_notice
 from gpr20_operator.robot.service_model import ServiceModel
 from gpr20_operator.robot.snapshot import Snapshot
@@ -41,12 +41,12 @@ LEVEL_LOOKS: Dict[Level, Tuple[str, TextColours]] = {
     Level.WARNING: ("doubtful", TextColours.DOUBTFUL),
     Level.FAULT: ("bad", TextColours.BAD),
 }
-# The level of a part, and its sign.
-PART_LOOKS: Dict[HealthLevel, Tuple[Level, str]] = {
-    HealthLevel.OK: (Level.OK, "\N{CHECK MARK}"),
-    HealthLevel.WARN: (Level.WARNING, "\N{WARNING SIGN}"),
-    HealthLevel.ERROR: (Level.FAULT, "\N{MULTIPLICATION X}"),
-    HealthLevel.STALE: (Level.FAULT, "\N{MULTIPLICATION X}"),
+# The signs of the parts.
+SIGNS: Dict[Level, str] = {
+    Level.OK: "\N{CHECK MARK}",
+    Level.NOTE: "\N{BULLET}",
+    Level.WARNING: "\N{WARNING SIGN}",
+    Level.FAULT: "\N{MULTIPLICATION X}",
 }
 COLUMNS = 4
 LEVEL_PX = 100
@@ -121,9 +121,8 @@ class Overview(QWidget):
         for number, tile in enumerate(self.tiles):
             tile.setVisible(number < len(self._nodes))
         for tile, node in zip(self.tiles, self._nodes):
-            level, sign = PART_LOOKS[node.level]
-            name = f"{sign} {shown_text(node_title(node.name))}"
-            tile.show_texts("", sentence=name, level=LEVEL_LOOKS[level][0])
+            name = f"{SIGNS[node.rating]} {shown_text(node_title(node.name))}"
+            tile.show_texts("", sentence=name, level=LEVEL_LOOKS[node.rating][0])
         self._write_counts()
 
     def _touch(self, number: int) -> None:
@@ -132,7 +131,7 @@ class Overview(QWidget):
     def _write_counts(self) -> None:
         """Say the worst of the checks and of the parts in a word, with its colour."""
         checks = [one.level for one in self._findings]
-        parts = [PART_LOOKS[node.level][0] for node in self._nodes]
+        parts = [node.rating for node in self._nodes]
         worst = max(checks + parts, default=Level.OK)
         if worst >= Level.UNKNOWN:
             count = max(checks.count(worst), parts.count(worst))

@@ -1,4 +1,4 @@
-"""ARCHIVE: the stored surveys; a touch on one shows its map, its answer and what can be done."""
+"""SURVEYS: the stored surveys; a touch on one shows its map, its answer and what can be done."""
 
 from __future__ import annotations
 
@@ -355,5 +355,5 @@ class SurveysPage(QWidget, Page):
         self.shown.addWidget(self.empty)
         left = column(row((self.search, 1), self.clear), (self.shown, 1))
         keys = tiled((self.result, self.open, self.resume, self.notes), 2)
-        right = holding(column(self.title, self.map, (self.details, 1), keys), "archive_panel")
+        right = holding(column(self.title, self.map, (self.details, 1), keys), "surveys_panel")
         self.setLayout(row((left, 1), right, margin=GAP_PX))

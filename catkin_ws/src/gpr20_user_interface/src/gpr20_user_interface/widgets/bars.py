@@ -197,7 +197,7 @@ class TabName(enum.Enum):
 TITLES = {
     TabName.SURVEY: Message("Survey"),
     TabName.GROUND: Message("Ground"),
-    TabName.SURVEYS: Message("Archive"),
+    TabName.SURVEYS: Message("Surveys"),
     TabName.ROBOT: Message("Robot"),
 }
 

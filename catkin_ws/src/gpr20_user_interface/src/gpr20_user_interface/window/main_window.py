@@ -247,7 +247,7 @@ class MainWindow(QWidget):
             self._imaging, lambda: self.control.next_annotation.value.operator
         )
         self.result = ResultPage(
-            *(self, SurveyResult(self._imaging), languages),
+            *(self, SurveyResult(self._imaging), traces.past, languages),
             lambda: self.control.next_annotation.value.operator,
         )
         self.past = SurveysPage(self, traces.past, self._imaging)
@@ -289,6 +289,7 @@ class MainWindow(QWidget):
         self.result.show_wanted.connect(ground.show_place_of)
         self.result.finer_wanted.connect(ground.measure_finer)
         self.result.plan_wanted.connect(lambda: self.survey_tab.show_plan(self.survey.snapshot))
+        self.result.resume_wanted.connect(self.start_sheet.ask_resume_past)
         ground.finer_chosen.connect(lambda plan: self._use_parameters(plan.parameters))
         ground.wanted.connect(lambda: self.show_tab(TabName.GROUND))
         ground.view.surveys_wanted.connect(lambda: self.show_tab(TabName.SURVEYS))

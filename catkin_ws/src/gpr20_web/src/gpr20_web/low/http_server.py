@@ -36,6 +36,8 @@ from gpr20_web.faults import (
 from gpr20_web.low.event_streams import EventStreams, json_text
 
 MAX_BODY_BYTES, MAX_HEADER_BYTES = 64 * 1024, 16 * 1024
+# So much is read, and not kept, so that whoever sends too much gets an answer.
+MAX_READ_BYTES = 16 * MAX_BODY_BYTES
 READ_LIMIT_S, IDLE_CONNECTION_S = 10.0, 120.0
 # A browser that watches and whose computer has not answered for so long is gone [s].
 BROKEN_S = 10.0
@@ -131,7 +133,7 @@ class HttpServer:
         self._server = _BoundedServer(
             self._application,
             ssl_options=context,
-            max_body_size=MAX_BODY_BYTES,
+            max_body_size=MAX_READ_BYTES,
             max_header_size=MAX_HEADER_BYTES,
             body_timeout=READ_LIMIT_S,
             idle_connection_timeout=IDLE_CONNECTION_S,
@@ -176,8 +178,9 @@ class _PageHandler(web.RequestHandler):
             self._gone.set_result(None)
 
     def data_received(self, chunk: bytes) -> None:
-        """Tornado: take a part of the body, which is no longer than the server allows."""
-        self._body += chunk
+        """Tornado: take a part of the body."""
+        if len(self._body) <= MAX_BODY_BYTES:
+            self._body += chunk
 
     def set_default_headers(self) -> None:
         """Tornado: set what every answer has, also one of an error."""
@@ -308,6 +311,8 @@ class _RouteHandler(_PageHandler):
 
     def _values(self) -> Mapping[str, Any]:
         """Return the query of a GET, or the JSON object of a POST."""
+        if len(self._body) > MAX_BODY_BYTES:
+            raise web.HTTPError(413)
         try:
             if self.request.method == "GET":
                 given = self.request.query_arguments.items()

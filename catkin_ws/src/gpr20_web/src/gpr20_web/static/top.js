@@ -18,6 +18,8 @@ class Top {
     this.app = app;
     // The last press of this page, until it is shown what became of it.
     this.press = null;
+    // When the robot said last whether a STOP of this page is confirmed.
+    this.heardMs = -Infinity;
     // Folded on the page SURVEY, for those who may.
     const control = show("control-template", element("div"), app);
     Object.assign(this, parts(header, app), parts(bottom, app), control);
@@ -69,9 +71,12 @@ class Top {
     this.showRemote(state);
   }
 
-  // Of a STOP of this page that is late, or of anybody's that the main control does not answer.
+  // Of a STOP of this page of which the robot says nothing: what it has heard, it warns of itself;
+  // or of anybody's that the main control does not answer.
   warningOf({ stop_warning: warning, stop_open: isOpen, command }) {
-    const isLate = this.app.stops.some(([, pressedMs]) => nowMs() - pressedMs > STOP_AGAIN_MS);
+    const isSilent = nowMs() - this.heardMs > 2 * STOP_AGAIN_MS;
+    const isLate = isSilent
+      && this.app.stops.some(([, pressedMs]) => nowMs() - pressedMs > STOP_AGAIN_MS);
     if (!isLate && !(isOpen && command?.outcome === "unknown")) return warning;
     return { title: this.app.word("commands.stop_alarm"), text: warning?.text ?? "" };
   }
@@ -168,6 +173,7 @@ class Top {
     do {
       try {
         const { confirmed } = await app.server.ask("POST", "/api/stop", { press }, PRESS_LIMIT_MS);
+        this.heardMs = nowMs();
         if (confirmed) this.endStop(press);
       } catch (error) {
         // Nobody logged in, not allowed: another try changes nothing.
