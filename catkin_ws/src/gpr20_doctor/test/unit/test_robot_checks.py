@@ -14,7 +14,7 @@ from gpr20_common.message import Fault, Message, Severity, verbatim
 from gpr20_common.mid.node_facts import NodeSoftware
 from gpr20_doctor.low.masters import MasterState
 from gpr20_doctor.mid.finding import Finding, Level
-from gpr20_doctor.mid.findings import BAD, DOUBTFUL, GOOD, exit_status, findings
+from gpr20_doctor.mid.findings import exit_status, findings
 from gpr20_doctor.mid.machine import Machine, MachineReport
 from gpr20_doctor.mid.node_health import (
     EXPECTED_NODES,

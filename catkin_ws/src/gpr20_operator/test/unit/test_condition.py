@@ -222,7 +222,7 @@ def test_what_may_be_pressed_follows_the_state_its_age_and_what_is_being_asked_f
             refusal = model.handle(Answer(*step, False, verbatim("no")))
             # StopConfirmation says what became of a STOP.
             assert (refusal is None) == (step[0] is R.STOP)
-        shown, can = model.snapshot(), set()
+        shown, can = model.state(), set()
         if clock.now_s() - heard_s <= CONTROL_SILENCE_S:
             can |= {R.START} if code not in RUNNING and R.START not in asked else set()
             can |= {R.PAUSE} if code is S.SURVEYING and not asked else set()
@@ -237,14 +237,14 @@ def test_start_stays_locked_between_its_answer_and_the_first_status(model, clock
         model.handle(state_of(S.CONFIGURED, survey_id=""))
         model.request_sent(R.START)
         model.handle(Answer(R.START, True, verbatim("started"), survey))
-        assert not allowed(model.snapshot())
+        assert not allowed(model.state())
         if seen:
             model.handle(state_of(S.FAILED, survey_id=survey))
         else:
             # One that never shows locks it for a while only.
             clock.advance(CONTROL_SILENCE_S + 0.1)
             model.handle(state_of(S.IDLE, survey_id=""))
-        assert allowed(model.snapshot()) == {R.START}
+        assert allowed(model.state()) == {R.START}
 
 
 def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_looked(model):
@@ -252,7 +252,7 @@ def test_how_a_survey_ended_is_shown_though_another_plan_was_set_before_anybody_
     model.handle(replace(PROGRESS, completion_percent=100.0))
     for end, level in ((S.FINISHED, JobLevel.DONE), (S.FAILED, JobLevel.FAULT)):
         model.handle(replace(state_of(S.CONFIGURED), end=end))
-        snapshot = model.snapshot()
+        snapshot = model.state()
         assert not snapshot.interrupted and allowed(snapshot) == {R.START}
         condition = condition_of(snapshot)
         assert (condition.level, str(condition.title)) == (level, f"{end.name} 100 %")
@@ -264,7 +264,7 @@ def test_what_is_old_is_not_shown_as_now(model, clock):
         model.handle(event)
     for pause_s, known in ((STALE_S, True), (0.1, False)):
         clock.advance(pause_s)
-        shown = model.snapshot()
+        shown = model.state()
         assert (shown.current, shown.target) == ((place, target) if known else (None, None))
         # An axis that fell silent while it moved counts as moving.
         assert shown.moving and shown.axes[0].silent is not known
@@ -280,18 +280,18 @@ def test_a_robot_stands_still_until_it_moves_measures_or_begins_something_else(m
     ):
         clock.advance(4.0)
         model.handle(event)
-        assert (model.snapshot().still_s == 0.0) is progress, event
+        assert (model.state().still_s == 0.0) is progress, event
 
 
 def test_survey_that_vanishes_with_its_main_control_is_said_until_the_next_one_runs(clock):
     for code in RUNNING:
         model = SurveyModel(clock)
         model.handle(state_of(code))
-        assert not model.snapshot().interrupted
+        assert not model.state().interrupted
         # main_control begins in IDLE and knows nothing of what was.
         for begun in (S.IDLE, S.CONFIGURED):
             model.handle(state_of(begun, survey_id=""))
-            assert model.snapshot().interrupted, code
+            assert model.state().interrupted, code
         for after in (S.CHECKING, *ENDED, S.CONFIGURED):
             model.handle(state_of(after, survey_id="next"))
-            assert not model.snapshot().interrupted
+            assert not model.state().interrupted

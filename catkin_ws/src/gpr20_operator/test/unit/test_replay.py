@@ -96,7 +96,7 @@ def test_nothing_that_a_player_sends_changes_what_is_shown_of_a_robot(steps):
             for one, queue in ((model, events), (model_without, events_without)):
                 while queue:
                     one.handle(queue.pop(0))
-            shown, without = model.snapshot(), model_without.snapshot()
+            shown, without = model.state(), model_without.state()
             assert shown.replay is None
             assert shown == without
 
@@ -125,7 +125,7 @@ def test_a_window_of_a_replay_shows_nothing_of_a_robot_on_the_same_topics():
         for phase, title in enumerate(("REPLAY", "REPLAY PAUSED", "REPLAY ENDED")):
             graph.send("/play_1", "replay", ReplayMessage(state=phase))
             model.handle(events.pop())
-            assert str(condition_of(model.snapshot()).title) == title
+            assert str(condition_of(model.state()).title) == title
 
 
 @given(some.sampled_from(SurveyState), some.floats(0.0, 100.0), some.booleans())
@@ -144,7 +144,7 @@ def test_a_window_of_a_replay_is_one_in_every_state_and_asks_a_robot_for_nothing
     ):
         model.handle(event)
     clock.advance(passed_s)
-    shown = model.snapshot()
+    shown = model.state()
     condition = condition_of(shown)
     assert (condition.level, str(condition.title)) == (JobLevel.REPLAY, "REPLAY")
     assert code.name in str(condition.message)

@@ -32,7 +32,7 @@ from gpr20_operator.ground.echoes import LevelScale
 from gpr20_operator.ground.sources import Axis, Layer, Picture
 from gpr20_operator.ground.texts import GroundMark
 from gpr20_operator.palette import LAST_SHADE, shade_colours
-from gpr20_operator.robot.events import Answer, Request
+from gpr20_operator.robot.events import Answer, Replay, Request
 from gpr20_survey.folder.log_record import Kind
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.candidates import Flag
@@ -51,7 +51,6 @@ def fill(window, stored=40, **changes):
     live.take_traces([trace_at(grid, index, **changes) for index in range(stored)])
     window.show_tab(TabName.GROUND)
     window.refresh()
-    window.draw()
 
 
 @pytest.fixture
@@ -64,7 +63,7 @@ def filled(window):
     fill(window)
     window.node.ticket("read").done(marked(MARKER))
     window.additions.pictures.add_image(focused())
-    window.draw()
+    window.refresh()
     return window
 
 
@@ -79,12 +78,12 @@ def test_a_place_that_is_touched_or_shown_from_another_page_is_on_every_picture(
     assert view.above.crosshair == (150.0, 90.0)
     assert view.section.labels == ("X mm", "Depth mm, at Y 90 mm")
     filled.ground.show_place(150.0, 70.0, 120.0)
-    filled.draw()
+    filled.refresh()
     assert view.above.crosshair == (150.0, 70.0)
     assert filled.ground.model.settings.depth_m == pytest.approx(0.12)
     # One of another survey waits until that survey is here.
     filled.ground.show_place_of(PAST, FOLDER, 110.0, 60.0, 90.0)
-    filled.draw()
+    filled.refresh()
     assert view.above.crosshair == (150.0, 70.0)
 
 

@@ -25,14 +25,14 @@ def test_now_shows_the_survey_its_progress_and_a_fault_with_the_first_step() -> 
     page.on_event(SurveyDescribed(description(annotation={"name": "Lane-4"})))
     place, progress = CurrentPosition(120.0, 60.5, 90.0), Progress(SURVEY, 25.0, 40, 10, 60.0)
     runs = state_of(SurveyState.SURVEYING, survey_id=SURVEY)
-    page.refresh(snapshot(state=runs, progress=progress, current=place))
+    page.show_state(snapshot(state=runs, progress=progress, current=place))
     shown: Any = page.live(str)
     assert (shown["robot"]["name"], shown["robot"]["simulated"]) == ("north", True)
     assert (shown["band"]["level"], shown["fault"]) == ("working", None)
     job = shown["job"]
     assert (job["name"], job["percent"], job["stored"], job["planned"]) == ("Lane-4", 25, 10, 40)
     assert job["place"] == "X 120.0 mm, Y 60.5 mm, 90 deg"
-    page.refresh(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
+    page.show_state(snapshot(state=ControlState(SurveyState.PAUSED, FULL, "another", True)))
     shown = page.live(str)
     assert (shown["job"]["name"], shown["job"]["percent"]) == ("", None)
     assert "disk is full" in shown["fault"]["text"] and shown["fault"]["first"]
@@ -47,7 +47,7 @@ def test_who_looks_at_service_sees_what_is_wrong_with_nodes_and_this_computer() 
     call, answer = Call(Person("ana", Role.WATCH, "s", "")), {}  # type: Call, Any
     for _look in range(2):
         answer = route.answer(call)
-        page.refresh(snapshot(SurveyState.IDLE, health=HealthReport((SENSOR,))))
+        page.show_state(snapshot(SurveyState.IDLE, health=HealthReport((SENSOR,))))
         page.on_event(MachineReport((Finding.of("memory", Message("Memory: 900 MB free")),)))
     said = {one["text"]: one["wrong"] for one in answer["findings"]}
     assert said["Height sensor: broken"] and "Memory: 900 MB free" in said

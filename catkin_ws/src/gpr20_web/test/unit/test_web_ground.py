@@ -50,7 +50,7 @@ class Server:
         if state:
             self.snapshot = snapshot(**state)
         self.now_s += seconds
-        self.page.refresh(self.snapshot)
+        self.page.show_state(self.snapshot)
 
     def ask(self, path="/api/ground", **values):
         route, parts = route_of(self.page.routes, "GET", path)

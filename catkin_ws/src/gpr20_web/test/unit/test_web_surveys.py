@@ -124,7 +124,7 @@ def test_a_search_gives_the_places_of_the_window_until_the_survey_has_changed(su
     # What is known is shown while another survey runs, too.
     surveys.page.show_state(RUNS)
     assert surveys.get(surveys.whole)["candidates"] == shown
-    surveys.page.refresh(ENDED)
+    surveys.page.show_state(ENDED)
     assert surveys.services.searched == [SURVEY]
     next((surveys.data / surveys.whole / "traces").iterdir()).unlink()
     assert "candidates" not in surveys.get(surveys.whole)
