@@ -47,12 +47,6 @@ def filled(indices=None, s21_of=None, grid=None, **changes):
     return model
 
 
-def peaks_of(section):
-    """Return where each column of a section is strongest."""
-    places = np.linspace(*section.range, len(section.shades) + 1)
-    return places[np.nanargmax(section.shades, axis=0)]
-
-
 @pytest.mark.parametrize("depth_m", [0.03, 0.1, 0.21])
 def test_an_echo_is_at_its_depth_in_that_soil_below_its_own_height(depth_m):
     model = filled(())
@@ -66,7 +60,9 @@ def test_an_echo_is_at_its_depth_in_that_soil_below_its_own_height(depth_m):
             view = dataclasses.replace(PLAIN, permittivity=permittivity, polarization=polarization)
             section = b_scan(model, Stop(0, 0), view)
             assert section.axis is Axis.DEPTH_MM
-            assert peaks_of(section) == pytest.approx(depth_m * 1000 * factor, abs=8)
+            places_mm = np.linspace(*section.range, len(section.shades) + 1)
+            peaks_mm = places_mm[np.nanargmax(section.shades, axis=0)]
+            assert peaks_mm == pytest.approx(depth_m * 1000 * factor, abs=8)
     assert (model.echoes == before).all()
 
 

@@ -180,10 +180,15 @@ def test_a_silent_storage_is_asked_again_and_what_it_cannot_read_is_said_once(tr
     storage.answer(read(2, unreadable={1: verbatim("no strict JSON")}))
     refresh(traces, 4)
     assert storage.asked == [("traces", SURVEY, (0, 1, 2))] * 2
-    assert "trace 1: no strict JSON" in map(str, traces.problems)
     lost = traces.shown.radar.given_up
     assert set(lost) == {0, 1} and lost[1] == verbatim("no strict JSON")
     assert "no file" in str(lost[0])
+    # An answer that comes when another survey is shown already.
+    traces.on_event(stored(4))
+    refresh(traces, 2)
+    traces.on_event(SurveyDescribed(description(survey_id=PAST)))
+    storage.answer(read(3))
+    assert traces.shown.radar.count == 0
 
 
 def test_what_cannot_be_shown_is_said_and_the_window_goes_on(storage, now):

@@ -56,7 +56,6 @@ OTHERS = {
 
 
 def test_nothing_is_asked_for_beside_a_survey_or_another_request(clock):
-    """Whatever is touched and heard in any order."""
     draw, waits = random.Random(1), False
     tools = ServiceTools()
     model = ServiceModel(tools, tools.examine, clock)
