@@ -20,9 +20,7 @@ from gpr20_operator.words import local_time
 from gpr20_survey.plan.survey_state import SurveyState
 from gpr20_survey.results.answers import SurveySummary
 from gpr20_survey.results.candidates import Flag
-from gpr20_user_interface.look.look import Look, Mark
 from gpr20_user_interface.look.translation import shown_text
-from gpr20_user_interface.pages.surveys import map_picture
 from gpr20_user_interface.widgets.bars import TabName
 
 RUNS, ENDED = (
@@ -121,24 +119,6 @@ def test_what_is_wrong_with_an_incomplete_survey_is_said():
         dataclasses.replace(whole, problem=verbatim("damaged")): "cannot be read",
     }
     assert {one: shown_text(surveys.ending(one)) for one in endings} == endings
-
-
-def test_the_map_of_a_survey_shows_what_is_stored_with_y_upwards(application):
-    picture = map_picture(PART, 56, Look()).toImage()
-    done = Look().colour(Mark.STOP_DONE)
-    assert picture.pixelColor(14, 38).name() == done != picture.pixelColor(14, 18).name()
-
-
-def test_older_surveys_are_read_as_the_list_is_scrolled(window, listed, storage):
-    surveys, bar = many(100), listed.list.verticalScrollBar()
-    take_list(window, surveys[:50], True)
-    QTest.qWait(1)
-    assert storage.asked == []
-    bar.setValue(bar.maximum())
-    assert storage.asked == [("list", surveys[49].folder)]
-    at = bar.value()
-    take_list(window, surveys[50:], False, surveys[49].folder)
-    assert bar.value() == at and listed.model.rowCount() == 100
 
 
 def pull(window, finger, start, moves):

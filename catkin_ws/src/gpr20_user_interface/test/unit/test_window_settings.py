@@ -99,15 +99,6 @@ def test_a_tap_allows_nothing_and_the_release_of_the_hold_does_not_end_it(field)
     assert field.arming.armed and field.sent[-1].armed
 
 
-def test_how_long_it_is_allowed_is_shown(field):
-    field.allow()
-    for left_s, text in ((600.0, "REMOTE\n10:00"), (581.5, "REMOTE\n9:42"), (0.0, "")):
-        field.clock.advance(field.arming.remaining_s - left_s)
-        field.say(SurveyState.CONFIGURED)
-        assert field.mark.isVisible() is bool(text) is field.sent[-1].armed
-        assert not text or field.mark.text() == text
-
-
 def test_any_touch_ends_it_also_one_that_does_nothing_else(field):
     window = field.window
     stop = place_of(window, window.top_bar.stop).center()
