@@ -190,7 +190,8 @@ def test_what_is_published_is_judged_and_the_vna_is_tested_but_never_beside_a_su
     assert found["clocks"]["fault_code"] == "clock.wrong"
     assert found["versions"]["fault_code"] == "robot.versions_differ"
     assert services.called == called
-    assert found["vna"]["level"] == ("FAULT" if called else "UNKNOWN")
+    untested = "NOTE" if state is SurveyState.PAUSED else "UNKNOWN"
+    assert found["vna"]["level"] == ("FAULT" if called else untested)
 
 
 def test_waiting_ends_when_everything_has_reported_or_at_its_limit(master, monkeypatch):

@@ -76,6 +76,7 @@ OTHER = {
     HEIGHT: NodeSoftware("0.1.0", "def", "pi"),
 }
 HEARD = {name: SAME for name in EXPECTED_NODES if name != HEIGHT}
+MEASURES = replace(report(VNA, calibration="HIGH"), surveying=True)
 CASES = [
     (facts(control_alive=False), Level.FAULT, "main control", common_faults.PART_SILENT),
     (stale(HEIGHT), Level.FAULT, "does not report", common_faults.PART_SILENT),
@@ -83,7 +84,8 @@ CASES = [
     (facts(configuration_problem=FAILED), Level.FAULT, "No survey can", None),
     (facts(configured=False), Level.UNKNOWN, "configuration is not known", None),
     (facts(simulated=True, analyzer=None), Level.UNKNOWN, "has not been read", None),
-    (facts(surveying=True, analyzer=None), Level.UNKNOWN, "VNA was not tested", None),
+    (facts(analyzer=None), Level.UNKNOWN, "VNA was not tested", None),
+    (replace(MEASURES, analyzer=None), Level.NOTE, "not tested beside a survey", None),
     (report(HEIGHT, ERROR, "out"), Level.FAULT, "Height sensor: out", common_faults.INTERNAL),
     (report(X_AXIS, WARN, UNHOMED), Level.NOTE, "X axis: lost", None),
     (report(X_AXIS, WARN, PAUSED), Level.WARNING, "X axis: paused", None),

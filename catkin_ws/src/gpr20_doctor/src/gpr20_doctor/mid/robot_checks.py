@@ -43,10 +43,7 @@ STARTING_S = 5.0
 OFFSET_LIMIT_S = 1.0
 WAIT = Message("Wait until all parts of the robot have started.")
 MAKE_SURE = Message("Make sure that the VNA is calibrated.")
-TEST_IT = Message(
-    "When no survey runs or is paused, run gpr20 doctor without --quick, or press CHECK ALL on "
-    "ROBOT."
-)
+TEST_IT = Message("When no survey runs: CHECK ALL on ROBOT, or gpr20 doctor without --quick.")
 # What may still move something while it is silent.
 MOVERS = (MAIN_CONTROL, *map(axis_node, AxisId))
 
@@ -103,7 +100,10 @@ def check_analyzer(facts: RobotFacts, _machine: Machine) -> Iterator[Finding]:
         yield _calibration(test.calibration)
     elif not facts.unheard:
         untested = Message("The VNA was not tested: whether it measures now is not known.")
-        yield Finding("vna", Level.UNKNOWN, untested, TEST_IT)
+        beside = Message("The VNA is not tested beside a survey; its driver reports no fault.")
+        is_well = facts.surveying and node is not None and node.level is HealthLevel.OK
+        level, said = (Level.NOTE, beside) if is_well else (Level.UNKNOWN, untested)
+        yield Finding("vna", level, said, TEST_IT)
         if node is not None:
             last = _calibration(node.values.get("calibration", ""))
             text = Message("When it was last read: {state}", state=last.text)
