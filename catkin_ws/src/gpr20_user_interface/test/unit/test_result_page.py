@@ -185,6 +185,9 @@ def test_what_was_found_is_stored_only_by_a_hold(done, node):
     hold(done.place_sheet.store)
     _survey, _kind, values = node.of("fact")[-1]
     assert (values["what"], values["depth_mm"], values["who"]) == ("scrap", 35.0, "Ana")
+    assert done.place_sheet.close_button.text() == "Leave\nunsaved"
+    node.ticket("fact").done(verbatim("stored"))
+    assert refreshed(done).place_sheet.close_button.text() == "CLOSE"
 
 
 def test_the_soil_is_entered_and_used_by_a_hold(window, done, node):
