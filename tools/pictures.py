@@ -249,7 +249,7 @@ def replay(folder: Path) -> None:
         ) as shown, running(*replayed):
             live = shown.window.traces.live
             wait(lambda: live.radar.count >= REPLAYED, "traces are shown")
-            shown.window.show_tab(TabName.ROBOT)
+            shown.window.show_tab(TabName.GROUND)
             shown.take(folder / "replay")
 
 
