@@ -74,7 +74,8 @@ class Top {
   // Of a STOP of this page of which the robot says nothing: what it has heard, it warns of itself;
   // or of anybody's that the main control does not answer.
   warningOf({ stop_warning: warning, stop_open: isOpen, command }) {
-    const isSilent = nowMs() - this.heardMs > 2 * STOP_AGAIN_MS;
+    const isSilent = nowMs() - this.heardMs > 2 * STOP_AGAIN_MS
+      || this.app.live.ageMs() > STALE_MS;
     const isLate = isSilent
       && this.app.stops.some(([, pressedMs]) => nowMs() - pressedMs > STOP_AGAIN_MS);
     if (!isLate && !(isOpen && command?.outcome === "unknown")) return warning;
