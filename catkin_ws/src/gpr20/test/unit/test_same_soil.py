@@ -171,7 +171,7 @@ def check_page(folder, services, window):
     now = Now()
     ground = GroundPage(AtOnce(services), now, print)
     got(ground, "/api/ground", **here)
-    ground.refresh(snapshot())
+    ground.show_state(snapshot())
     shown = got(ground, "/api/ground", **here)["ground"]
     assert str(texts.headline(found)) in shown["lines"]
     marked = [one["place"] for one in shown["marks"]]
